@@ -1,0 +1,25 @@
+#pragma once
+
+#include "core/geometry.h"
+
+namespace fathom {
+
+/// The vehicle's motion at one instant: what a sensor's forward model may look at. SI units.
+template <class T>
+struct KinematicState {
+  Vector3<T> position_odom = Vector3<T>::Zero();           ///< robot reference point
+  Matrix3<T> R_odom_robot = Matrix3<T>::Identity();        ///< attitude
+  Vector3<T> velocity_robot = Vector3<T>::Zero();          ///< over ground, in robot axes
+  Vector3<T> angular_velocity_robot = Vector3<T>::Zero();  ///< of robot against odom, in robot axes
+  Vector3<T> acceleration_robot = Vector3<T>::Zero();  ///< d²position/dt² in robot axes, without gravity
+  Vector3<T> angular_acceleration_robot = Vector3<T>::Zero();  ///< zero where it is not known (the filter)
+};
+
+/// What is true of the world around the vehicle.
+template <class T>
+struct World {
+  Vector3d gravity_odom{0.0, 0.0, -9.80665};  ///< m/s²
+  T sea_floor_z_m = T(0);                     ///< height in odom of the flat floor under the vehicle
+};
+
+}  // namespace fathom

@@ -1,0 +1,245 @@
+#include "core/yaml.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "core/files.h"
+
+namespace fathom {
+
+struct YamlMap::Known {
+  std::string file;
+  std::set<std::string> keys;  // dotted paths that somebody has asked for
+};
+
+namespace {
+
+std::string lineOf(const YAML::Mark& mark) {
+  return mark.is_null() ? "" : " (line " + std::to_string(mark.line + 1) + ")";
+}
+
+std::string join(const std::string& path, const std::string& key) {
+  if (key.empty()) return path;
+  return path.empty() ? key : path + "." + key;
+}
+
+std::string indexed(const std::string& key, std::size_t i) { return key + "[" + std::to_string(i) + "]"; }
+
+void rejectDuplicates(const YAML::Node& node, const std::string& path, const std::string& file) {
+  if (node.IsMap()) {
+    std::set<std::string> seen;
+    for (const auto& entry : node) {
+      if (!entry.first.IsScalar())
+        throw Error(file, path + lineOf(entry.first.Mark()), "a key must be a plain word");
+      const auto& key = entry.first.Scalar();
+      if (!seen.insert(key).second)
+        throw Error(file, join(path, key) + lineOf(entry.first.Mark()), "duplicate key");
+      rejectDuplicates(entry.second, join(path, key), file);
+    }
+  } else if (node.IsSequence()) {
+    for (std::size_t i = 0; i < node.size(); ++i) rejectDuplicates(node[i], indexed(path, i), file);
+  }
+}
+
+std::size_t editDistance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substitute = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substitute});
+    }
+  }
+  return row.back();
+}
+
+/// "; did you mean `x`?" for a key that is near, or that lacks only its unit.
+std::string hint(const std::string& unknown, const std::set<std::string>& known) {
+  const std::string* best = nullptr;
+  std::size_t best_distance = unknown.size() / 3 + 1;
+  for (const auto& key : known) {
+    const bool lacks_unit = key.starts_with(unknown + "_");
+    const std::size_t distance = lacks_unit ? 0 : editDistance(unknown, key);
+    if (distance <= best_distance) best = &key, best_distance = distance;
+  }
+  return best ? "; did you mean `" + best->substr(best->rfind('.') + 1) + "`?" : "";
+}
+
+void rejectUnknown(const YAML::Node& node, const std::string& path, const std::string& file,
+                   const std::set<std::string>& known) {
+  if (node.IsMap()) {
+    for (const auto& entry : node) {
+      const std::string key = join(path, entry.first.Scalar());
+      if (!known.contains(key))
+        throw Error(file, key + lineOf(entry.first.Mark()), "unknown key" + hint(key, known));
+      rejectUnknown(entry.second, key, file, known);
+    }
+  } else if (node.IsSequence()) {
+    for (std::size_t i = 0; i < node.size(); ++i) rejectUnknown(node[i], indexed(path, i), file, known);
+  }
+}
+
+}  // namespace
+
+YamlMap::YamlMap(YAML::Node node, std::string path, std::shared_ptr<Known> known)
+    : node_(std::move(node)), path_(std::move(path)), known_(std::move(known)) {}
+
+bool YamlMap::has(const std::string& key) const {
+  known_->keys.insert(join(path_, key));
+  return static_cast<bool>(node_[key]);
+}
+
+YAML::Node YamlMap::child(const std::string& key) const {
+  if (!has(key)) throw error("", "missing key `" + key + "`");
+  return node_[key];
+}
+
+Error YamlMap::error(const std::string& key, const std::string& why) const {
+  const YAML::Node at = key.empty() || !node_[key] ? node_ : node_[key];
+  return {known_->file, join(path_, key) + lineOf(at.Mark()), why};
+}
+
+double YamlMap::toNumber(const YAML::Node& node, const std::string& key) const {
+  if (!node.IsScalar() || node.Tag() == "!") throw error(key, "must be a number");
+  const std::string& text = node.Scalar();
+  const char* first = text.data() + (text.starts_with('+') ? 1 : 0);
+  double value = 0.0;
+  const auto [end, problem] = std::from_chars(first, text.data() + text.size(), value);
+  if (problem != std::errc() || end != text.data() + text.size())
+    throw error(key, "must be a number, not `" + text + "`");
+  if (!std::isfinite(value)) throw error(key, "must be finite, not `" + text + "`");
+  return value;
+}
+
+double YamlMap::number(const std::string& key) const { return toNumber(child(key), key); }
+
+double YamlMap::positive(const std::string& key) const {
+  const double value = number(key);
+  if (value <= 0.0) throw error(key, "must be greater than zero");
+  return value;
+}
+
+double YamlMap::notNegative(const std::string& key) const {
+  const double value = number(key);
+  if (value < 0.0) throw error(key, "must not be negative");
+  return value;
+}
+
+int YamlMap::integer(const std::string& key) const {
+  const double value = number(key);
+  if (value != std::round(value) || std::abs(value) > 1e9) throw error(key, "must be a whole number");
+  return static_cast<int>(value);
+}
+
+bool YamlMap::flag(const std::string& key) const {
+  const YAML::Node node = child(key);
+  if (node.IsScalar() && node.Scalar() == "true") return true;
+  if (node.IsScalar() && node.Scalar() == "false") return false;
+  throw error(key, "must be true or false");
+}
+
+std::string YamlMap::text(const std::string& key) const {
+  const YAML::Node node = child(key);
+  if (!node.IsScalar() || node.Scalar().empty()) throw error(key, "must be a text");
+  return node.Scalar();
+}
+
+std::vector<double> YamlMap::numbers(const std::string& key) const {
+  const YAML::Node node = child(key);
+  if (!node.IsSequence()) throw error(key, "must be a list of numbers");
+  std::vector<double> values;
+  for (const auto& entry : node) values.push_back(toNumber(entry, key));
+  return values;
+}
+
+Vector3d YamlMap::vector3(const std::string& key) const {
+  const auto values = numbers(key);
+  if (values.size() != 3) throw error(key, "must have three numbers, has " + std::to_string(values.size()));
+  return {values[0], values[1], values[2]};
+}
+
+std::vector<std::string> YamlMap::texts(const std::string& key) const {
+  const YAML::Node node = child(key);
+  if (!node.IsSequence()) throw error(key, "must be a list");
+  std::vector<std::string> values;
+  for (const auto& entry : node) {
+    if (!entry.IsScalar()) throw error(key, "must be a list of texts");
+    values.push_back(entry.Scalar());
+  }
+  return values;
+}
+
+YamlMap YamlMap::map(const std::string& key) const {
+  const YAML::Node node = child(key);
+  if (!node.IsMap()) throw error(key, "must be a map");
+  return {node, join(path_, key), known_};
+}
+
+std::vector<YamlMap> YamlMap::maps(const std::string& key) const {
+  const YAML::Node node = child(key);
+  if (!node.IsSequence()) throw error(key, "must be a list of maps");
+  std::vector<YamlMap> entries;
+  for (std::size_t i = 0; i < node.size(); ++i) {
+    if (!node[i].IsMap()) throw error(key, "entry " + std::to_string(i + 1) + " must be a map");
+    entries.push_back(YamlMap(node[i], join(path_, indexed(key, i)), known_));
+  }
+  return entries;
+}
+
+Pose YamlMap::pose(const std::string& key) const {
+  const YamlMap m = map(key);
+  return {rotationFromYawPitchRoll(radians(m.number("yaw_deg")), radians(m.number("pitch_deg")),
+                                   radians(m.number("roll_deg"))),
+          Vector3d(m.number("x"), m.number("y"), m.number("z"))};
+}
+
+void YamlMap::read(const std::string& key, double& value) const {
+  if (has(key)) value = number(key);
+}
+void YamlMap::read(const std::string& key, int& value) const {
+  if (has(key)) value = integer(key);
+}
+void YamlMap::read(const std::string& key, bool& value) const {
+  if (has(key)) value = flag(key);
+}
+void YamlMap::read(const std::string& key, std::string& value) const {
+  if (has(key)) value = text(key);
+}
+void YamlMap::read(const std::string& key, Vector3d& value) const {
+  if (has(key)) value = vector3(key);
+}
+
+std::vector<std::string> YamlMap::keys() const {
+  std::vector<std::string> names;
+  for (const auto& entry : node_) names.push_back(entry.first.Scalar());
+  return names;
+}
+
+YamlFile::YamlFile(const std::filesystem::path& file) : YamlFile(readTextFile(file), file.string()) {}
+
+YamlFile YamlFile::parse(const std::string& text, const std::string& name) { return {text, name}; }
+
+YamlFile::YamlFile(const std::string& text, const std::string& name) {
+  YAML::Node node;
+  try {
+    node = YAML::Load(text);
+  } catch (const YAML::Exception& e) {
+    throw Error(name, "line " + std::to_string(e.mark.line + 1), "not YAML: " + e.msg);
+  }
+  if (!node.IsMap()) throw Error(name, "line 1", "must be a map of keys and values");
+  rejectDuplicates(node, "", name);
+  auto known = std::make_shared<YamlMap::Known>();
+  known->file = name;
+  root_ = YamlMap(node, "", known);
+}
+
+void YamlFile::rejectUnknownKeys() const {
+  rejectUnknown(root_->node_, "", root_->known_->file, root_->known_->keys);
+}
+
+}  // namespace fathom

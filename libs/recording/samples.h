@@ -1,0 +1,93 @@
+#pragma once
+
+#include <mrpt/img/TCamera.h>
+#include <mrpt/poses/CPose3DPDFGaussian.h>
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/geometry.h"
+#include "core/time.h"
+
+/// One entry of a recording as typed data, in the frames and units of the recording convention: right-handed,
+/// metres, radians, z up; T_robot_sensor is the mounting.
+namespace fathom {
+
+namespace labels {
+inline constexpr const char* kIns = "INS";
+inline constexpr const char* kDvl = "DVL";
+inline constexpr const char* kDvlBeams = "DVL_BEAMS";
+inline constexpr const char* kDepth = "DEPTH";
+inline constexpr const char* kUsbl = "USBL";
+inline constexpr const char* kCamera = "CAMERA";
+inline constexpr const char* kStereo = "STEREO";
+inline constexpr const char* kTruth = "TRUTH";
+}  // namespace labels
+
+/// First entry of a recording: section [recording].
+struct RecordingHeader {
+  std::string panel_map;  ///< path relative to the rawlog's folder; empty: none
+  std::string vehicle;    ///< likewise, the vehicle file
+  std::string description;
+};
+
+struct InsSample {
+  Pose T_robot_ins;
+  std::optional<Vector3d> angular_velocity_ins;  ///< rad/s
+  std::optional<Vector3d> specific_force_ins;    ///< m/s², +9.81 on the up axis at rest
+  std::optional<Matrix3d> R_odom_ins;            ///< attitude, where the INS gives one
+};
+
+struct DvlSample {
+  Pose T_robot_dvl;
+  std::optional<Vector3d> velocity_dvl;  ///< m/s over ground, sensor frame; absent: no bottom lock
+};
+
+struct DvlBeam {
+  Pose T_robot_beam;              ///< x along the beam
+  std::optional<double> range_m;  ///< slant range; absent: no echo (stored as 0)
+};
+struct DvlBeamsSample {
+  std::vector<DvlBeam> beams;
+};
+
+struct DepthSample {
+  Pose T_robot_depth;
+  double pressure_pa = 0.0;  ///< absolute
+  std::optional<double> temperature_celsius;
+};
+
+/// A pose or position with covariance: USBL (orientation covariance huge), TRUTH, and derived results.
+struct PoseSample {
+  mrpt::poses::CPose3DPDFGaussian T_odom_robot;
+};
+
+struct ImageSample {
+  Pose T_robot_camera;
+  mrpt::img::TCamera intrinsics;
+  std::string file;  ///< external file's name, relative to the recording's image folder
+};
+
+struct StereoSample {
+  Pose T_robot_left, T_left_right;
+  mrpt::img::TCamera left_intrinsics, right_intrinsics;
+  std::string left_file, right_file;
+};
+
+/// An entry the convention does not know. It is counted by `fathom info` and otherwise left alone.
+struct UnknownSample {
+  std::string mrpt_class;
+};
+
+using Reading = std::variant<InsSample, DvlSample, DvlBeamsSample, DepthSample, PoseSample, ImageSample,
+                             StereoSample, RecordingHeader, UnknownSample>;
+
+struct Sample {
+  Time time;          ///< of validity
+  std::string label;  ///< MRPT sensorLabel
+  Reading reading;
+};
+
+}  // namespace fathom

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <vector>
+
+#include "core/geometry.h"
+#include "core/time.h"
+
+namespace fathom {
+
+struct StampedPose {
+  Time time;
+  Pose T_odom_robot;
+};
+
+/// Reads TUM text (`timestamp tx ty tz qx qy qz qw`, seconds since the epoch; # starts a comment).
+/// Throws Error (file, line, reason): wrong number of fields, not a number, not finite, quaternion not of
+/// unit norm (tolerance 1e-3; it is normalized), times not increasing, no pose at all.
+std::vector<StampedPose> readTum(const std::filesystem::path& file);
+
+/// One line of TUM text, 100 ns and 1e-9 m resolution.
+void writeTumLine(std::ostream& out, const StampedPose& pose);
+void writeTum(const std::filesystem::path& file, const std::vector<StampedPose>& poses);
+
+}  // namespace fathom
