@@ -94,6 +94,8 @@ bool YamlMap::has(const std::string& key) const {
   return static_cast<bool>(node_[key]);
 }
 
+bool YamlMap::isList(const std::string& key) const { return has(key) && node_[key].IsSequence(); }
+
 YAML::Node YamlMap::child(const std::string& key) const {
   if (!has(key)) throw error("", "missing key `" + key + "`");
   return node_[key];

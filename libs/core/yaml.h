@@ -23,6 +23,8 @@ class YamlMap {
  public:
   bool has(const std::string& key) const;
 
+  bool isList(const std::string& key) const;
+
   double number(const std::string& key) const;
   double positive(const std::string& key) const;     ///< > 0
   double notNegative(const std::string& key) const;  ///< >= 0

@@ -87,8 +87,9 @@ void ErrorStateFilter<N>::step(double dt, const ProcessNoise& noise) {
   // Columns of P F^T. Bias, offset and sea-floor columns only decay or stay.
   const auto columns = [this](int first) { return P.template middleCols<3>(first); };
   using Columns3 = Eigen::Matrix<double, N, 3>;
-  const Columns3 to_position = columns(kPosition) + columns(kOrientation) * b.position_orientation.transpose() +
-                               (columns(kVelocity) * dt + columns(kAcceleration) * (0.5 * dt * dt)) * R.transpose();
+  const Columns3 to_position =
+      columns(kPosition) + columns(kOrientation) * b.position_orientation.transpose() +
+      (columns(kVelocity) * dt + columns(kAcceleration) * (0.5 * dt * dt)) * R.transpose();
   const Columns3 to_velocity = (columns(kVelocity) + columns(kAcceleration) * dt) * b.back.transpose() +
                                columns(kAngularVelocity) * b.rate_to_velocity.transpose();
   const Columns3 to_orientation =

@@ -6,16 +6,16 @@
 
 namespace fathom {
 
-/// Continuous white noise that drives each block of the state: power spectral density per axis, block unit² per
-/// second (variance gained in one second).
+/// Continuous white noise that drives each block of the state: power spectral density per axis, block unit²
+/// per second (variance gained in one second).
 struct ProcessNoise {
-  Vector3d position = Vector3d::Zero();                     ///< m²/s
-  Vector3d orientation = Vector3d::Zero();                  ///< rad²/s
-  Vector3d velocity = Vector3d::Zero();                     ///< (m/s)²/s
-  Vector3d angular_velocity = Vector3d::Constant(1e-2);     ///< (rad/s)²/s: how abruptly the vehicle turns
-  Vector3d acceleration = Vector3d::Constant(1e-1);         ///< (m/s²)²/s: how abruptly it pushes
-  double sea_floor = 2.5e-3;                                ///< m²/s: slope of the ground under way
-  Vector3d gyro_bias_sigma_rad_s = Vector3d::Zero();        ///< stationary sigma of the bias process
+  Vector3d position = Vector3d::Zero();                  ///< m²/s
+  Vector3d orientation = Vector3d::Zero();               ///< rad²/s
+  Vector3d velocity = Vector3d::Zero();                  ///< (m/s)²/s
+  Vector3d angular_velocity = Vector3d::Constant(1e-2);  ///< (rad/s)²/s: how abruptly the vehicle turns
+  Vector3d acceleration = Vector3d::Constant(1e-1);      ///< (m/s²)²/s: how abruptly it pushes
+  double sea_floor = 2.5e-3;                             ///< m²/s: slope of the ground under way
+  Vector3d gyro_bias_sigma_rad_s = Vector3d::Zero();     ///< stationary sigma of the bias process
   Vector3d accelerometer_bias_sigma_m_s2 = Vector3d::Zero();
   double bias_time_constant_s = 120.0;
 };
@@ -27,10 +27,10 @@ inline constexpr double kMaximumStep_s = 0.05;
 /// It knows motion and algebra, no sensor: measurements.h turns readings into residuals.
 ///
 /// Motion over dt, angular velocity and acceleration (robot axes) held, integrated exactly in SO(3):
-///   R' = R Exp(omega dt),  v' = Exp(omega dt)^T (v + a dt)  (so dv/dt = a - omega x v),  p' = p + R (v dt + a dt²/2)
-///   bias' = exp(-dt/tau) bias; the rest stays.
-/// Covariance: P' = F (P + Q dt/2) F^T + Q dt/2, the trapezoidal rule for the noise integral, which carries the
-/// correlation of a driven block with what it drives.
+///   R' = R Exp(omega dt),  v' = Exp(omega dt)^T (v + a dt)  (so dv/dt = a - omega x v),  p' = p + R (v dt +
+///   a dt²/2) bias' = exp(-dt/tau) bias; the rest stays.
+/// Covariance: P' = F (P + Q dt/2) F^T + Q dt/2, the trapezoidal rule for the noise integral, which carries
+/// the correlation of a driven block with what it drives.
 template <int N>
 class ErrorStateFilter {
  public:
@@ -50,7 +50,8 @@ class ErrorStateFilter {
   /// Diagonal of the noise density per second.
   static Vector noiseDensity(const ProcessNoise& noise);
 
-  /// A linearized measurement: residual r = z - h(x), r ~ H error + v, v ~ N(0, R); H against the listed columns.
+  /// A linearized measurement: residual r = z - h(x), r ~ H error + v, v ~ N(0, R); H against the listed
+  /// columns.
   template <int M, class Cols>
   struct Measurement {
     Eigen::Matrix<double, M, 1> residual;
@@ -59,8 +60,8 @@ class ErrorStateFilter {
   };
 
   /// Normalized innovation squared r^T S^-1 r. Fuses when it is at most `gate`.
-  /// Joseph form (Bucy & Joseph 1968), expanded as P' = A + (K R - A H^T) K^T with A = P - K (P H^T)^T: the same
-  /// stabilized result in O(N² M), symmetric to the last bit.
+  /// Joseph form (Bucy & Joseph 1968), expanded as P' = A + (K R - A H^T) K^T with A = P - K (P H^T)^T: the
+  /// same stabilized result in O(N² M), symmetric to the last bit.
   template <int M, class Cols>
   double update(const Measurement<M, Cols>& m, double gate = std::numeric_limits<double>::infinity());
 
@@ -96,7 +97,8 @@ double ErrorStateFilter<N>::update(const Measurement<M, Cols>& m, double gate) {
   retract<N>(x, delta);
   // The error is from now on measured in the tangent space at the corrected attitude (Sola 2017, eq. 287).
   const Matrix3d reset = rightJacobianSO3<double>(delta.template segment<3>(kOrientation));
-  P.template middleCols<3>(kOrientation) = (P.template middleCols<3>(kOrientation) * reset.transpose()).eval();
+  P.template middleCols<3>(kOrientation) =
+      (P.template middleCols<3>(kOrientation) * reset.transpose()).eval();
   P.template middleRows<3>(kOrientation) = (reset * P.template middleRows<3>(kOrientation)).eval();
   P = (0.5 * (P + P.transpose())).eval();
   return nis;

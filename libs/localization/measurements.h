@@ -4,9 +4,9 @@
 #include "recording/samples.h"
 #include "sensors/models.h"
 
-/// Readings as linearized measurements: the residual comes from the sensors' forward model (libs/sensors), its
-/// Jacobian from running that model on Jets. To add a sensor, add its forward model there, a function here, and a
-/// line in Localizer::fuse().
+/// Readings as linearized measurements: the residual comes from the sensors' forward model (libs/sensors),
+/// its Jacobian from running that model on Jets. To add a sensor, add its forward model there, a function
+/// here, and a line in Localizer::fuse().
 namespace fathom {
 
 /// What a reading is judged against: the world, the calibration and the data sheet's noise.
@@ -20,7 +20,8 @@ namespace detail {
 /// residual = z - h(x), H = dh/d(error), from h evaluated on Jets.
 template <class Filter, int M, class Cols>
 typename Filter::template Measurement<M, Cols> fromPrediction(
-    const Eigen::Matrix<double, M, 1>& z, const Eigen::Matrix<ceres::Jet<double, Cols::size>, M, 1>& prediction,
+    const Eigen::Matrix<double, M, 1>& z,
+    const Eigen::Matrix<ceres::Jet<double, Cols::size>, M, 1>& prediction,
     const Eigen::Matrix<double, M, M>& R) {
   typename Filter::template Measurement<M, Cols> m;
   for (int i = 0; i < M; ++i) {
@@ -70,14 +71,16 @@ auto accelerometerMeasurement(const NavigationState<double>& x, const Vector3d& 
   const auto y = lift<Cols>(x);
   return detail::fromPrediction<ErrorStateFilter<N>, 3, Cols>(
       specific_force_ins,
-      predictSpecificForce(y.motion, detail::worldOf(y, context), T_robot_ins, effectsOf(y, context.calibration)),
+      predictSpecificForce(y.motion, detail::worldOf(y, context), T_robot_ins,
+                           effectsOf(y, context.calibration)),
       Matrix3d::Identity() * sigma_m_s2 * sigma_m_s2);
 }
 
 /// residual = Log(R_predicted^T R_measured), rad, INS axes; R is the covariance of that rotation vector.
 template <int N>
-auto attitudeMeasurement(const NavigationState<double>& x, const Matrix3d& R_odom_ins, const Pose& T_robot_ins,
-                         const Matrix3d& covariance, const MeasurementContext& context) {
+auto attitudeMeasurement(const NavigationState<double>& x, const Matrix3d& R_odom_ins,
+                         const Pose& T_robot_ins, const Matrix3d& covariance,
+                         const MeasurementContext& context) {
   using Cols = typename SensorColumns<N>::Orientation;
   using Jet = ceres::Jet<double, Cols::size>;
   const auto y = lift<Cols>(x);
@@ -108,8 +111,8 @@ auto beamMeasurement(const NavigationState<double>& x, double range_m, const Pos
   using Cols = typename SensorColumns<N>::Beam;
   using Jet = ceres::Jet<double, Cols::size>;
   const auto y = lift<Cols>(x);
-  const Eigen::Matrix<Jet, 1, 1> prediction(predictBeamRange(y.motion, detail::worldOf(y, context), T_robot_dvl,
-                                                             T_robot_beam, effectsOf(y, context.calibration)));
+  const Eigen::Matrix<Jet, 1, 1> prediction(predictBeamRange(
+      y.motion, detail::worldOf(y, context), T_robot_dvl, T_robot_beam, effectsOf(y, context.calibration)));
   return detail::fromPrediction<ErrorStateFilter<N>, 1, Cols>(
       Eigen::Matrix<double, 1, 1>(range_m), prediction, Eigen::Matrix<double, 1, 1>(sigma_m * sigma_m));
 }
@@ -120,26 +123,26 @@ auto depthMeasurement(const NavigationState<double>& x, double pressure_pa, cons
   using Cols = typename SensorColumns<N>::Depth;
   using Jet = ceres::Jet<double, Cols::size>;
   const auto y = lift<Cols>(x);
-  const Eigen::Matrix<Jet, 1, 1> prediction(predictPressure(y.motion, detail::worldOf(y, context), sheet,
-                                                            T_robot_depth, effectsOf(y, context.calibration)));
+  const Eigen::Matrix<Jet, 1, 1> prediction(predictPressure(
+      y.motion, detail::worldOf(y, context), sheet, T_robot_depth, effectsOf(y, context.calibration)));
   return detail::fromPrediction<ErrorStateFilter<N>, 1, Cols>(
       Eigen::Matrix<double, 1, 1>(pressure_pa), prediction,
       Eigen::Matrix<double, 1, 1>(sheet.pressure_sigma_pa * sheet.pressure_sigma_pa));
 }
 
 template <int N>
-auto usblMeasurement(const NavigationState<double>& x, const Vector3d& position_odom, const Pose& T_robot_usbl,
-                     const Matrix3d& covariance) {
+auto usblMeasurement(const NavigationState<double>& x, const Vector3d& position_odom,
+                     const Pose& T_robot_usbl, const Matrix3d& covariance) {
   using Cols = typename SensorColumns<N>::Pose;
   const auto y = lift<Cols>(x);
-  return detail::fromPrediction<ErrorStateFilter<N>, 3, Cols>(position_odom, predictUsbl(y.motion, T_robot_usbl),
-                                                              covariance);
+  return detail::fromPrediction<ErrorStateFilter<N>, 3, Cols>(
+      position_odom, predictUsbl(y.motion, T_robot_usbl), covariance);
 }
 
 /// A reading of the error state's own coordinates I…, as robot_localization's users have them: residual
 /// z [-] x, with all three orientation columns or none. The value is given as a state of which the listed
-/// coordinates count. Its Jacobian is written by hand (identity; inverse left Jacobian for the orientation), the
-/// one exception, and is checked against numeric differentiation by the property test.
+/// coordinates count. Its Jacobian is written by hand (identity; inverse left Jacobian for the orientation),
+/// the one exception, and is checked against numeric differentiation by the property test.
 template <int N, int... I>
 auto directMeasurement(const NavigationState<double>& x, const NavigationState<double>& z,
                        const Eigen::Matrix<double, sizeof...(I), sizeof...(I)>& R) {

@@ -10,23 +10,23 @@
 
 /// The filter's state and its error coordinates.
 ///
-/// The first 15 are the paper's (Mueller et al. 2018, sec. III-E): position, orientation, linear velocity, angular
-/// velocity, linear acceleration. Eight more are optional: gyro and accelerometer bias, pressure offset, height of
-/// the sea floor. The error state lives in the tangent space: R_true = R Exp(error) on SO(3), plain differences
-/// elsewhere.
+/// The first 15 are the paper's (Mueller et al. 2018, sec. III-E): position, orientation, linear velocity,
+/// angular velocity, linear acceleration. Eight more are optional: gyro and accelerometer bias, pressure
+/// offset, height of the sea floor. The error state lives in the tangent space: R_true = R Exp(error) on
+/// SO(3), plain differences elsewhere.
 namespace fathom {
 
 /// Where each block starts in the error state.
 enum Index : int {
-  kPosition = 0,              ///< odom, m
-  kOrientation = 3,           ///< rotation vector in robot axes, rad
-  kVelocity = 6,              ///< robot axes, m/s
-  kAngularVelocity = 9,       ///< robot axes, rad/s
-  kAcceleration = 12,         ///< robot axes, m/s², d²position/dt² without gravity
-  kGyroBias = 15,             ///< INS axes, rad/s
-  kAccelerometerBias = 18,    ///< INS axes, m/s²
-  kPressureOffset = 21,       ///< Pa
-  kSeaFloor = 22,             ///< odom z, m
+  kPosition = 0,            ///< odom, m
+  kOrientation = 3,         ///< rotation vector in robot axes, rad
+  kVelocity = 6,            ///< robot axes, m/s
+  kAngularVelocity = 9,     ///< robot axes, rad/s
+  kAcceleration = 12,       ///< robot axes, m/s², d²position/dt² without gravity
+  kGyroBias = 15,           ///< INS axes, rad/s
+  kAccelerometerBias = 18,  ///< INS axes, m/s²
+  kPressureOffset = 21,     ///< Pa
+  kSeaFloor = 22,           ///< odom z, m
 };
 inline constexpr int kCoreSize = 15;
 inline constexpr int kFullSize = 23;
@@ -120,8 +120,8 @@ NavigationState<ceres::Jet<double, Cols::size>> lift(const NavigationState<doubl
   return y;
 }
 
-/// The calibration's effects with the filter's bias states added where they act: a bias is the effect of its name,
-/// whether it was calibrated, simulated or is being estimated.
+/// The calibration's effects with the filter's bias states added where they act: a bias is the effect of its
+/// name, whether it was calibrated, simulated or is being estimated.
 template <class T>
 EffectParameters<T> effectsOf(const NavigationState<T>& x, const EffectParameters<double>& calibration) {
   auto effects = calibration.template cast<T>();

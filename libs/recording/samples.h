@@ -24,6 +24,7 @@ inline constexpr const char* kUsbl = "USBL";
 inline constexpr const char* kCamera = "CAMERA";
 inline constexpr const char* kStereo = "STEREO";
 inline constexpr const char* kTruth = "TRUTH";
+inline constexpr const char* kMarkers = "MARKERS";  ///< results: robot pose from markers
 }  // namespace labels
 
 /// First entry of a recording: section [recording].

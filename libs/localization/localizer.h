@@ -1,0 +1,79 @@
+#pragma once
+
+#include <functional>
+#include <map>
+
+#include "localization/options.h"
+#include "recording/samples.h"
+
+namespace fathom {
+
+/// The filter's answer at one time.
+struct Estimate {
+  Time time;
+  double t_s = 0.0;  ///< since the recording's first entry
+  NavigationState<double> state;
+  Eigen::Matrix<double, 6, 6> pose_covariance;  ///< position (odom, m), rotation vector (robot axes, rad)
+  Vector3d velocity_sigma_robot_m_s = Vector3d::Zero();
+};
+
+/// MRPT's Gaussian pose with its covariance in MRPT's order and angles.
+mrpt::poses::CPose3DPDFGaussian posePdf(const Estimate& estimate);
+
+/// One innovation: kept for the report whether it was fused or not.
+struct Innovation {
+  double t_s = 0.0;
+  Channel channel = Channel::gyro;
+  int degrees_of_freedom = 0;
+  double nis = 0.0;  ///< normalized innovation squared; chi-square distributed where the filter is consistent
+  bool fused = false;
+};
+
+/// Something about the input that must not pass in silence.
+struct Event {
+  double t_s = 0.0;
+  std::string kind;  ///< start, gap, silent, time-jump, duplicate, not-a-number, too-late, rejected
+  std::string text;
+};
+
+struct ChannelSummary {
+  int degrees_of_freedom = 0;
+  std::size_t fused = 0, gated = 0;
+  double nis_mean = 0.0;                               ///< over fused and gated
+  double nis_band95_low = 0.0, nis_band95_high = 0.0;  ///< where the mean lies if the filter is consistent
+};
+
+struct LocalizationSummary {
+  bool started = false;  ///< false: no estimate was made; `failure` says why
+  std::string failure = "not run";
+  std::string start_source;  ///< where the first pose came from
+  double start_t_s = 0.0, end_t_s = 0.0;
+  std::size_t samples = 0, late_fused = 0;
+  std::map<Channel, ChannelSummary> channels;
+  std::map<std::string, std::size_t> event_counts;
+};
+
+/// Receives results in time order, as soon as they are final (history_s behind the newest reading).
+struct LocalizationSink {
+  std::function<void(const Estimate&)> estimate = [](const Estimate&) {};
+  std::function<void(const Estimate&)> smoothed = [](const Estimate&) {};
+  std::function<void(const Innovation&)> innovation = [](const Innovation&) {};
+  std::function<void(const Event&)> event = [](const Event&) {};
+};
+
+struct LocalizationSetup {
+  Vehicle vehicle;
+  EffectParameters<double> calibration;
+  LocalizationOptions options;
+  std::optional<StartPose> start;  ///< absent: aligned from the first seconds
+  Time time_zero;                  ///< the recording's first entry
+};
+
+/// Runs the filter over all samples, in the order in which they arrive. Late ones (by stamp or by a
+/// calibrated latency) are fused at their own time. TRUTH and images are not looked at; landmark poses come
+/// as PoseSample with the label MARKERS.
+LocalizationSummary localize(const LocalizationSetup& setup,
+                             const std::function<std::optional<Sample>()>& next,
+                             const LocalizationSink& sink);
+
+}  // namespace fathom

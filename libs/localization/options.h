@@ -1,0 +1,60 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "localization/error_state_filter.h"
+#include "sensors/vehicle.h"
+
+namespace fathom {
+
+/// What a reading can be fused as. One sensor may serve several channels.
+enum class Channel { gyro, accelerometer, attitude, dvl, altitude, depth, usbl, landmark };
+inline constexpr std::array kAllChannels{Channel::gyro, Channel::accelerometer, Channel::attitude,
+                                         Channel::dvl,  Channel::altitude,      Channel::depth,
+                                         Channel::usbl, Channel::landmark};
+/// The name in configs, results and plots, e.g. "gyro".
+std::string nameOf(Channel channel);
+
+/// When an innovation is too large to be believed.
+struct Gate {
+  enum class Kind {
+    none,
+    chi_square,  ///< NIS beyond the chi-square quantile of its degrees of freedom
+    fixed,       ///< the paper's: a landmark pose farther than a distance or an angle from the prediction
+  };
+  Kind kind = Kind::chi_square;
+  double probability = 0.9999;  ///< chi_square: a good reading is rejected once in 1/(1 - p)
+  double max_position_m = 1.0;  ///< fixed (paper.md, T_L5)
+  double max_angle_rad = radians(12);
+};
+
+struct LocalizationOptions {
+  std::string task = "TL2";  ///< names the results: EKF_TL2
+  /// Which channels are fused; one that the recording lacks does no harm.
+  std::vector<Channel> fuse{Channel::gyro, Channel::accelerometer, Channel::attitude, Channel::dvl,
+                            Channel::altitude};
+  bool bias_states = true;  ///< 23 states instead of the paper's 15 (sigma and time constant: vehicle file)
+  ProcessNoise noise;
+  Gate gate;
+  double history_s = 2.0;        ///< a reading up to this late is fused at its own time
+  double gap_s = 1.0;            ///< a longer pause of all sensors is named in the result
+  double alignment_s = 2.0;      ///< initial alignment from the first seconds, where no start pose is given
+  double output_rate_hz = 10.0;  ///< of trajectory and results
+  bool smooth = false;           ///< also run the RTS smoother; keeps every step in memory
+};
+
+/// Overwrites the defaults by what a YAML file (config/TL2.yaml) says. Strict. Throws Error.
+LocalizationOptions readLocalizationOptions(const std::filesystem::path& file);
+
+/// Where the vehicle starts, given from outside.
+struct StartPose {
+  Pose T_odom_robot;
+  double position_sigma_m = 0.1;
+  double angle_sigma_rad = radians(0.5);
+  std::string source = "given";
+};
+
+}  // namespace fathom

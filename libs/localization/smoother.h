@@ -1,0 +1,51 @@
+#pragma once
+
+#include <vector>
+
+#include "localization/error_state_filter.h"
+
+namespace fathom {
+
+/// Rauch-Tung-Striebel smoother on the filter's manifold (Rauch, Tung & Striebel 1965; errors composed by [+]
+/// and
+/// [-]): the filter's own motion model run backwards over its record. Keeps one state and one packed
+/// covariance a step: 2.4 kB for 15 states, 3.6 kB for 23.
+template <int N>
+class Smoother {
+ public:
+  using Filter = ErrorStateFilter<N>;
+
+  /// The filter after all updates at time t_s; times increase.
+  void record(double t_s, const Filter& filter);
+  std::size_t size() const { return times_.size(); }
+  double time(std::size_t k) const { return times_[k]; }
+  const NavigationState<double>& state(std::size_t k) const { return states_[k]; }
+  typename Filter::Matrix covariance(std::size_t k) const;
+
+  /// Replaces the record by its smoothed values. progress is called with the share done, from the end.
+  template <class F>
+  void smooth(const ProcessNoise& noise, F&& progress);
+
+ private:
+  void smoothStep(std::size_t k, const ProcessNoise& noise);
+  void setCovariance(std::size_t k, const typename Filter::Matrix& P);
+
+  static constexpr std::size_t kPacked = N * (N + 1) / 2;
+  std::vector<double> times_;
+  std::vector<NavigationState<double>> states_;
+  std::vector<double> packed_;  ///< lower triangles
+};
+
+template <int N>
+template <class F>
+void Smoother<N>::smooth(const ProcessNoise& noise, F&& progress) {
+  for (std::size_t k = size(); k-- > 0;) {
+    if (k + 1 < size()) smoothStep(k, noise);
+    if (k % 1000 == 0) progress(1.0 - static_cast<double>(k) / static_cast<double>(size()));
+  }
+}
+
+extern template class Smoother<kCoreSize>;
+extern template class Smoother<kFullSize>;
+
+}  // namespace fathom
