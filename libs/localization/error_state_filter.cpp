@@ -6,20 +6,24 @@ namespace {
 /// The blocks of the transition Jacobian that are neither zero nor identity.
 struct TransitionBlocks {
   Matrix3d back;                  ///< Exp(omega dt)^T: orientation, velocity
+  Matrix3d half_back;             ///< Exp(omega dt/2)^T dt: acceleration to velocity
   Matrix3d position_orientation;  ///< -R [v dt + a dt²/2]x
   Matrix3d rate_to_angle;         ///< Jr(omega dt) dt
-  Matrix3d rate_to_velocity;      ///< [v']x Jr(omega dt) dt
+  Matrix3d rate_to_velocity;      ///< d(v')/d(omega)
 };
 
 TransitionBlocks transitionBlocks(const KinematicState<double>& m, double dt) {
   const Vector3d turn = m.angular_velocity_robot * dt;
   const Vector3d way = m.velocity_robot * dt + m.acceleration_robot * (0.5 * dt * dt);
+  const Matrix3d half = expSO3<double>(-0.5 * turn);
   TransitionBlocks b;
-  b.back = expSO3<double>(-turn);
+  b.back = half * half;
+  b.half_back = half * dt;
   b.position_orientation = -m.R_odom_robot * crossMatrix<double>(way);
   b.rate_to_angle = rightJacobianSO3<double>(turn) * dt;
-  b.rate_to_velocity =
-      crossMatrix<double>(b.back * (m.velocity_robot + m.acceleration_robot * dt)) * b.rate_to_angle;
+  b.rate_to_velocity = crossMatrix<double>(b.back * m.velocity_robot) * b.rate_to_angle +
+                       crossMatrix<double>(b.half_back * m.acceleration_robot) *
+                           rightJacobianSO3<double>(0.5 * turn) * (0.5 * dt);
   return b;
 }
 
@@ -46,10 +50,11 @@ auto ErrorStateFilter<N>::noiseDensity(const ProcessNoise& noise) -> Vector {
 template <int N>
 void ErrorStateFilter<N>::move(NavigationState<double>& x, double dt, const ProcessNoise& noise) {
   KinematicState<double>& m = x.motion;
-  const Matrix3d turn = expSO3<double>(m.angular_velocity_robot * dt);
+  const Matrix3d half_turn = expSO3<double>(m.angular_velocity_robot * (0.5 * dt));
   m.position_odom += m.R_odom_robot * (m.velocity_robot * dt + m.acceleration_robot * (0.5 * dt * dt));
-  m.velocity_robot = turn.transpose() * (m.velocity_robot + m.acceleration_robot * dt);
-  m.R_odom_robot = m.R_odom_robot * turn;
+  m.velocity_robot =
+      half_turn.transpose() * (half_turn.transpose() * m.velocity_robot + m.acceleration_robot * dt);
+  m.R_odom_robot = m.R_odom_robot * half_turn * half_turn;
   if constexpr (N == kFullSize) {
     const double decay = std::exp(-dt / noise.bias_time_constant_s);
     x.gyro_bias_rad_s *= decay;
@@ -70,57 +75,78 @@ auto ErrorStateFilter<N>::transition(const NavigationState<double>& x, double dt
   F.template block<3, 3>(kOrientation, kAngularVelocity) = b.rate_to_angle;
   F.template block<3, 3>(kVelocity, kVelocity) = b.back;
   F.template block<3, 3>(kVelocity, kAngularVelocity) = b.rate_to_velocity;
-  F.template block<3, 3>(kVelocity, kAcceleration) = b.back * dt;
+  F.template block<3, 3>(kVelocity, kAcceleration) = b.half_back;
   if constexpr (N == kFullSize)
     F.template block<6, 6>(kGyroBias, kGyroBias) *= std::exp(-dt / noise.bias_time_constant_s);
   return F;
 }
 
-/// One step by the blocks of F: about a tenth of the dense product's work.
+/// B F^T in place for the nine columns that move, whatever B's rows: the product by the blocks of F, as sums
+/// of columns (straight vector code). Decay of the biases is left to the caller.
+template <class B>
+void timesTransitionTransposed(B& columns, const TransitionBlocks& f, const Matrix3d& R, double dt) {
+  using Column = Eigen::Matrix<double, B::RowsAtCompileTime, 1>;
+  std::array<Column, 9> moved;
+  std::array<Column, 3> way;  // what position gains from velocity and acceleration
+  for (int k = 0; k < 3; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    way[i] = columns.col(kVelocity + k) * dt + columns.col(kAcceleration + k) * (0.5 * dt * dt);
+  }
+  for (int j = 0; j < 3; ++j) {
+    Column position = columns.col(kPosition + j), orientation = Column::Zero(), velocity = Column::Zero();
+    for (int k = 0; k < 3; ++k) {
+      const auto angle = columns.col(kOrientation + k), rate = columns.col(kAngularVelocity + k);
+      position += angle * f.position_orientation(j, k) + way[static_cast<std::size_t>(k)] * R(j, k);
+      orientation += angle * f.back(j, k) + rate * f.rate_to_angle(j, k);
+      velocity += columns.col(kVelocity + k) * f.back(j, k) + rate * f.rate_to_velocity(j, k) +
+                  columns.col(kAcceleration + k) * f.half_back(j, k);
+    }
+    moved[static_cast<std::size_t>(kPosition + j)] = position;
+    moved[static_cast<std::size_t>(kOrientation + j)] = orientation;
+    moved[static_cast<std::size_t>(kVelocity + j)] = velocity;
+  }
+  for (int j = 0; j < 9; ++j) columns.col(j) = moved[static_cast<std::size_t>(j)];
+}
+
 template <int N>
 void ErrorStateFilter<N>::step(double dt, const ProcessNoise& noise) {
-  const TransitionBlocks b = transitionBlocks(x.motion, dt);
-  const Matrix3d& R = x.motion.R_odom_robot;
+  const TransitionBlocks f = transitionBlocks(x.motion, dt);
   const Vector half_noise = (0.5 * dt) * noiseDensity(noise);
   P.diagonal() += half_noise;
-
-  // Columns of P F^T. Bias, offset and sea-floor columns only decay or stay.
-  const auto columns = [this](int first) { return P.template middleCols<3>(first); };
-  using Columns3 = Eigen::Matrix<double, N, 3>;
-  const Columns3 to_position =
-      columns(kPosition) + columns(kOrientation) * b.position_orientation.transpose() +
-      (columns(kVelocity) * dt + columns(kAcceleration) * (0.5 * dt * dt)) * R.transpose();
-  const Columns3 to_velocity = (columns(kVelocity) + columns(kAcceleration) * dt) * b.back.transpose() +
-                               columns(kAngularVelocity) * b.rate_to_velocity.transpose();
-  const Columns3 to_orientation =
-      columns(kOrientation) * b.back.transpose() + columns(kAngularVelocity) * b.rate_to_angle.transpose();
-  P.template middleCols<3>(kPosition) = to_position;
-  P.template middleCols<3>(kOrientation) = to_orientation;
-  P.template middleCols<3>(kVelocity) = to_velocity;
-  double decay = 1.0;
   if constexpr (N == kFullSize) {
-    decay = std::exp(-dt / noise.bias_time_constant_s);
+    const double decay = std::exp(-dt / noise.bias_time_constant_s);
     P.template middleCols<6>(kGyroBias) *= decay;
+    P.template middleRows<6>(kGyroBias) *= decay;
   }
-
-  // Rows of F (P F^T): only the nine that move, then mirrored.
-  const auto rows = [this](int first) { return P.template middleRows<3>(first).template leftCols<9>(); };
-  using Rows9 = Eigen::Matrix<double, 3, 9>;
-  const Rows9 position = rows(kPosition) + b.position_orientation * rows(kOrientation) +
-                         R * (rows(kVelocity) * dt + rows(kAcceleration) * (0.5 * dt * dt));
-  const Rows9 orientation = b.back * rows(kOrientation) + b.rate_to_angle * rows(kAngularVelocity);
-  const Rows9 velocity =
-      b.back * (rows(kVelocity) + rows(kAcceleration) * dt) + b.rate_to_velocity * rows(kAngularVelocity);
-  P.template block<3, 9>(kPosition, 0) = position;
-  P.template block<3, 9>(kOrientation, 0) = orientation;
-  P.template block<3, 9>(kVelocity, 0) = velocity;
-  if constexpr (N == kFullSize) P.template block<6, N>(kGyroBias, 0) *= decay;
+  timesTransitionTransposed(P, f, x.motion.R_odom_robot, dt);  // P F^T; its rows from nine on are final
+  Eigen::Matrix<double, 9, kCoreSize> top = P.template topLeftCorner<kCoreSize, 9>().transpose();
+  timesTransitionTransposed(top, f, x.motion.R_odom_robot,
+                            dt);  // the first nine rows of F (P F^T), transposed
+  P.template topLeftCorner<9, 9>() = top.template leftCols<9>();
   P.template topRightCorner<9, N - 9>() = P.template bottomLeftCorner<N - 9, 9>().transpose();
-  P.template topLeftCorner<9, 9>() =
-      (0.5 * (P.template topLeftCorner<9, 9>() + P.template topLeftCorner<9, 9>().transpose())).eval();
-
+  for (int j = 0; j < 9; ++j)
+    for (int i = j + 1; i < 9; ++i) P(i, j) = P(j, i);
   P.diagonal() += half_noise;
   move(x, dt, noise);
+}
+
+template <int N>
+void ErrorStateFilter<N>::correct(const Vector& delta) {
+  retract<N>(x, delta);
+  // The error is from now on measured in the tangent space at the corrected attitude (Sola 2017, eq. 287).
+  const Matrix3d reset = rightJacobianSO3<double>(delta.template segment<3>(kOrientation));
+  Eigen::Matrix<double, N, 3> columns = Eigen::Matrix<double, N, 3>::Zero();
+  for (int j = 0; j < 3; ++j)
+    for (int k = 0; k < 3; ++k) columns.col(j) += P.col(kOrientation + k) * reset(j, k);
+  columns.template middleRows<3>(kOrientation) =
+      (reset * columns.template middleRows<3>(kOrientation)).eval();
+  P.template middleCols<3>(kOrientation) = columns;
+  P.template middleRows<3>(kOrientation).template leftCols<kOrientation>() =
+      (reset * P.template middleRows<3>(kOrientation).template leftCols<kOrientation>()).eval();
+  P.template middleRows<3>(kOrientation).template rightCols<N - kOrientation - 3>() =
+      (reset * P.template middleRows<3>(kOrientation).template rightCols<N - kOrientation - 3>()).eval();
+  for (int j = 0; j < N; ++j)
+    for (int i = j + 1; i < N; ++i) P(j, i) = P(i, j);
 }
 
 template <int N>

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <limits>
+#include <type_traits>
 
 #include "localization/navigation_state.h"
 
@@ -54,53 +56,113 @@ class ErrorStateFilter {
   /// columns.
   template <int M, class Cols>
   struct Measurement {
+    using Columns = Cols;
     Eigen::Matrix<double, M, 1> residual;
     Eigen::Matrix<double, M, Cols::size> H;
     Eigen::Matrix<double, M, M> R;
   };
+  /// The same where H is the identity: a reading of the error coordinates themselves.
+  template <class Cols>
+  struct Selection {
+    using Columns = Cols;
+    Eigen::Matrix<double, Cols::size, 1> residual;
+    Eigen::Matrix<double, Cols::size, Cols::size> R;
+  };
 
   /// Normalized innovation squared r^T S^-1 r. Fuses when it is at most `gate`.
-  /// Joseph form (Bucy & Joseph 1968), expanded as P' = A + (K R - A H^T) K^T with A = P - K (P H^T)^T: the
+  /// Joseph form (Bucy & Joseph 1968), expanded as P' = A - (A H^T - K R) K^T with A = P - K (P H^T)^T: the
   /// same stabilized result in O(N² M), symmetric to the last bit.
-  template <int M, class Cols>
-  double update(const Measurement<M, Cols>& m, double gate = std::numeric_limits<double>::infinity());
+  template <class AnyMeasurement>
+  double update(const AnyMeasurement& m, double gate = std::numeric_limits<double>::infinity());
 
  private:
   void step(double dt_s, const ProcessNoise& noise);
+  void correct(const Vector& delta);
 };
 
 // ---------------------------------------------------------------------------------------------------------------
 
+namespace detail {
+
+// Products written as sums of columns: the compiler turns them into straight vector code, where Eigen would
+// pack the matrices for its large-product kernel.
+
+/// P H^T, for H against the listed columns.
+template <class Cols, int N, int M>
+Eigen::Matrix<double, N, M> timesTransposed(const Eigen::Matrix<double, N, N>& P,
+                                            const Eigen::Matrix<double, M, Cols::size>& H) {
+  Eigen::Matrix<double, N, M> product = P.col(Cols::list[0]) * H.col(0).transpose();
+  for (int k = 1; k < Cols::size; ++k) {
+    const auto column = P.col(Cols::list[static_cast<std::size_t>(k)]);
+    for (int i = 0; i < M; ++i) product.col(i) += column * H(i, k);
+  }
+  return product;
+}
+
+/// P -= A B^T.
+template <int N, int M>
+void subtractOuter(Eigen::Matrix<double, N, N>& P, const Eigen::Matrix<double, N, M>& A,
+                   const Eigen::Matrix<double, N, M>& B) {
+  for (int j = 0; j < N; ++j) {
+    Eigen::Matrix<double, N, 1> column = P.col(j);
+    for (int i = 0; i < M; ++i) column -= A.col(i) * B(j, i);
+    P.col(j) = column;
+  }
+}
+
+/// X S^-1, in place, by the Cholesky factor of S: forward, then backward substitution over whole columns.
+template <int N, int M>
+void solveInPlace(const Eigen::Matrix<double, M, M>& L, Eigen::Matrix<double, N, M>& X) {
+  const Eigen::Matrix<double, M, 1> reciprocal = L.diagonal().cwiseInverse();
+  for (int j = 0; j < M; ++j) {
+    for (int k = 0; k < j; ++k) X.col(j) -= X.col(k) * L(j, k);
+    X.col(j) *= reciprocal[j];
+  }
+  for (int j = M - 1; j >= 0; --j) {
+    for (int k = j + 1; k < M; ++k) X.col(j) -= X.col(k) * L(k, j);
+    X.col(j) *= reciprocal[j];
+  }
+}
+
+}  // namespace detail
+
 template <int N>
-template <int M, class Cols>
-double ErrorStateFilter<N>::update(const Measurement<M, Cols>& m, double gate) {
-  constexpr int K = Cols::size;
-  Eigen::Matrix<double, N, K> P_columns;
-  for (int k = 0; k < K; ++k) P_columns.col(k) = P.col(Cols::list[static_cast<std::size_t>(k)]);
-  const Eigen::Matrix<double, N, M> PHt = P_columns * m.H.transpose();
-  Eigen::Matrix<double, K, M> PHt_rows;
-  for (int k = 0; k < K; ++k) PHt_rows.row(k) = PHt.row(Cols::list[static_cast<std::size_t>(k)]);
-  const Eigen::Matrix<double, M, M> S = m.H * PHt_rows + m.R;
+template <class AnyMeasurement>
+double ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
+  using Cols = typename AnyMeasurement::Columns;
+  constexpr int M = decltype(m.residual)::RowsAtCompileTime;
+  constexpr bool kSelects = std::is_same_v<AnyMeasurement, Selection<Cols>>;
+  const auto column = [](int k) { return Cols::list[static_cast<std::size_t>(k)]; };
+
+  Eigen::Matrix<double, N, M> PHt;
+  Eigen::Matrix<double, M, M> S = m.R;
+  if constexpr (kSelects) {
+    for (int k = 0; k < M; ++k) PHt.col(k) = P.col(column(k));
+    for (int k = 0; k < M; ++k) S.row(k) += PHt.row(column(k));
+  } else {
+    PHt = detail::timesTransposed<Cols, N, M>(P, m.H);
+    for (int k = 0; k < Cols::size; ++k)
+      for (int i = 0; i < M; ++i) S.col(i) += m.H.col(k) * PHt(column(k), i);
+  }
 
   const Eigen::LLT<Eigen::Matrix<double, M, M>> llt(S);
-  const double nis = m.residual.dot(llt.solve(m.residual));
+  const Eigen::Matrix<double, M, 1> white = llt.matrixL().solve(m.residual);
+  const double nis = white.squaredNorm();
   if (llt.info() != Eigen::Success || !(nis <= gate)) return nis;
 
-  const Eigen::Matrix<double, N, M> gain = llt.solve(PHt.transpose()).transpose();
-  P.noalias() -= gain * PHt.transpose();
-  Eigen::Matrix<double, N, M> correction = gain * m.R;
-  for (int k = 0; k < K; ++k)
-    correction.noalias() -= P.col(Cols::list[static_cast<std::size_t>(k)]) * m.H.col(k).transpose();
-  P.noalias() += correction * gain.transpose();
-
-  const Vector delta = gain * m.residual;
-  retract<N>(x, delta);
-  // The error is from now on measured in the tangent space at the corrected attitude (Sola 2017, eq. 287).
-  const Matrix3d reset = rightJacobianSO3<double>(delta.template segment<3>(kOrientation));
-  P.template middleCols<3>(kOrientation) =
-      (P.template middleCols<3>(kOrientation) * reset.transpose()).eval();
-  P.template middleRows<3>(kOrientation) = (reset * P.template middleRows<3>(kOrientation)).eval();
-  P = (0.5 * (P + P.transpose())).eval();
+  Eigen::Matrix<double, N, M> gain = PHt;
+  detail::solveInPlace<N, M>(llt.matrixLLT(), gain);
+  detail::subtractOuter<N, M>(P, gain, PHt);
+  Eigen::Matrix<double, N, M> excess;  // A H^T - K R, zero but for rounding
+  if constexpr (kSelects) {
+    for (int k = 0; k < M; ++k) excess.col(k) = P.col(column(k));
+  } else {
+    excess = detail::timesTransposed<Cols, N, M>(P, m.H);
+  }
+  for (int i = 0; i < M; ++i)
+    for (int k = 0; k < M; ++k) excess.col(i) -= gain.col(k) * m.R(k, i);
+  detail::subtractOuter<N, M>(P, excess, gain);
+  correct(gain * m.residual);
   return nis;
 }
 

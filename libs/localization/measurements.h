@@ -139,26 +139,27 @@ auto usblMeasurement(const NavigationState<double>& x, const Vector3d& position_
       position_odom, predictUsbl(y.motion, T_robot_usbl), covariance);
 }
 
-/// A reading of the error state's own coordinates I…, as robot_localization's users have them: residual
-/// z [-] x, with all three orientation columns or none. The value is given as a state of which the listed
-/// coordinates count. Its Jacobian is written by hand (identity; inverse left Jacobian for the orientation),
-/// the one exception, and is checked against numeric differentiation by the property test.
+/// A reading of the error state's own coordinates I…, as robot_localization's users have them: residual z [-]
+/// x, with all three orientation columns or none. The value is given as a state of which the listed
+/// coordinates count; R is its covariance, for the orientation in the tangent space at z. Moved to the
+/// tangent space at x, by the left Jacobian of the residual (which leaves the residual itself alone), the
+/// Jacobian becomes exactly the identity.
 template <int N, int... I>
 auto directMeasurement(const NavigationState<double>& x, const NavigationState<double>& z,
                        const Eigen::Matrix<double, sizeof...(I), sizeof...(I)>& R) {
   using Cols = Columns<I...>;
-  static_assert(Cols::size > 0);
-  typename ErrorStateFilter<N>::template Measurement<Cols::size, Cols> m;
+  typename ErrorStateFilter<N>::template Selection<Cols> m;
   const Eigen::Matrix<double, N, 1> all = difference<N>(z, x);
   for (int k = 0; k < Cols::size; ++k) m.residual[k] = all[Cols::list[static_cast<std::size_t>(k)]];
-  m.H.setIdentity();
+  m.R = R;
   constexpr int k = Cols::find(kOrientation);
   if constexpr (k >= 0) {
     static_assert(Cols::find(kOrientation + 1) == k + 1 && Cols::find(kOrientation + 2) == k + 2);
     const Vector3d r = m.residual.template segment<3>(k);
-    m.H.template block<3, 3>(k, k) = inverseRightJacobianSO3<double>(-r);  // = left Jacobian's inverse at r
+    const Matrix3d J = rightJacobianSO3<double>(-r);  // the left Jacobian at r
+    m.R.template middleRows<3>(k) = (J * m.R.template middleRows<3>(k)).eval();
+    m.R.template middleCols<3>(k) = (m.R.template middleCols<3>(k) * J.transpose()).eval();
   }
-  m.R = R;
   return m;
 }
 

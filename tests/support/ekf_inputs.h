@@ -34,7 +34,8 @@ inline EkfLine parseEkfLine(const std::string& text) {
   }
   line.R.resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
   for (std::size_t i = 0; i < n * n; ++i)
-    line.R(static_cast<Eigen::Index>(i / n), static_cast<Eigen::Index>(i % n)) = std::stod(cells[3 + 2 * n + i]);
+    line.R(static_cast<Eigen::Index>(i / n), static_cast<Eigen::Index>(i % n)) =
+        std::stod(cells[3 + 2 * n + i]);
   auto& m = line.z.motion;
   m.position_odom = z.segment<3>(0);
   m.R_odom_robot = rotationFromYawPitchRoll(z[5], z[4], z[3]);
@@ -88,12 +89,16 @@ auto withMeasurement(const NavigationState<double>& x, const EkfLine& line, F&& 
   return make(Columns<12, 13, 14>{});
 }
 
-/// Feeds a line as its README says: the first sets state and covariance, each later one predicts, then updates.
+/// Feeds a line as its README says: the first sets state and covariance, each later one predicts, then
+/// updates.
 template <int N>
 void feed(ErrorStateFilter<N>& filter, const EkfLine& line, double& last_t, const ProcessNoise& noise) {
   if (line.t > last_t) filter.predict(line.t - last_t, noise);
   last_t = std::max(last_t, line.t);
-  withMeasurement<N>(filter.x, line, [&](const auto& m) { filter.update(m); return 0; });
+  withMeasurement<N>(filter.x, line, [&](const auto& m) {
+    filter.update(m);
+    return 0;
+  });
 }
 
 }  // namespace fathom::test
