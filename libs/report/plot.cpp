@@ -123,7 +123,7 @@ std::string axes(const Plot& plot) {
   text += "set terminal svg noenhanced size " + canvas(plot) + " font 'sans-serif,14'\n";
   text += "set encoding utf8\n";
   text += "set title " + quoted(plot.title) + ink + " font 'sans-serif,15'\n";
-  text += "set xlabel " + quoted(plot.x_label) + ink + " offset 0,0.8\n";
+  text += "set xlabel " + quoted(plot.x_label) + R"(."\n ")" + ink + " offset 0,0.4\n";  // keeps the legend off
   text += "set ylabel " + quoted(plot.y_label) + ink + "\n";
   text += std::string("set border 3 lw 1 lc rgb '") + kInk + "'\n";
   text += "set tics nomirror" + ink + "\n";
