@@ -123,7 +123,8 @@ std::string axes(const Plot& plot) {
   text += "set terminal svg noenhanced size " + canvas(plot) + " font 'sans-serif,14'\n";
   text += "set encoding utf8\n";
   text += "set title " + quoted(plot.title) + ink + " font 'sans-serif,15'\n";
-  text += "set xlabel " + quoted(plot.x_label) + R"(."\n ")" + ink + " offset 0,0.4\n";  // keeps the legend off
+  text +=
+      "set xlabel " + quoted(plot.x_label) + R"(."\n ")" + ink + " offset 0,0.4\n";  // keeps the legend off
   text += "set ylabel " + quoted(plot.y_label) + ink + "\n";
   text += std::string("set border 3 lw 1 lc rgb '") + kInk + "'\n";
   text += "set tics nomirror" + ink + "\n";
@@ -183,7 +184,8 @@ int runGnuplot(const fs::path& script_file, const fs::path& svg_file, const fs::
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, svg_file.c_str(), O_WRONLY | O_CREAT, 0600);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, complaints_file.c_str(), O_WRONLY | O_CREAT, 0600);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, complaints_file.c_str(), O_WRONLY | O_CREAT,
+                                   0600);
   std::string program = "gnuplot", no_settings = "-d", file = script_file.string();
   std::array<char*, 4> arguments{program.data(), no_settings.data(), file.data(), nullptr};
   pid_t child = 0;

@@ -17,7 +17,7 @@ struct Series {
   std::vector<double> y{};  ///< as long as x; empty for a band
   Style style = Style::kLine;
   std::vector<double> lower{}, upper{};  ///< band only, as long as x
-  std::string color{};  ///< "#rrggbb"; empty: the next of the palette
+  std::string color{};                   ///< "#rrggbb"; empty: the next of the palette
 };
 
 /// Okabe & Ito's colours (2008), which colour-blind readers tell apart, without its black and yellow: these
@@ -41,8 +41,8 @@ std::string renderSvg(const Plot& plot);
 
 /// Indices, ascending, of the points to draw so that a line through them looks as through all: of each run of
 /// consecutive points the first, the last and every column's smallest and largest stay, so no spike is lost
-/// (Jugel et al. 2014, "M4"), and one NaN stays where there is any, so no gap is bridged. Columns are of equal
-/// length; all indices where that length is at most 4 * runs.
+/// (Jugel et al. 2014, "M4"), and one NaN stays where there is any, so no gap is bridged. Columns are of
+/// equal length; all indices where that length is at most 4 * runs.
 std::vector<std::size_t> thin(const std::vector<const std::vector<double>*>& columns, std::size_t runs = 400);
 
 }  // namespace fathom

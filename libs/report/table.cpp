@@ -75,7 +75,8 @@ std::string fixed(double value, int decimals) {
   std::array<char, 400> buffer{};
   std::snprintf(buffer.data(), buffer.size(), "%.*f", decimals, value);
   const std::string text = buffer.data();
-  return text.starts_with("-") && text.find_first_of("123456789") == std::string::npos ? text.substr(1) : text;
+  return text.starts_with("-") && text.find_first_of("123456789") == std::string::npos ? text.substr(1)
+                                                                                       : text;
 }
 
 }  // namespace fathom

@@ -15,7 +15,8 @@ namespace fathom {
 namespace {
 
 TEST(Table, AlignsNumbersRightAndTextLeft) {
-  const Table table{{"label", "samples", "rate"}, {{"INS", "12345", "100.0 Hz"}, {"DVL", "7", "5.0 Hz"}, {"X"}}};
+  const Table table{{"label", "samples", "rate"},
+                    {{"INS", "12345", "100.0 Hz"}, {"DVL", "7", "5.0 Hz"}, {"X"}}};
   EXPECT_EQ(formatTable(table),
             "label  samples      rate\n"
             "INS      12345  100.0 Hz\n"
@@ -117,7 +118,8 @@ TEST(HtmlReport, IdsStandOnceAndReferencesFindThem) {
   EXPECT_GT(ids.size(), 2u);
   const std::regex reference(R"(href\s*=\s*["']#([^"']+)["'])");
   int references = 0;
-  for (std::sregex_iterator match(html.begin(), html.end(), reference), end; match != end; ++match, ++references)
+  for (std::sregex_iterator match(html.begin(), html.end(), reference), end; match != end;
+       ++match, ++references)
     EXPECT_TRUE(ids.contains((*match)[1])) << (*match)[1];
   EXPECT_GT(references, 0) << "points are drawn by reference";
 }
