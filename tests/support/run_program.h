@@ -28,9 +28,9 @@ inline ProgramResult runShell(const std::string& command) {
   std::filesystem::create_directories(folder);
   std::string base = (folder / "run-XXXXXX").string();
   if (mkdtemp(base.data()) == nullptr) return {};
-  const int status = std::system(("( " + command + "\n) </dev/null >" + shellQuoted(base + "/out") + " 2>" +
-                                  shellQuoted(base + "/err"))
-                                     .c_str());
+  const int status = std::system(
+      ("( " + command + "\n) </dev/null >" + shellQuoted(base + "/out") + " 2>" + shellQuoted(base + "/err"))
+          .c_str());
   ProgramResult result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, readTextFile(base + "/out"),
                        readTextFile(base + "/err")};
   std::filesystem::remove_all(base);
