@@ -3,6 +3,7 @@
 #include <exception>
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include "commands.h"
 #include "core/error.h"
@@ -56,6 +57,15 @@ std::string oneLine(std::string text) {
   return text;
 }
 
+/// CLI11 would only say that a command is needed.
+void rejectUnknownCommand(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> names;
+  for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  if (word.starts_with("-") || std::find(names.begin(), names.end(), word) != names.end()) return;
+  throw Error("command line", word, "no such command; there are " + CLI::detail::join(names, ", "));
+}
+
 int run(int argc, char** argv) {
   CLI::App app(kAbout);
   app.name("fathom");
@@ -66,6 +76,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   const RunContext context{&app, commandLine(argc, argv)};
   for (const auto add : kCommands) add(context);
+  if (argc > 1) rejectUnknownCommand(app, argv[1]);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked_for_help_or_version) {

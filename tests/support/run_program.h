@@ -22,15 +22,15 @@ inline std::string shellQuoted(const std::string& word) {
   return result + "'";
 }
 
-/// Runs a shell command with no standard input.
+/// Runs a bash command with no standard input.
 inline ProgramResult runShell(const std::string& command) {
   const auto folder = std::filesystem::temp_directory_path() / "fathom-tests";
   std::filesystem::create_directories(folder);
   std::string base = (folder / "run-XXXXXX").string();
   if (mkdtemp(base.data()) == nullptr) return {};
-  const int status = std::system(
-      ("( " + command + "\n) </dev/null >" + shellQuoted(base + "/out") + " 2>" + shellQuoted(base + "/err"))
-          .c_str());
+  const std::string redirected =
+      "( " + command + "\n) </dev/null >" + shellQuoted(base + "/out") + " 2>" + shellQuoted(base + "/err");
+  const int status = std::system(("bash -c " + shellQuoted(redirected)).c_str());
   ProgramResult result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, readTextFile(base + "/out"),
                        readTextFile(base + "/err")};
   std::filesystem::remove_all(base);
