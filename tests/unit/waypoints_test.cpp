@@ -102,6 +102,8 @@ struct Bad {
   const char* text;
   const char* where;
 };
+void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.what; }
+
 class WaypointsRefuse : public testing::TestWithParam<Bad> {};
 
 TEST_P(WaypointsRefuse, WithFileKeyAndLine) {
@@ -120,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"NoWaypoints", "waypoints: []", "waypoints (line 1)"},
         Bad{"UnknownKey", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0, hold: 3}",
             "waypoints[0].hold (line 2)"},
-        Bad{"MissingUnit", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw: 0}", "waypoints[0] (line 2)"},
+        Bad{"MissingUnit", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw: 0}", "waypoints[0].yaw (line 2)"},
         Bad{"StandingSpeed", "speed_m_s: 0\nwaypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0}",
             "speed_m_s (line 1)"},
         Bad{"TooEarly",
