@@ -235,7 +235,7 @@ std::string fishCompletion(const CLI::App& root) {
   for (const auto& command : allCommands(root)) {
     const std::string start = "complete -c fathom" + fishCondition(command);
     for (const auto& [name, help] : command.subcommands)
-      text += start + " -a " + name + " -d " + quoted(help) + "\n";
+      text.append(start).append(" -a ").append(name).append(" -d ").append(quoted(help)).append("\n");
     for (const auto& option : command.options) {
       text += start;
       for (const auto& name : option.names)

@@ -85,9 +85,10 @@ std::string withOwnIds(std::string svg, const std::string& prefix) {
 
 std::string tableRow(const Table& table, const std::vector<std::string>& row, const std::string& tag) {
   std::string html = "<tr>";
-  for (std::size_t column = 0; column < table.header.size(); ++column)
-    html += "<" + tag + (isNumeric(table, column) ? " class=\"n\">" : ">") +
-            escaped(column < row.size() ? row[column] : "") + "</" + tag + ">";
+  for (std::size_t column = 0; column < table.header.size(); ++column) {
+    html.append("<").append(tag).append(isNumeric(table, column) ? " class=\"n\">" : ">");
+    html.append(escaped(column < row.size() ? row[column] : "")).append("</").append(tag).append(">");
+  }
   return html + "</tr>\n";
 }
 

@@ -87,9 +87,23 @@ TEST(Plot, ColumnsOfDifferentLengthAreRefused) {
   EXPECT_THROW(renderSvg(plot), std::invalid_argument);
 }
 
+/// PATH is this folder alone while the object lives.
+class OnlyPath {
+ public:
+  explicit OnlyPath(const std::filesystem::path& folder) {
+    if (const char* path = std::getenv("PATH")) path_ = path;
+    setenv("PATH", folder.c_str(), 1);
+  }
+  ~OnlyPath() { setenv("PATH", path_.c_str(), 1); }
+  OnlyPath(const OnlyPath&) = delete;
+  OnlyPath& operator=(const OnlyPath&) = delete;
+
+ private:
+  std::string path_;
+};
+
 TEST(Plot, MissingGnuplotIsAnError) {
-  const std::string path = std::getenv("PATH");
-  setenv("PATH", test::scratchFolder().c_str(), 1);
+  const OnlyPath nothing(test::scratchFolder());
   try {
     renderSvg(sinePlot(10));
     ADD_FAILURE() << "drew without gnuplot";
@@ -97,22 +111,19 @@ TEST(Plot, MissingGnuplotIsAnError) {
     EXPECT_EQ(error.file, "gnuplot");
     EXPECT_NE(error.why.find("gnuplot-nox"), std::string::npos);
   }
-  setenv("PATH", path.c_str(), 1);
 }
 
 TEST(Plot, FailingGnuplotIsAnErrorWithItsComplaint) {
-  const std::string path = std::getenv("PATH");
   const auto folder = test::scratchFolder();
   std::ofstream(folder / "gnuplot") << "#!/bin/sh\necho no such terminal >&2\nexit 1\n";
   std::filesystem::permissions(folder / "gnuplot", std::filesystem::perms::owner_all);
-  setenv("PATH", folder.c_str(), 1);
+  const OnlyPath broken(folder);
   try {
     renderSvg(sinePlot(10));
     ADD_FAILURE() << "took a failed run for a plot";
   } catch (const Error& error) {
     EXPECT_NE(error.why.find("no such terminal"), std::string::npos) << error.what();
   }
-  setenv("PATH", path.c_str(), 1);
 }
 
 TEST(Thin, ShortSeriesStayWhole) {
