@@ -16,11 +16,12 @@ struct RunContext {
 /// The context outlives the parse, in which the callback runs.
 using AddCommand = void (*)(const RunContext& context);
 
+void addImport(const RunContext& context);
 void addInfo(const RunContext& context);
 void addSimulate(const RunContext& context);
 void addCompletion(const RunContext& context);
 
-inline constexpr AddCommand kCommands[] = {addInfo, addSimulate, addCompletion};
+inline constexpr AddCommand kCommands[] = {addImport, addInfo, addSimulate, addCompletion};
 
 /// Kinds of values. They show in --help, and tell the shell's completion what to offer: "FILE.x" files that
 /// end in .x, "FILE" any file, "FOLDER" folders.
