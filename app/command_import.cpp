@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "core/error.h"
 #include "core/files.h"
+#include "core/progress.h"
 #include "recording/import_bag.h"
 #include "recording/import_csv.h"
 #include "recording/rawlog.h"
@@ -27,6 +28,7 @@ class ImportWriter {
       : target_(std::move(target)), description_(std::move(description)) {}
 
   void write(const Sample& sample) {
+    if (interrupted()) throw Interrupted{};
     if (!rawlog_) {
       const RecordingHeader header{"", target_.file("_vehicle.yaml").filename().string(), description_};
       rawlog_.emplace(target_.file(".rawlog"), header, sample.time);

@@ -51,7 +51,7 @@ TEST(CommandLine, EveryCommandHasHelpWithExamples) {
     EXPECT_EQ(help.status, 0) << name;
     EXPECT_NE(help.out.find("Examples"), std::string::npos) << name;
   }
-  EXPECT_GE(count, 3) << commands.err;
+  EXPECT_GE(count, 4) << commands.err;
 }
 
 TEST(CommandLine, MistakesAreOneLineAndStatusTwo) {
@@ -92,6 +92,32 @@ TEST(CommandLine, SimulateThenInfoRoundTrip) {
   EXPECT_TRUE(json["disagreements"].empty()) << json["disagreements"];
   EXPECT_EQ(json["compared_with"], (folder / "sim_vehicle.yaml").string());
   EXPECT_TRUE(fs::exists(folder / "tables" / "DVL.csv"));
+}
+
+TEST(CommandLine, ImportSaysWhatItConcluded) {
+  const auto folder = scratchFolder();
+  const std::string out = " --out " + shellQuoted((folder / "out").string());
+  expectBadInput(runFathom("import csv " + shellQuoted(folder.string()) + " --section 3" + out),
+                 "trajectory3");
+  expectBadInput(
+      runFathom("import bag /no/such.bag --topics " + shellQuoted(kConfig + "husky_topics.yaml") + out),
+      "/no/such.bag");
+  EXPECT_FALSE(fs::exists(folder / "out" / "such.rawlog"));
+
+  FATHOM_NEEDS_SHARED("data/robot_localization/test1.bag");
+  const auto bag = test::sharedData("data/robot_localization/test1.bag").string();
+  const auto made = runFathom("import bag " + shellQuoted(bag) + " --topics " +
+                              shellQuoted(kConfig + "husky_topics.yaml") + " --name husky" + out);
+  ASSERT_EQ(made.status, 0) << made.err;
+  const auto summary = nlohmann::json::parse(readTextFile(folder / "out" / "husky_import.json"));
+  ASSERT_FALSE(summary["conclusions"].empty());
+  for (const auto& conclusion : summary["conclusions"])
+    EXPECT_NE(made.out.find(conclusion["what"].get<std::string>()), std::string::npos) << conclusion;
+
+  const auto info = runFathom("info --json " + shellQuoted((folder / "out" / "husky.rawlog").string()));
+  ASSERT_EQ(info.status, 0) << info.err;
+  EXPECT_EQ(nlohmann::json::parse(info.out)["entries"].get<int>(), summary["samples"].get<int>() + 1)
+      << "the samples and the first comment";
 }
 
 TEST(CommandLine, InfoFindsWhereRecordingAndVehicleFileDisagree) {
