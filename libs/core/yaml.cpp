@@ -27,21 +27,39 @@ std::string join(const std::string& path, const std::string& key) {
 
 std::string indexed(const std::string& key, std::size_t i) { return key + "[" + std::to_string(i) + "]"; }
 
-void rejectDuplicates(const YAML::Node& node, const std::string& path, const std::string& file) {
-  if (node.IsMap()) {
-    std::set<std::string> seen;
-    for (const auto& entry : node) {
-      if (!entry.first.IsScalar())
-        throw Error(file, path + lineOf(entry.first.Mark()), "a key must be a plain word");
-      const auto& key = entry.first.Scalar();
-      if (!seen.insert(key).second)
-        throw Error(file, join(path, key) + lineOf(entry.first.Mark()), "duplicate key");
-      rejectDuplicates(entry.second, join(path, key), file);
+/// Looks at every node once for duplicate keys. Bounds depth and number of nodes: with aliases a few lines
+/// can contain themselves or stand for billions.
+class StructureCheck {
+ public:
+  explicit StructureCheck(const std::string& file) : file_(file) {}
+
+  void check(const YAML::Node& node, const std::string& path, int depth = 0) {
+    if (depth > kMaxDepth || ++nodes_ > kMaxNodes)
+      throw Error(file_, path + lineOf(node.Mark()), "nested too deep, or too large");
+    if (node.IsMap()) {
+      checkKeys(node, path);
+      for (const auto& entry : node) check(entry.second, join(path, entry.first.Scalar()), depth + 1);
+    } else if (node.IsSequence()) {
+      for (std::size_t i = 0; i < node.size(); ++i) check(node[i], indexed(path, i), depth + 1);
     }
-  } else if (node.IsSequence()) {
-    for (std::size_t i = 0; i < node.size(); ++i) rejectDuplicates(node[i], indexed(path, i), file);
   }
-}
+
+ private:
+  void checkKeys(const YAML::Node& map, const std::string& path) const {
+    std::set<std::string> seen;
+    for (const auto& entry : map) {
+      const std::string line = lineOf(entry.first.Mark());
+      if (!entry.first.IsScalar()) throw Error(file_, path + line, "a key must be a plain word");
+      const auto& key = entry.first.Scalar();
+      if (!seen.insert(key).second) throw Error(file_, join(path, key) + line, "duplicate key");
+    }
+  }
+
+  static constexpr int kMaxDepth = 16;
+  static constexpr int kMaxNodes = 1'000'000;
+  const std::string& file_;
+  int nodes_ = 0;
+};
 
 std::size_t editDistance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -97,19 +115,25 @@ bool YamlMap::has(const std::string& key) const {
 bool YamlMap::isList(const std::string& key) const { return has(key) && node_[key].IsSequence(); }
 
 YAML::Node YamlMap::child(const std::string& key) const {
-  if (!has(key)) throw error("", "missing key `" + key + "`");
-  return node_[key];
+  if (has(key)) return node_[key];
+  for (const std::string& present : keys())
+    if (key.starts_with(present + "_") && !known_->keys.contains(join(path_, present)))
+      throw error(present, "lacks its unit; did you mean `" + key + "`?");
+  throw error("", "missing key `" + key + "`");
 }
 
 Error YamlMap::error(const std::string& key, const std::string& why) const {
-  const YAML::Node at = key.empty() || !node_[key] ? node_ : node_[key];
-  return {known_->file, join(path_, key) + lineOf(at.Mark()), why};
+  YAML::Mark mark = node_.Mark();
+  for (const auto& entry : node_)
+    if (entry.first.Scalar() == key) mark = entry.first.Mark();
+  return {known_->file, join(path_, key) + lineOf(mark), why};
 }
 
 double YamlMap::toNumber(const YAML::Node& node, const std::string& key) const {
   if (!node.IsScalar() || node.Tag() == "!") throw error(key, "must be a number");
   const std::string& text = node.Scalar();
-  const char* first = text.data() + (text.starts_with('+') ? 1 : 0);
+  // from_chars knows no plus sign.
+  const char* first = text.data() + (text.starts_with('+') && !text.starts_with("+-") ? 1 : 0);
   double value = 0.0;
   const auto [end, problem] = std::from_chars(first, text.data() + text.size(), value);
   if (problem != std::errc() || end != text.data() + text.size())
@@ -229,12 +253,14 @@ YamlFile YamlFile::parse(const std::string& text, const std::string& name) { ret
 YamlFile::YamlFile(const std::string& text, const std::string& name) {
   YAML::Node node;
   try {
-    node = YAML::Load(text);
+    const auto documents = YAML::LoadAll(text);
+    if (documents.size() > 1) throw Error(name, "", "holds more than one YAML document");
+    if (!documents.empty()) node = documents.front();
   } catch (const YAML::Exception& e) {
     throw Error(name, "line " + std::to_string(e.mark.line + 1), "not YAML: " + e.msg);
   }
   if (!node.IsMap()) throw Error(name, "line 1", "must be a map of keys and values");
-  rejectDuplicates(node, "", name);
+  StructureCheck(name).check(node, "");
   auto known = std::make_shared<YamlMap::Known>();
   known->file = name;
   root_ = YamlMap(node, "", known);

@@ -38,7 +38,8 @@ struct InsSample {
   Pose T_robot_ins;
   std::optional<Vector3d> angular_velocity_ins;  ///< rad/s
   std::optional<Vector3d> specific_force_ins;    ///< m/s², +9.81 on the up axis at rest
-  std::optional<Matrix3d> R_odom_ins;            ///< attitude, where the INS gives one
+  /// Attitude, where the INS gives one; NaN where its quaternion is not of unit norm (to 1 %).
+  std::optional<Matrix3d> R_odom_ins;
 };
 
 struct DvlSample {
@@ -63,6 +64,7 @@ struct DepthSample {
 /// A pose or position with covariance: USBL (orientation covariance huge), TRUTH, and derived results.
 struct PoseSample {
   mrpt::poses::CPose3DPDFGaussian T_odom_robot;
+  Pose T_robot_sensor{};  ///< mounting of what measured it, e.g. the USBL transponder
 };
 
 struct ImageSample {
@@ -77,7 +79,9 @@ struct StereoSample {
   std::string left_file, right_file;
 };
 
-/// An entry the convention does not know. It is counted by `fathom info` and otherwise left alone.
+/// An entry the convention does not know. It is counted by `fathom info` and otherwise left alone. Where its
+/// fields cannot be read either (a class this program has no layout for), its label is empty and its time is
+/// that of the entry before it.
 struct UnknownSample {
   std::string mrpt_class;
 };
@@ -86,7 +90,7 @@ using Reading = std::variant<InsSample, DvlSample, DvlBeamsSample, DepthSample, 
                              StereoSample, RecordingHeader, UnknownSample>;
 
 struct Sample {
-  Time time;          ///< of validity
+  Time time;          ///< of validity; Time{} where the entry has none
   std::string label;  ///< MRPT sensorLabel
   Reading reading;
 };

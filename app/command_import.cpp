@@ -1,0 +1,177 @@
+#include <iostream>
+#include <memory>
+
+#include "commands.h"
+#include "core/error.h"
+#include "core/files.h"
+#include "core/progress.h"
+#include "recording/import_bag.h"
+#include "recording/import_csv.h"
+#include "recording/rawlog.h"
+#include "report/run_info.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+/// Where an import goes: FOLDER/NAME.rawlog and its companions.
+struct Target {
+  std::string folder, name;
+
+  fs::path file(const std::string& ending) const { return fs::path(folder) / (name + ending); }
+};
+
+/// Writes samples as they come. The rawlog is opened at the first, whose time its first entry bears.
+class ImportWriter {
+ public:
+  ImportWriter(Target target, std::string description)
+      : target_(std::move(target)), description_(std::move(description)) {}
+
+  void write(const Sample& sample) {
+    if (interrupted()) throw Interrupted{};
+    if (!rawlog_) {
+      const RecordingHeader header{"", target_.file("_vehicle.yaml").filename().string(), description_};
+      rawlog_.emplace(target_.file(".rawlog"), header, sample.time);
+    }
+    rawlog_->write(sample);
+    ++samples_;
+  }
+
+  /// The companions first, the rawlog last: where it is, all is.
+  void finish(const ImportedRecording& imported, const RunContext& context) {
+    if (!rawlog_) throw Error(target_.file(".rawlog").string(), "", "the source holds no sample");
+    writeTextFile(target_.file("_vehicle.yaml"), imported.vehicle_yaml);
+    if (!imported.reference.empty()) writeTum(target_.file("_reference.tum"), imported.reference);
+    writeJson(target_.file("_import.json"), summary(imported, context));
+    rawlog_->finish();
+    report(imported);
+  }
+
+ private:
+  nlohmann::ordered_json summary(const ImportedRecording& imported, const RunContext& context) const {
+    nlohmann::ordered_json json;
+    json["run"] = toJson(RunInfo{.command_line = context.command_line});
+    json["description"] = description_;
+    json["samples"] = samples_;
+    json["reference_poses"] = imported.reference.size();
+    json["conclusions"] = nlohmann::ordered_json::array();
+    for (const auto& conclusion : imported.conclusions)
+      json["conclusions"].push_back({{"what", conclusion.what},
+                                     {"concluded", conclusion.concluded},
+                                     {"runner_up", conclusion.runner_up},
+                                     {"residual_ratio", conclusion.residual_ratio},
+                                     {"evidence", conclusion.evidence}});
+    return json;
+  }
+
+  void report(const ImportedRecording& imported) const {
+    for (const auto& conclusion : imported.conclusions) std::cout << toText(conclusion) << "\n";
+    std::cout << samples_ << " samples\n";
+    for (const char* ending : {".rawlog", "_vehicle.yaml", "_reference.tum", "_import.json"})
+      if (ending != std::string("_reference.tum") || !imported.reference.empty())
+        std::cout << "wrote " << target_.file(ending).string() << "\n";
+  }
+
+  Target target_;
+  std::string description_;
+  std::optional<RawlogWriter> rawlog_;
+  std::size_t samples_ = 0;
+};
+
+struct CsvOptions {
+  std::string folder;
+  int section = 0;
+  SeaTrialOptions trial;
+  Target target;
+};
+
+void importCsv(CsvOptions options, const RunContext& context) {
+  if (options.target.name.empty()) options.target.name = "section" + std::to_string(options.section);
+  const ImportedRecording imported =
+      importSeaTrial(seaTrialFiles(options.folder, options.section), options.trial);
+  ImportWriter writer(options.target, imported.header.description);
+  for (const Sample& sample : imported.samples) writer.write(sample);
+  writer.finish(imported, context);
+}
+
+void addCsv(CLI::App& parent, const RunContext& context) {
+  auto* command =
+      parent.add_subcommand("csv", "From the tables of a sea trial (IMU, DVL and its navigation solution)");
+  command->footer(
+      "Reads IMU_trajectoryN.csv, DVL_trajectoryN.csv and GT_trajectoryN.csv (or .csv.gz). What the tables "
+      "do\n"
+      "not say (axes, signs, units, clocks) is found out by comparing them with each other; what was "
+      "concluded,\n"
+      "and how sure, is printed and stands in NAME_import.json.\n"
+      "\n"
+      "Examples:\n"
+      "  fathom import csv tables --section 1 --out out/trial\n"
+      "  fathom info out/trial/section1.rawlog");
+  const auto options = std::make_shared<CsvOptions>();
+  command->add_option("TABLES", options->folder, "The folder of the tables")
+      ->required()
+      ->type_name(values::kFolder);
+  command->add_option("--section", options->section, "Which section, the N of the tables' names")->required();
+  command->add_option("--out", options->target.folder, "Where the recording goes")
+      ->required()
+      ->type_name(values::kFolder);
+  command->add_option("--name", options->target.name, "NAME of the files (default: sectionN)");
+  command->add_flag("--undo-stamp-stretch", options->trial.undo_stamp_stretch,
+                    "Correct the stretch between the tables' clocks, where it is established");
+  command->callback([options, &context] { importCsv(*options, context); });
+}
+
+struct BagCommandOptions {
+  std::string bag, topics;
+  Target target;
+};
+
+void importRosBag(BagCommandOptions options, const RunContext& context) {
+  if (options.target.name.empty()) options.target.name = fs::path(options.bag).stem().string();
+  const TopicMap map = readTopicMap(options.topics);
+  ImportWriter writer(options.target, map.description);
+  BagOptions bag_options;
+  bag_options.image_folder = options.target.file("_Images");
+  const ImportedRecording imported = importBag(
+      options.bag, map, [&](Sample&& sample) { writer.write(sample); }, bag_options);
+  writer.finish(imported, context);
+}
+
+void addBag(CLI::App& parent, const RunContext& context) {
+  auto* command = parent.add_subcommand("bag", "From a ROS 1 bag");
+  command->footer(
+      "TOPICS.yaml says which topic becomes what, and where each sensor sits; see config/husky_topics.yaml.\n"
+      "\n"
+      "Examples:\n"
+      "  fathom import bag dive.bag --topics config/husky_topics.yaml --out out/dive\n"
+      "  fathom info out/dive/dive.rawlog");
+  const auto options = std::make_shared<BagCommandOptions>();
+  command->add_option("BAG", options->bag, "The bag")->required()->type_name(values::kBag);
+  command->add_option("--topics", options->topics, "Which topic becomes what")
+      ->required()
+      ->type_name(values::kYaml);
+  command->add_option("--out", options->target.folder, "Where the recording goes")
+      ->required()
+      ->type_name(values::kFolder);
+  command->add_option("--name", options->target.name, "NAME of the files (default: the bag's)");
+  command->callback([options, &context] { importRosBag(*options, context); });
+}
+
+}  // namespace
+
+void addImport(const RunContext& context) {
+  auto* command = context.root->add_subcommand("import", "Make a recording from another format");
+  command->require_subcommand(1);
+  command->footer(
+      "Writes NAME.rawlog, NAME_vehicle.yaml, NAME_import.json and, where the source has a navigation "
+      "solution\n"
+      "of its own, NAME_reference.tum; that one never enters the recording.\n"
+      "\n"
+      "Examples:\n"
+      "  fathom import csv tables --section 1 --out out/trial\n"
+      "  fathom import bag dive.bag --topics config/husky_topics.yaml --out out/dive");
+  addCsv(*command, context);
+  addBag(*command, context);
+}
+
+}  // namespace fathom

@@ -1,0 +1,85 @@
+#include <iostream>
+#include <memory>
+
+#include "commands.h"
+#include "core/progress.h"
+#include "inputs.h"
+#include "recording/export_csv.h"
+#include "recording/recording_info.h"
+#include "report/run_info.h"
+
+namespace fathom {
+namespace {
+
+struct InfoOptions {
+  std::string rawlog, vehicle, csv_folder;
+  bool json = false;
+};
+
+std::vector<std::string> exportTables(const InfoOptions& options) {
+  if (options.csv_folder.empty()) return {};
+  Progress progress("exporting");
+  const CsvExport tables =
+      exportCsv(options.rawlog, options.csv_folder, [&](double share) { progress.update(share); });
+  std::vector<std::string> files;
+  for (const auto& file : tables.files) files.push_back(file.string());
+  return files;
+}
+
+RecordingInfo inspect(const std::string& rawlog) {
+  Progress progress("reading");
+  return inspectRecording(rawlog, {}, [&](double share) { progress.update(share); });
+}
+
+void info(const InfoOptions& options) {
+  const RecordingInfo recording = inspect(options.rawlog);
+  const auto vehicle_file = vehicleFile(options.vehicle, options.rawlog, recording.header);
+  const auto differences =
+      vehicle_file ? disagreements(recording, readVehicle(*vehicle_file)) : std::vector<std::string>{};
+  const auto tables = exportTables(options);
+
+  if (options.json) {
+    nlohmann::json json = toJson(recording);
+    json["compared_with"] = vehicle_file ? nlohmann::json(vehicle_file->string()) : nlohmann::json(nullptr);
+    json["disagreements"] = differences;
+    json["tables"] = tables;
+    std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    return;
+  }
+  std::cout << describe(recording);
+  if (vehicle_file)
+    std::cout << "compared with " << vehicle_file->string() << ":\n"
+              << (differences.empty() ? "  mountings and intrinsics agree\n" : "");
+  for (const auto& line : differences) std::cout << "  ! " << line << "\n";
+  for (const auto& file : tables) std::cout << "wrote " << file << "\n";
+}
+
+}  // namespace
+
+void addInfo(const RunContext& context) {
+  auto* command =
+      context.root->add_subcommand("info", "Tell what is in a recording, and what is wrong with it");
+  command->footer(
+      "Tells of each sensor its rate, gaps, jitter, mounting and intrinsics; of the whole its duration, "
+      "order\n"
+      "in time and damage. With a vehicle file, tells where that and the recording disagree; the "
+      "recording's\n"
+      "values are the nominal ones.\n"
+      "\n"
+      "Examples:\n"
+      "  fathom info rawlogs/dive/dive.rawlog\n"
+      "  fathom info dive.rawlog --json | jq .labels\n"
+      "  fathom info dive.rawlog --export-csv out/tables");
+  const auto options = std::make_shared<InfoOptions>();
+  command->add_option("RECORDING", options->rawlog, "The recording")->required()->type_name(values::kRawlog);
+  command
+      ->add_option("--vehicle", options->vehicle,
+                   "Vehicle file to compare with (default: the one that the recording names)")
+      ->type_name(values::kYaml);
+  command->add_flag("--json", options->json, "Print JSON");
+  command->add_option("--export-csv", options->csv_folder, "Write one CSV table a sensor into this folder")
+      ->type_name(values::kFolder);
+  command->callback([options] { info(*options); });
+}
+
+}  // namespace fathom

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+/// The command table. A command is one file, command_NAME.cpp, with one function that adds it to the command
+/// line (options, help) and sets as its callback what it does; and one line in kCommands.
+namespace fathom {
+
+/// What a command may know of the run besides its options.
+struct RunContext {
+  CLI::App* root = nullptr;  ///< the whole command line, for `completion`
+  std::string command_line;  ///< as typed, quoted where a shell needs it; for result.json
+};
+
+/// The context outlives the parse, in which the callback runs.
+using AddCommand = void (*)(const RunContext& context);
+
+void addImport(const RunContext& context);
+void addInfo(const RunContext& context);
+void addSimulate(const RunContext& context);
+void addCompletion(const RunContext& context);
+
+inline constexpr AddCommand kCommands[] = {addImport, addInfo, addSimulate, addCompletion};
+
+/// Kinds of values. They show in --help, and tell the shell's completion what to offer: "FILE.x" files that
+/// end in .x, "FILE" any file, "FOLDER" folders.
+namespace values {
+inline constexpr const char* kRawlog = "FILE.rawlog";
+inline constexpr const char* kYaml = "FILE.yaml";
+inline constexpr const char* kTum = "FILE.tum";
+inline constexpr const char* kBag = "FILE.bag";
+inline constexpr const char* kFile = "FILE";
+inline constexpr const char* kFolder = "FOLDER";
+}  // namespace values
+
+}  // namespace fathom

@@ -1,0 +1,129 @@
+#include "inputs.h"
+
+#include <cmath>
+
+#include "core/error.h"
+#include "report/table.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+// Below what anyone can measure on a vehicle, above what text with a few decimals loses.
+constexpr double kSamePosition_m = 1e-4;
+constexpr double kSameAngle_rad = 1e-4;
+constexpr double kSamePixel_px = 1e-3;
+constexpr double kSameDistortion = 1e-6;
+
+std::optional<fs::path> companion(const std::string& option, const std::string& named, const std::string& key,
+                                  const fs::path& rawlog) {
+  if (!option.empty()) return option;
+  if (named.empty()) return std::nullopt;
+  const fs::path file = rawlog.parent_path() / named;
+  if (!fs::exists(file))
+    throw Error(rawlog.string(), "[recording] " + key, "names " + file.string() + ", which is not there");
+  return file;
+}
+
+std::string poseText(const Pose& pose) {
+  const Vector3d angles = yawPitchRollFromRotation(pose.rotation);
+  return fixed(pose.position.x(), 4) + " " + fixed(pose.position.y(), 4) + " " + fixed(pose.position.z(), 4) +
+         " m, yaw pitch roll " + fixed(degrees(angles[0]), 3) + " " + fixed(degrees(angles[1]), 3) + " " +
+         fixed(degrees(angles[2]), 3) + " deg";
+}
+
+struct Comparison {
+  std::vector<std::string> lines;
+
+  template <class Sheet>
+  bool onBoard(const LabelInfo& label, const std::optional<Sheet>& sheet, const std::string& section) {
+    if (!sheet) lines.push_back(label.label + ": recorded, but the vehicle file has no section " + section);
+    return sheet.has_value();
+  }
+
+  void mounting(const LabelInfo& label, const Pose& sheet) {
+    const Pose& recorded = label.mountings.front();
+    const double offset_m = (recorded.position - sheet.position).norm();
+    const double angle_rad = angleBetween(recorded.rotation, sheet.rotation);
+    if (offset_m <= kSamePosition_m && angle_rad <= kSameAngle_rad) return;
+    lines.push_back(label.label + ": mounted at " + poseText(recorded) + " in the recording, at " +
+                    poseText(sheet) + " in the vehicle file: " + fixed(offset_m, 4) + " m and " +
+                    fixed(degrees(angle_rad), 3) + " deg apart");
+  }
+
+  void intrinsics(const LabelInfo& label, const CameraSheet& sheet) {
+    if (label.intrinsics.empty()) return;
+    const auto& recorded = label.intrinsics.front();
+    const auto compare = [&](const char* name, double in_recording, double in_sheet, double tolerance) {
+      if (std::abs(in_recording - in_sheet) <= tolerance) return;
+      lines.push_back(label.label + ": " + name + " is " + fixed(in_recording, 6) + " in the recording, " +
+                      fixed(in_sheet, 6) + " in the vehicle file");
+    };
+    compare("width_px", recorded.ncols, sheet.width_px, 0);
+    compare("height_px", recorded.nrows, sheet.height_px, 0);
+    compare("fx_px", recorded.fx(), sheet.fx_px, kSamePixel_px);
+    compare("fy_px", recorded.fy(), sheet.fy_px, kSamePixel_px);
+    compare("cx_px", recorded.cx(), sheet.cx_px, kSamePixel_px);
+    compare("cy_px", recorded.cy(), sheet.cy_px, kSamePixel_px);
+    compare("k1", recorded.k1(), sheet.k1, kSameDistortion);
+    compare("k2", recorded.k2(), sheet.k2, kSameDistortion);
+    compare("p1", recorded.p1(), sheet.p1, kSameDistortion);
+    compare("p2", recorded.p2(), sheet.p2, kSameDistortion);
+    compare("k3", recorded.k3(), sheet.k3, kSameDistortion);
+  }
+
+  void beams(const LabelInfo& label, const DvlSheet& sheet) {
+    if (label.mountings.size() != sheet.beam_azimuths_rad.size()) {
+      lines.push_back(label.label + ": " + std::to_string(label.mountings.size()) +
+                      " beams in the recording, " + std::to_string(sheet.beam_azimuths_rad.size()) +
+                      " in the vehicle file");
+      return;
+    }
+    for (std::size_t k = 0; k < label.mountings.size(); ++k) {
+      // A beam has no roll of its own: only where it starts and where it points is compared.
+      const Pose& recorded = label.mountings[k];
+      const Pose sheet_beam = sheet.T_robot_beam(k);
+      const double offset_m = (recorded.position - sheet_beam.position).norm();
+      const Vector3d x_recorded = recorded.rotation.col(0), x_sheet = sheet_beam.rotation.col(0);
+      const double angle_rad = std::atan2(x_recorded.cross(x_sheet).norm(), x_recorded.dot(x_sheet));
+      if (offset_m <= kSamePosition_m && angle_rad <= kSameAngle_rad) continue;
+      lines.push_back(label.label + " " + std::to_string(k) + ": recording and vehicle file are " +
+                      fixed(offset_m, 4) + " m and " + fixed(degrees(angle_rad), 3) + " deg apart");
+    }
+  }
+};
+
+}  // namespace
+
+std::optional<fs::path> vehicleFile(const std::string& option, const fs::path& rawlog,
+                                    const RecordingHeader& header) {
+  return companion(option, header.vehicle, "vehicle", rawlog);
+}
+
+std::optional<fs::path> panelMapFile(const std::string& option, const fs::path& rawlog,
+                                     const RecordingHeader& header) {
+  return companion(option, header.panel_map, "panel_map", rawlog);
+}
+
+std::vector<std::string> disagreements(const RecordingInfo& recording, const Vehicle& vehicle) {
+  Comparison compare;
+  for (const LabelInfo& label : recording.labels) {
+    if (label.mountings.empty()) continue;
+    const std::string& name = label.label;
+    if (name == labels::kIns && compare.onBoard(label, vehicle.ins, "ins"))
+      compare.mounting(label, vehicle.ins->T_robot_ins);
+    if (name == labels::kDvl && compare.onBoard(label, vehicle.dvl, "dvl"))
+      compare.mounting(label, vehicle.dvl->T_robot_dvl);
+    if (name == labels::kDvlBeams && compare.onBoard(label, vehicle.dvl, "dvl"))
+      compare.beams(label, *vehicle.dvl);
+    if (name == labels::kDepth && compare.onBoard(label, vehicle.depth, "depth"))
+      compare.mounting(label, vehicle.depth->T_robot_depth);
+    if (name == labels::kCamera && compare.onBoard(label, vehicle.camera, "camera")) {
+      compare.mounting(label, vehicle.camera->T_robot_camera);
+      compare.intrinsics(label, *vehicle.camera);
+    }
+  }
+  return compare.lines;
+}
+
+}  // namespace fathom

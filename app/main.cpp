@@ -1,0 +1,112 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <exception>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "commands.h"
+#include "core/error.h"
+#include "core/progress.h"
+
+namespace fathom {
+namespace {
+
+constexpr int kDone = 0, kFault = 1, kBadInput = 2, kInterrupted = 130;
+
+constexpr const char* kAbout =
+    "fathom: where an underwater robot was, from what its sensors recorded.\n"
+    "\n"
+    "It reads recordings (MRPT rawlogs) of an inertial sensor, a Doppler velocity log and a pressure "
+    "sensor,\n"
+    "makes such recordings from other formats or by simulation, and estimates the robot's path from them.";
+
+constexpr const char* kMoreHelp =
+    "Examples:\n"
+    "  fathom info rawlogs/dive/dive.rawlog\n"
+    "  fathom localize rawlogs/dive/dive.rawlog --out out/dive\n"
+    "  fathom COMMAND --help\n"
+    "  eval \"$(fathom completion bash)\"\n"
+    "\n"
+    "Exit status: 0 done (whatever the verdict), 2 bad input, 1 a fault of the program, 130 interrupted.\n"
+    "Documentation: README.md in the source folder.";
+
+/// As typed, so that it can be pasted into a shell again.
+std::string commandLine(int argc, char** argv) {
+  std::string text = "fathom";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+      return std::isalnum(c) != 0 || c >= 0x80 ||
+             std::string("-_./:=,+@%").find(static_cast<char>(c)) != std::string::npos;
+    });
+    if (plain) {
+      text += " " + word;
+      continue;
+    }
+    text += " '";
+    for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+    text += "'";
+  }
+  return text;
+}
+
+std::string oneLine(std::string text) {
+  while (text.ends_with('\n')) text.pop_back();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+/// CLI11 would only say that a command is needed.
+void rejectUnknownCommand(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> names;
+  for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  if (word.starts_with("-") || std::find(names.begin(), names.end(), word) != names.end()) return;
+  throw Error("command line", word, "no such command; there are " + CLI::detail::join(names, ", "));
+}
+
+int run(int argc, char** argv) {
+  CLI::App app(kAbout);
+  app.name("fathom");
+  app.set_version_flag("--version", "fathom " FATHOM_VERSION, "Print the version and exit");
+  app.set_help_flag("-h,--help", "Print this help and exit");
+  app.get_formatter()->column_width(34);
+  app.footer(kMoreHelp);
+  app.require_subcommand(1);
+  const RunContext context{&app, commandLine(argc, argv)};
+  for (const auto add : kCommands) add(context);
+  if (argc > 1) rejectUnknownCommand(app, argv[1]);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked_for_help_or_version) {
+    app.exit(asked_for_help_or_version);
+  } catch (const CLI::ParseError& mistake) {
+    throw Error("command line", "", oneLine(mistake.what()) + "; see fathom --help");
+  }
+  std::cout.flush();
+  if (!std::cout) throw Error("standard output", "", "cannot be written");
+  return kDone;
+}
+
+int complain(const std::string& what, int status) {
+  std::cerr << "fathom: " << oneLine(what) << '\n';
+  return status;
+}
+
+}  // namespace
+}  // namespace fathom
+
+int main(int argc, char** argv) {
+  using namespace fathom;
+  try {
+    catchInterrupts();
+    return run(argc, argv);
+  } catch (const Error& error) {
+    return complain(error.what(), kBadInput);
+  } catch (const Interrupted&) {
+    return complain("interrupted; no half-written file is left", kInterrupted);
+  } catch (const std::exception& error) {
+    return complain("a fault of the program: " + std::string(error.what()), kFault);
+  }
+}

@@ -1,0 +1,129 @@
+#include "recording/byte_stream.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "core/error.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kInputBytes = std::size_t{1} << 16;
+constexpr int kGzipWindow = 15 + 16;  // zlib: the largest window, gzip header and checksum
+
+}  // namespace
+
+ByteStream::ByteStream(fs::path file) : file_(std::move(file)), in_(nullptr, &std::fclose) {
+  const std::string name = file_.string();
+  std::error_code problem;
+  if (!fs::exists(file_, problem)) throw Error(name, "", "no such file");
+  if (!fs::is_regular_file(file_, problem)) throw Error(name, "", "is not a file");
+  in_.reset(std::fopen(name.c_str(), "rb"));
+  if (!in_) throw Error(name, "", std::string("cannot be read: ") + std::strerror(errno));
+  file_bytes_ = fs::file_size(file_, problem);
+  if (problem) throw Error(name, "", "cannot be read: " + problem.message());
+  if (file_bytes_ == 0) throw Error(name, "", "is empty");
+
+  if (!refillInput()) throw Error(name, "", "cannot be read");
+  compressed_ = input_.size() >= 2 && input_[0] == 0x1f && input_[1] == 0x8b;
+  if (compressed_ && inflateInit2(&zlib_, kGzipWindow) != Z_OK) throw std::bad_alloc();
+}
+
+ByteStream::~ByteStream() {
+  if (compressed_) inflateEnd(&zlib_);
+}
+
+void ByteStream::skip(std::size_t size) {
+  begin_ += size;
+  position_ += size;
+  while (blocks_.size() > 1 && blocks_.front().end <= position_) blocks_.pop_front();
+}
+
+std::uint64_t ByteStream::filePosition() const {
+  if (!compressed_) return position_;
+  if (blocks_.empty()) return 0;
+  // Damage is searched for within what was inflated last, so position_ is in the blocks kept.
+  for (const Block& block : blocks_) {
+    if (position_ >= block.end) continue;
+    const double share =
+        static_cast<double>(position_ - block.begin) / static_cast<double>(block.end - block.begin);
+    return block.file_begin +
+           static_cast<std::uint64_t>(share * static_cast<double>(block.file_end - block.file_begin));
+  }
+  return blocks_.back().file_end;
+}
+
+void ByteStream::fill() {
+  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(begin_));
+  begin_ = 0;
+  if (compressed_)
+    fillInflated();
+  else
+    fillPlain();
+}
+
+/// Reads the next piece of the file into input_; false at its end.
+bool ByteStream::refillInput() {
+  input_.resize(kInputBytes);
+  input_.resize(std::fread(input_.data(), 1, kInputBytes, in_.get()));
+  if (std::ferror(in_.get())) damage_ = "the file cannot be read any further";
+  file_read_ += input_.size();
+  zlib_.next_in = input_.data();
+  zlib_.avail_in = static_cast<uInt>(input_.size());
+  return !input_.empty();
+}
+
+void ByteStream::fillPlain() {
+  // The constructor has read the first piece already.
+  buffer_.insert(buffer_.end(), input_.begin(), input_.end());
+  ended_ = !refillInput();
+}
+
+void ByteStream::fillInflated() {
+  const std::size_t old_size = buffer_.size();
+  const std::uint64_t file_begin = fileConsumed();
+  const bool from_member_start = at_member_start_;
+  buffer_.resize(old_size + kBlockBytes);
+  zlib_.next_out = buffer_.data() + old_size;
+  zlib_.avail_out = kBlockBytes;
+
+  int status = Z_OK;
+  while (status == Z_OK && zlib_.avail_out > 0) {
+    if (zlib_.avail_in == 0 && !refillInput()) {
+      if (damage_.empty()) damage_ = "the gzip data are cut short";
+      ended_ = true;
+      break;
+    }
+    status = inflate(&zlib_, Z_NO_FLUSH);
+  }
+  std::size_t produced = kBlockBytes - zlib_.avail_out;
+  at_member_start_ = false;
+  if (status == Z_STREAM_END) {
+    endAtMember();
+  } else if (status != Z_OK) {
+    const bool nothing = zlib_.total_out == 0 && !in_first_member_;
+    damage_ = nothing ? "bytes that are not gzip data follow"
+                      : std::string("the gzip data are damaged (") + (zlib_.msg ? zlib_.msg : "no end") + ")";
+    ended_ = true;
+    // The checksum was never right: what came out is not to be trusted.
+    if (from_member_start && !in_first_member_) produced = 0;
+  }
+  buffer_.resize(old_size + produced);
+  const std::uint64_t begin = position_ + old_size;
+  if (produced > 0) blocks_.push_back({begin, begin + produced, file_begin, fileConsumed()});
+}
+
+/// After a member whose checksum was right: the file ends, or another member follows.
+void ByteStream::endAtMember() {
+  at_member_start_ = true;
+  in_first_member_ = false;
+  if (zlib_.avail_in == 0 && !refillInput()) {
+    ended_ = true;
+    return;
+  }
+  inflateReset(&zlib_);
+}
+
+}  // namespace fathom

@@ -1,0 +1,121 @@
+#include "recording/csv.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <string_view>
+
+#include "core/error.h"
+
+namespace fathom {
+namespace {
+
+/// Lines of a file, gzip or plain (zlib tells them apart).
+class Lines {
+ public:
+  explicit Lines(const std::filesystem::path& file) : name_(file.string()), gz_(gzopen(name_.c_str(), "rb")) {
+    if (!gz_ || std::filesystem::is_directory(file)) throw Error(name_, "", "cannot be read");
+    gzbuffer(gz_.get(), 1U << 17U);
+  }
+
+  bool next(std::string& line) {
+    constexpr std::size_t kLongestLine = 4096;
+    line.clear();
+    ++number_;
+    int c = gzgetc(gz_.get());
+    if (c < 0) {
+      rejectDamage();
+      return false;
+    }
+    for (; c >= 0 && c != '\n'; c = gzgetc(gz_.get())) {
+      if (line.size() == kLongestLine) throw error("longer than 4096 characters: not a table");
+      line.push_back(static_cast<char>(c));
+    }
+    if (c < 0) rejectDamage();
+    if (line.ends_with('\r')) line.pop_back();
+    return true;
+  }
+
+  Error error(const std::string& why) const { return {name_, "line " + std::to_string(number_), why}; }
+
+ private:
+  void rejectDamage() const {
+    int problem = Z_OK;
+    const char* why = gzerror(gz_.get(), &problem);
+    if (problem != Z_OK) throw error(std::string("damaged or cut off: ") + why);
+  }
+  struct Close {
+    void operator()(gzFile_s* gz) const { gzclose(gz); }
+  };
+
+  std::string name_;
+  std::unique_ptr<gzFile_s, Close> gz_;
+  std::size_t number_ = 0;
+};
+
+std::vector<std::string_view> split(std::string_view line) {
+  std::vector<std::string_view> fields;
+  for (;;) {
+    const auto comma = line.find(',');
+    fields.push_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return fields;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+/// Where each wanted column stands in the file.
+std::vector<std::size_t> findColumns(const Lines& lines, const std::string& header,
+                                     const std::vector<std::string>& columns) {
+  const auto names = split(header);
+  for (const auto name : names) {
+    if (std::find(columns.begin(), columns.end(), name) == columns.end())
+      throw lines.error("unknown column `" + std::string(name) + "`");
+    if (std::count(names.begin(), names.end(), name) > 1)
+      throw lines.error("column `" + std::string(name) + "` twice");
+  }
+  std::vector<std::size_t> places;
+  for (const std::string& column : columns) {
+    const auto at = std::find(names.begin(), names.end(), column);
+    if (at == names.end()) throw lines.error("column `" + column + "` is missing");
+    places.push_back(static_cast<std::size_t>(at - names.begin()));
+  }
+  return places;
+}
+
+double toNumber(const Lines& lines, std::string_view field) {
+  double value = 0.0;
+  const auto [end, problem] = std::from_chars(field.data(), field.data() + field.size(), value);
+  if (problem != std::errc() || end != field.data() + field.size() || !std::isfinite(value))
+    throw lines.error("not a finite number: `" + std::string(field) + "`");
+  return value;
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> readCsv(const std::filesystem::path& file,
+                                         const std::vector<std::string>& columns) {
+  Lines lines(file);
+  std::string line;
+  if (!lines.next(line)) throw Error(file.string(), "line 1", "empty: must start with the columns' names");
+  const auto places = findColumns(lines, line, columns);
+
+  std::vector<std::vector<double>> rows;
+  while (lines.next(line)) {
+    const auto fields = split(line);
+    if (fields.size() != places.size())
+      throw lines.error("has " + std::to_string(fields.size()) + " fields instead of " +
+                        std::to_string(places.size()));
+    std::vector<double> row;
+    row.reserve(places.size());
+    for (const std::size_t place : places) row.push_back(toNumber(lines, fields[place]));
+    if (!rows.empty() && row[0] <= rows.back()[0]) throw lines.error("time does not increase");
+    rows.push_back(std::move(row));
+  }
+  if (rows.empty()) throw lines.error("has no rows");
+  return rows;
+}
+
+}  // namespace fathom

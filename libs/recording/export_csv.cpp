@@ -1,0 +1,115 @@
+#include "recording/export_csv.h"
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <map>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "recording/fields.h"
+#include "recording/time_text.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint64_t kEntriesPerProgress = 4096;
+
+std::string fileName(const std::string& label) {
+  std::string name;
+  for (const char c : label) {
+    const auto byte = static_cast<unsigned char>(c);
+    char code[4];
+    std::snprintf(code, sizeof code, "%%%02X", byte);
+    const bool plain = std::isalnum(byte) || c == '_' || c == '-';
+    name += plain ? std::string(1, c) : code;
+  }
+  return name + ".csv";
+}
+
+std::string numberText(const std::optional<double>& value) {
+  if (!value || std::isnan(*value)) return "NaN";
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, *value).ptr;
+  return {text, end};
+}
+
+/// RFC 4180.
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
+  return result + "\"";
+}
+
+class Table {
+ public:
+  Table(const fs::path& file, const Reading& first) : file_(file), out_(file_.path(), std::ios::binary) {
+    out_ << "time_unix_s,time_s";
+    for (const std::string& name : fieldNames(first)) out_ << ',' << name;
+    const auto images = imageFiles(first).size();
+    if (images == 1) out_ << ",file";
+    if (images == 2) out_ << ",left_file,right_file";
+    out_ << '\n';
+    fieldValues(first, values_);
+    columns_ = values_.size();
+  }
+
+  void add(const Sample& sample, Time start) {
+    fieldValues(sample.reading, values_);
+    if (values_.size() != columns_)
+      throw Error(file_.target().string(), "",
+                  "label " + sample.label + " has " + std::to_string(values_.size()) + " values at " +
+                      secondsText(unixTicks(sample.time)) + " s, had " + std::to_string(columns_) +
+                      " before");
+    out_ << secondsText(unixTicks(sample.time)) << ',' << secondsText((sample.time - start).count());
+    for (const auto& value : values_) out_ << ',' << numberText(value);
+    for (const std::string& image : imageFiles(sample.reading)) out_ << ',' << quoted(image);
+    out_ << '\n';
+  }
+
+  fs::path commit() {
+    out_.close();
+    if (!out_) throw Error(file_.target().string(), "", "cannot be written");
+    file_.commit();
+    return file_.target();
+  }
+
+ private:
+  PendingFile file_;
+  std::ofstream out_;
+  std::size_t columns_ = 0;
+  std::vector<std::optional<double>> values_;
+};
+
+bool isTabular(const Reading& reading) {
+  return !std::holds_alternative<RecordingHeader>(reading) && !std::holds_alternative<UnknownSample>(reading);
+}
+
+}  // namespace
+
+CsvExport exportCsv(const fs::path& rawlog, const fs::path& folder,
+                    const std::function<void(double)>& progress) {
+  RawlogReader reader(rawlog);
+  CsvExport result;
+  std::map<std::string, Table> tables;
+  std::optional<Time> start;
+  std::uint64_t entries = 0;
+  while (const auto sample = reader.next()) {
+    if (!start) start = sample->time;
+    if (progress && ++entries % kEntriesPerProgress == 0) progress(reader.fraction());
+    if (!isTabular(sample->reading)) {
+      ++result.entries_left_out;
+      continue;
+    }
+    const auto table =
+        tables.try_emplace(sample->label, folder / fileName(sample->label), sample->reading).first;
+    table->second.add(*sample, *start);
+  }
+  for (auto& [label, table] : tables) result.files.push_back(table.commit());
+  result.loss = reader.loss();
+  return result;
+}
+
+}  // namespace fathom

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+
+#include "recording/imported.h"
+#include "recording/sea_trial.h"
+
+/// A sea trial as its authors publish it (A-KIT, Cohen & Klein 2025): three tables a section, gzip or plain.
+namespace fathom {
+
+struct SeaTrialFiles {
+  std::filesystem::path imu, dvl, gt;
+};
+/// IMU_trajectoryN.csv[.gz], DVL_… and GT_… in a folder. Throws Error where one is missing.
+SeaTrialFiles seaTrialFiles(const std::filesystem::path& folder, int section);
+
+struct SeaTrialOptions {
+  /// The tables count seconds from an unpublished moment of June 2022: this stands for it, 2022-06-01 00:00
+  /// UTC.
+  Time start = fromUnixSeconds(1654041600.0);
+  /// Also undo the stretch of the DVL's and the solution's stamps, where it is established. Off: stamps are
+  /// kept as published.
+  bool undo_stamp_stretch = false;
+};
+
+/// The tables as they stand. Throws Error (see readCsv), also for fewer than 10 rows.
+SeaTrialData readSeaTrial(const SeaTrialFiles& files);
+
+/// Samples INS and DVL, nominal mounting (no lever arm, no rotation); axes as established, see
+/// establishConventions. odom: x east, y north, z up from the first position of the navigation solution,
+/// which is the reference. Throws Error.
+ImportedRecording importSeaTrial(const SeaTrialFiles& files, const SeaTrialOptions& options = {});
+
+}  // namespace fathom

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "recording/samples.h"
+#include "recording/tum.h"
+
+namespace fathom {
+
+/// One thing an importer established about a source that does not say it, by consistency between its streams.
+struct Conclusion {
+  std::string what;       ///< the question, e.g. "gyro axes"
+  std::string concluded;  ///< the answer, and what the importer does about it
+  std::string runner_up;  ///< the next best answer; empty for plain information
+  /// How sure: residual of the runner-up over that of the best answer, multiplied over the axes compared.
+  /// 1 is undecided; 0 for plain information.
+  double residual_ratio = 0.0;
+  std::string evidence;  ///< what was compared, with numbers and units
+};
+
+/// "what: concluded (N x better than runner-up); evidence", one line.
+std::string toText(const Conclusion& conclusion);
+
+/// A foreign recording in this program's convention.
+struct ImportedRecording {
+  RecordingHeader header;       ///< description only: file names are the caller's to choose
+  Time start{};                 ///< of the first sample
+  std::vector<Sample> samples;  ///< in time order
+  /// The source's own navigation solution, T_odom_robot, if it has one. Never goes into the rawlog.
+  std::vector<StampedPose> reference;
+  std::string vehicle_yaml;  ///< text of a vehicle file, with comments that say where each number is from
+  std::vector<Conclusion> conclusions;
+};
+
+}  // namespace fathom

@@ -1,0 +1,324 @@
+#include "recording/observations.h"
+
+#include <mrpt/io/CMemoryStream.h>
+#include <mrpt/obs/CObservationComment.h>
+#include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationRange.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+#include <mrpt/obs/CObservationStereoImages.h>
+#include <mrpt/poses/CPose3DQuat.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+
+namespace fathom {
+namespace {
+
+using namespace mrpt::obs;
+using mrpt::poses::CPose3D;
+using mrpt::poses::CPose3DQuat;
+
+constexpr const char* kComment = "mrpt::obs::CObservationComment";
+constexpr const char* kImu = "mrpt::obs::CObservationIMU";
+constexpr const char* kRange = "mrpt::obs::CObservationRange";
+constexpr const char* kRobotPose = "mrpt::obs::CObservationRobotPose";
+constexpr const char* kImage = "mrpt::obs::CObservationImage";
+constexpr const char* kStereoImages = "mrpt::obs::CObservationStereoImages";
+
+struct LabelledClass {
+  std::string_view label;
+  std::string_view mrpt_class;
+};
+constexpr std::array<LabelledClass, 8> kConvention{{{labels::kIns, kImu},
+                                                    {labels::kDvl, kImu},
+                                                    {labels::kDvlBeams, kRange},
+                                                    {labels::kDepth, kImu},
+                                                    {labels::kUsbl, kRobotPose},
+                                                    {labels::kCamera, kImage},
+                                                    {labels::kStereo, kStereoImages},
+                                                    {labels::kTruth, kRobotPose}}};
+
+/// The class the convention gives a label; empty where it knows no such label.
+std::string_view classOf(std::string_view label) {
+  for (const LabelledClass& entry : kConvention)
+    if (entry.label == label) return entry.mrpt_class;
+  return {};
+}
+
+using FieldTriple = std::array<TIMUDataIndex, 3>;
+constexpr FieldTriple kAngularVelocity{IMU_WX, IMU_WY, IMU_WZ};
+constexpr FieldTriple kSpecificForce{IMU_X_ACC, IMU_Y_ACC, IMU_Z_ACC};
+constexpr FieldTriple kVelocity{IMU_X_VEL, IMU_Y_VEL, IMU_Z_VEL};
+constexpr std::array<TIMUDataIndex, 4> kAttitude{IMU_ORI_QUAT_X, IMU_ORI_QUAT_Y, IMU_ORI_QUAT_Z,
+                                                 IMU_ORI_QUAT_W};
+
+// ---- the header's INI text ----
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '\\')
+      result += "\\\\";
+    else if (c == '\n')
+      result += "\\n";
+    else if (c == '\r')
+      result += "\\r";
+    else
+      result += c;
+  }
+  return result;
+}
+
+std::string unescaped(const std::string& text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char next = i + 1 < text.size() ? text[i + 1] : '\0';
+    const bool escape = text[i] == '\\' && (next == '\\' || next == 'n' || next == 'r');
+    if (!escape) {
+      result += text[i];
+      continue;
+    }
+    result += next == 'n' ? '\n' : next == 'r' ? '\r' : '\\';
+    ++i;
+  }
+  return result;
+}
+
+std::string trimmed(const std::string& text) {
+  constexpr const char* kBlanks = " \t\r";
+  const auto begin = text.find_first_not_of(kBlanks);
+  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+}
+
+std::string formatHeader(const RecordingHeader& header) {
+  return "[recording]\npanel_map = " + escaped(header.panel_map) + "\nvehicle = " + escaped(header.vehicle) +
+         "\ndescription = " + escaped(header.description) + "\n";
+}
+
+/// Not by way of MRPT's configuration reader: that one expands environment variables.
+RecordingHeader parseHeader(const std::string& text) {
+  RecordingHeader header;
+  std::istringstream lines(text);
+  std::string line;
+  bool in_section = false;
+  while (std::getline(lines, line)) {
+    line = trimmed(line);
+    if (!line.empty() && line.front() == '[') in_section = line == "[recording]";
+    const auto equals = line.find('=');
+    if (!in_section || equals == std::string::npos) continue;
+    const std::string key = trimmed(line.substr(0, equals));
+    const std::string value = unescaped(trimmed(line.substr(equals + 1)));
+    if (key == "panel_map") header.panel_map = value;
+    if (key == "vehicle") header.vehicle = value;
+    if (key == "description") header.description = value;
+  }
+  return header;
+}
+
+// ---- reading ----
+
+template <class Observation>
+Observation decode(std::span<const std::uint8_t> object) {
+  mrpt::io::CMemoryStream stream;
+  stream.assignMemoryNotOwn(object.data(), object.size());
+  auto archive = mrpt::serialization::archiveFrom(stream);
+  Observation observation;
+  archive.ReadObject(&observation);
+  return observation;
+}
+
+std::optional<Vector3d> readTriple(const CObservationIMU& imu, const FieldTriple& fields) {
+  if (!std::all_of(fields.begin(), fields.end(), [&](auto field) { return imu.has(field); })) return {};
+  return Vector3d(imu.get(fields[0]), imu.get(fields[1]), imu.get(fields[2]));
+}
+
+std::optional<Matrix3d> readAttitude(const CObservationIMU& imu) {
+  if (!std::all_of(kAttitude.begin(), kAttitude.end(), [&](auto field) { return imu.has(field); })) return {};
+  const Eigen::Quaterniond q(imu.get(IMU_ORI_QUAT_W), imu.get(IMU_ORI_QUAT_X), imu.get(IMU_ORI_QUAT_Y),
+                             imu.get(IMU_ORI_QUAT_Z));
+  const bool is_unit = std::abs(q.norm() - 1.0) < 0.01;
+  if (!is_unit) return Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  return q.normalized().toRotationMatrix();
+}
+
+Reading readImu(const std::string& label, const CObservationIMU& imu) {
+  const Pose T_robot_sensor = Pose::fromMrpt(imu.sensorPose);
+  if (label == labels::kIns)
+    return InsSample{T_robot_sensor, readTriple(imu, kAngularVelocity), readTriple(imu, kSpecificForce),
+                     readAttitude(imu)};
+  if (label == labels::kDvl) return DvlSample{T_robot_sensor, readTriple(imu, kVelocity)};
+  if (label != labels::kDepth) return UnknownSample{kImu};
+  if (!imu.has(IMU_PRESSURE)) throw ConventionBreach{"a DEPTH entry lacks IMU_PRESSURE"};
+  DepthSample depth{T_robot_sensor, imu.get(IMU_PRESSURE), {}};
+  if (imu.has(IMU_TEMPERATURE)) depth.temperature_celsius = imu.get(IMU_TEMPERATURE);
+  return depth;
+}
+
+Reading readBeams(const CObservationRange& range) {
+  DvlBeamsSample beams;
+  for (const auto& beam : range.sensedData) {
+    beams.beams.push_back({Pose::fromMrpt(CPose3D(beam.sensorPose)), {}});
+    if (beam.sensedDistance != 0.0F) beams.beams.back().range_m = static_cast<double>(beam.sensedDistance);
+  }
+  return beams;
+}
+
+Reading readStereo(const CObservationStereoImages& stereo) {
+  if (!stereo.hasImageRight) throw ConventionBreach{"a STEREO entry lacks its right image"};
+  return StereoSample{Pose::fromMrpt(CPose3D(stereo.cameraPose)),
+                      Pose::fromMrpt(CPose3D(stereo.rightCameraPose)),
+                      stereo.leftCamera,
+                      stereo.rightCamera,
+                      stereo.imageLeft.getExternalStorageFile(),
+                      stereo.imageRight.getExternalStorageFile()};
+}
+
+// ---- writing ----
+
+void writeTriple(CObservationIMU& imu, const FieldTriple& fields, const std::optional<Vector3d>& value) {
+  if (!value) return;
+  for (std::size_t i = 0; i < fields.size(); ++i) imu.set(fields[i], (*value)[static_cast<Eigen::Index>(i)]);
+}
+
+CPose3DQuat toPoseQuat(const Pose& pose) { return CPose3DQuat(pose.toMrpt()); }
+
+void append(CObservation& observation, Time time, const std::string& label,
+            std::vector<std::uint8_t>& bytes) {
+  observation.timestamp = time;
+  observation.sensorLabel = label;
+  mrpt::io::CMemoryStream stream;
+  mrpt::serialization::archiveFrom(stream) << observation;
+  const auto* data = static_cast<const std::uint8_t*>(stream.getRawBufferData());
+  bytes.insert(bytes.end(), data, data + stream.getTotalBytesCount());
+}
+
+/// Turns each kind of reading into its observation and appends it.
+struct Encoder {
+  const Sample& sample;
+  std::vector<std::uint8_t>& bytes;
+
+  void write(CObservation& observation) const { append(observation, sample.time, sample.label, bytes); }
+
+  void operator()(const InsSample& ins) const {
+    requireLabel(labels::kIns);
+    CObservationIMU imu;
+    imu.sensorPose = ins.T_robot_ins.toMrpt();
+    writeTriple(imu, kAngularVelocity, ins.angular_velocity_ins);
+    writeTriple(imu, kSpecificForce, ins.specific_force_ins);
+    if (ins.R_odom_ins) {
+      const Eigen::Quaterniond q(*ins.R_odom_ins);
+      for (int i = 0; i < 4; ++i) imu.set(kAttitude[static_cast<std::size_t>(i)], q.coeffs()[i]);
+    }
+    write(imu);
+  }
+  void operator()(const DvlSample& dvl) const {
+    requireLabel(labels::kDvl);
+    CObservationIMU imu;
+    imu.sensorPose = dvl.T_robot_dvl.toMrpt();
+    writeTriple(imu, kVelocity, dvl.velocity_dvl);
+    write(imu);
+  }
+  void operator()(const DepthSample& depth) const {
+    requireLabel(labels::kDepth);
+    CObservationIMU imu;
+    imu.sensorPose = depth.T_robot_depth.toMrpt();
+    imu.set(IMU_PRESSURE, depth.pressure_pa);
+    if (depth.temperature_celsius) imu.set(IMU_TEMPERATURE, *depth.temperature_celsius);
+    write(imu);
+  }
+  void operator()(const DvlBeamsSample& beams) const {
+    requireLabel(labels::kDvlBeams);
+    CObservationRange range;
+    range.minSensorDistance = 0.0F;
+    range.maxSensorDistance = 200.0F;
+    for (const DvlBeam& beam : beams.beams) {
+      CObservationRange::TMeasurement measurement;
+      measurement.sensorID = static_cast<std::uint16_t>(range.sensedData.size());
+      measurement.sensorPose = beam.T_robot_beam.toMrpt().asTPose();
+      measurement.sensedDistance = static_cast<float>(beam.range_m.value_or(0.0));
+      range.sensedData.push_back(measurement);
+    }
+    write(range);
+  }
+  void operator()(const PoseSample& pose) const {
+    const auto expected = classOf(sample.label);
+    if (!expected.empty() && expected != kRobotPose) requireLabel(labels::kUsbl);
+    CObservationRobotPose observation;
+    observation.pose = pose.T_odom_robot;
+    observation.sensorPose = pose.T_robot_sensor.toMrpt();
+    write(observation);
+  }
+  void operator()(const ImageSample& image) const {
+    requireLabel(labels::kCamera);
+    CObservationImage observation;
+    observation.cameraPose = image.T_robot_camera.toMrpt();
+    observation.cameraParams = image.intrinsics;
+    observation.image.setExternalStorage(image.file);
+    write(observation);
+  }
+  void operator()(const StereoSample& stereo) const {
+    requireLabel(labels::kStereo);
+    CObservationStereoImages observation;
+    observation.cameraPose = toPoseQuat(stereo.T_robot_left);
+    observation.rightCameraPose = toPoseQuat(stereo.T_left_right);
+    observation.leftCamera = stereo.left_intrinsics;
+    observation.rightCamera = stereo.right_intrinsics;
+    observation.imageLeft.setExternalStorage(stereo.left_file);
+    observation.imageRight.setExternalStorage(stereo.right_file);
+    observation.hasImageRight = true;
+    write(observation);
+  }
+  void operator()(const RecordingHeader&) const {
+    throw std::logic_error("a rawlog's header is written once, by RawlogWriter's constructor");
+  }
+  void operator()(const UnknownSample&) const {
+    throw std::logic_error("an unknown entry cannot be written");
+  }
+
+  void requireLabel(std::string_view expected) const {
+    if (sample.label == expected) return;
+    throw std::logic_error("label " + sample.label + " on a sample of kind " + std::string(expected));
+  }
+};
+
+}  // namespace
+
+Reading decodeReading(const std::string& mrpt_class, const std::string& label,
+                      std::span<const std::uint8_t> object) {
+  const auto expected = classOf(label);
+  if (!expected.empty() && expected != mrpt_class)
+    throw ConventionBreach{"an entry labelled " + label + " is a " + mrpt_class + ", must be a " +
+                           std::string(expected)};
+  if (mrpt_class == kComment) return parseHeader(decode<CObservationComment>(object).text);
+  if (mrpt_class == kImu) return readImu(label, decode<CObservationIMU>(object));
+  if (mrpt_class == kRobotPose) {
+    const auto observation = decode<CObservationRobotPose>(object);
+    return PoseSample{observation.pose, Pose::fromMrpt(observation.sensorPose)};
+  }
+  if (label == labels::kDvlBeams) return readBeams(decode<CObservationRange>(object));
+  if (label == labels::kStereo) return readStereo(decode<CObservationStereoImages>(object));
+  if (label == labels::kCamera) {
+    const auto observation = decode<CObservationImage>(object);
+    return ImageSample{Pose::fromMrpt(observation.cameraPose), observation.cameraParams,
+                       observation.image.getExternalStorageFile()};
+  }
+  return UnknownSample{mrpt_class};
+}
+
+void encodeSample(const Sample& sample, std::vector<std::uint8_t>& bytes) {
+  std::visit(Encoder{sample, bytes}, sample.reading);
+}
+
+void encodeHeader(const RecordingHeader& header, Time time, std::vector<std::uint8_t>& bytes) {
+  CObservationComment comment;
+  comment.text = formatHeader(header);
+  append(comment, time, "", bytes);
+}
+
+}  // namespace fathom

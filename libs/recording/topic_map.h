@@ -1,0 +1,48 @@
+#pragma once
+
+#include <mrpt/img/TCamera.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry.h"
+
+namespace fathom {
+
+/// What a topic of a bag becomes. Message types (ROS 1) that suit each:
+///   INS        sensor_msgs/Imu
+///   DVL        nav_msgs/Odometry (its twist), geometry_msgs/TwistWithCovarianceStamped
+///   DVL_BEAMS  sensor_msgs/Range, one topic a beam, in the order of the map
+///   DEPTH      sensor_msgs/FluidPressure
+///   USBL       geometry_msgs/PoseWithCovarianceStamped (its position)
+///   CAMERA     sensor_msgs/Image, sensor_msgs/CompressedImage
+///   REFERENCE  nav_msgs/Odometry (its pose), geometry_msgs/PoseWithCovarianceStamped
+enum class TopicRole { ins, dvl, dvl_beams, depth, usbl, camera, reference };
+
+struct BagTopic {
+  std::string topic;
+  TopicRole as = TopicRole::ins;
+  Pose T_robot_sensor;
+  // INS: which fields are used, and whose attitude `orientation` is.
+  bool use_orientation = true, use_rate = true, use_acceleration = true;
+  bool orientation_is_robot = false;  ///< else the sensor's own, as ROS defines it
+  std::optional<mrpt::img::TCamera> intrinsics;  ///< CAMERA only
+};
+
+/// Which topics of a bag become what, see config/husky_topics.yaml.
+struct TopicMap {
+  std::string file;  ///< for error messages
+  std::string description;
+  double gravity_m_s2 = 9.80665;
+  std::vector<BagTopic> topics;
+};
+
+/// Strict, see core/yaml.h. Every role at most once, except DVL_BEAMS. Throws Error.
+TopicMap readTopicMap(const std::filesystem::path& file);
+
+/// "INS", "DVL", …
+const char* roleName(TopicRole role);
+
+}  // namespace fathom

@@ -1,0 +1,102 @@
+#include "recording/tum.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "recording/time_text.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kFields = 8;
+constexpr double kUnitTolerance = 1e-3;
+constexpr long double kLatestSecond = 16e9L;  // about the year 2477
+
+std::vector<std::string_view> split(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t\r";
+  std::vector<std::string_view> words;
+  for (auto begin = line.find_first_not_of(kBlanks); begin != std::string_view::npos;) {
+    const auto end = std::min(line.find_first_of(kBlanks, begin), line.size());
+    words.push_back(line.substr(begin, end - begin));
+    begin = line.find_first_not_of(kBlanks, end);
+  }
+  return words;
+}
+
+/// One line's pose. Throws the reason as text.
+struct Flaw {
+  std::string why;
+};
+
+/// long double: seconds since 1970 to 100 ns need 54 bits.
+long double parseNumber(std::string_view word) {
+  long double value = 0;
+  const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (status != std::errc{} || end != word.data() + word.size())
+    throw Flaw{"`" + std::string(word) + "` is not a number"};
+  if (!std::isfinite(value)) throw Flaw{"`" + std::string(word) + "` is not finite"};
+  return value;
+}
+
+StampedPose parsePose(const std::vector<std::string_view>& words) {
+  if (words.size() != kFields)
+    throw Flaw{"has " + std::to_string(words.size()) + " fields, must have 8: time tx ty tz qx qy qz qw"};
+  const long double seconds = parseNumber(words[0]);
+  if (seconds < 0 || seconds > kLatestSecond) throw Flaw{"time is not within 1970 to 2477"};
+  std::array<double, kFields> v{};
+  for (std::size_t i = 1; i < kFields; ++i) v[i] = static_cast<double>(parseNumber(words[i]));
+  const Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
+  if (std::abs(q.norm() - 1.0) > kUnitTolerance) throw Flaw{"the quaternion is not of unit norm"};
+  return {fromUnixTicks(std::llroundl(seconds * 1e7L)),
+          {q.normalized().toRotationMatrix(), Vector3d(v[1], v[2], v[3])}};
+}
+
+}  // namespace
+
+std::vector<StampedPose> readTum(const fs::path& file) {
+  std::ifstream in(file);
+  std::error_code problem;
+  if (!in || fs::is_directory(file, problem)) throw Error(file.string(), "", "cannot be read");
+  std::vector<StampedPose> poses;
+  std::string line;
+  for (int number = 1; std::getline(in, line); ++number) {
+    const auto words = split(std::string_view(line).substr(0, line.find('#')));
+    if (words.empty()) continue;
+    try {
+      const StampedPose pose = parsePose(words);
+      if (!poses.empty() && pose.time <= poses.back().time) throw Flaw{"time does not increase"};
+      poses.push_back(pose);
+    } catch (const Flaw& flaw) {
+      throw Error(file.string(), "line " + std::to_string(number), flaw.why);
+    }
+  }
+  if (poses.empty()) throw Error(file.string(), "", "holds no pose");
+  return poses;
+}
+
+void writeTumLine(std::ostream& out, const StampedPose& pose) {
+  const Vector3d& t = pose.T_odom_robot.position;
+  const Eigen::Quaterniond q(pose.T_odom_robot.rotation);
+  char numbers[256];
+  std::snprintf(numbers, sizeof numbers, " %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", t.x(), t.y(), t.z(),
+                q.x(), q.y(), q.z(), q.w());
+  out << secondsText(unixTicks(pose.time)) << numbers;
+}
+
+void writeTum(const fs::path& file, const std::vector<StampedPose>& poses) {
+  std::ostringstream text;
+  text << "# timestamp tx ty tz qx qy qz qw\n";
+  for (const StampedPose& pose : poses) writeTumLine(text, pose);
+  writeTextFile(file, text.str());
+}
+
+}  // namespace fathom

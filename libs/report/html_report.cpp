@@ -1,0 +1,145 @@
+#include "report/html_report.h"
+
+#include <regex>
+
+#include "core/files.h"
+
+namespace fathom {
+namespace {
+
+constexpr const char* kStyle = R"css(
+:root { color-scheme: light dark; --ink: #1c2128; --soft: #59636e; --paper: #ffffff; --card: #f6f8fa;
+        --line: #d1d9e0; --warn: #9a3412; --warn-paper: #fff4ed; --accent: #0072b2; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e6e9ed; --soft: #9aa4af; --paper: #14181d; --card: #1c2229; --line: #343c45;
+          --warn: #ffb38a; --warn-paper: #33200f; --accent: #56b4e9; } }
+* { box-sizing: border-box; }
+body { margin: 0; background: var(--paper); color: var(--ink);
+       font: 16px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; }
+main { max-width: 60rem; margin: 0 auto; padding: 2rem 1.25rem 3rem; }
+h1 { font-size: 1.7rem; line-height: 1.25; margin: 0 0 1rem; }
+h2 { font-size: 1.25rem; margin: 2.4rem 0 .6rem; padding-top: .6rem; border-top: 1px solid var(--line); }
+h3 { font-size: 1.05rem; margin: 1.6rem 0 .4rem; }
+p { max-width: 46rem; margin: .6rem 0; }
+.keys { display: grid; grid-template-columns: repeat(auto-fit, minmax(10.5rem, 1fr)); gap: .75rem; margin: 1rem 0; }
+.keys div { background: var(--card); border: 1px solid var(--line); border-radius: 6px; padding: .6rem .8rem; }
+.keys dt { color: var(--soft); font-size: .85rem; }
+.keys dd { margin: 0; font-size: 1.2rem; font-weight: 600; overflow-wrap: anywhere; }
+.keys div { display: flex; flex-direction: column-reverse; justify-content: flex-end; }
+.warning { border-left: 4px solid var(--warn); background: var(--warn-paper); padding: .6rem .9rem; margin: 1rem 0; }
+.warning strong { color: var(--warn); }
+.scroll { overflow-x: auto; margin: .8rem 0; }
+table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabular-nums; }
+caption { text-align: left; color: var(--soft); padding: .2rem 0; }
+th, td { padding: .3rem .8rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
+th { color: var(--soft); font-weight: 600; border-bottom-width: 2px; }
+td.n, th.n { text-align: right; white-space: nowrap; }
+figure { margin: 1rem 0; }
+figure svg { display: block; width: 100%; height: auto; }
+figure.square svg { max-width: 48rem; }
+figcaption { color: var(--soft); font-size: .92rem; max-width: 46rem; }
+pre { background: var(--card); border: 1px solid var(--line); border-radius: 6px; padding: .7rem .9rem;
+      overflow-x: auto; font-size: .87rem; }
+footer { margin-top: 3rem; padding-top: .8rem; border-top: 1px solid var(--line); color: var(--soft);
+         font-size: .85rem; overflow-wrap: anywhere; }
+@media print {
+  :root { --ink: #000; --soft: #444; --paper: #fff; --card: #fff; --line: #bbb; --warn: #9a3412; --warn-paper: #fff; }
+  main { max-width: none; padding: 0; }
+  figure, tr, .warning, .keys div { break-inside: avoid; } h2, h3 { break-after: avoid; }
+  .scroll { overflow: visible; } }
+)css";
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+std::string element(const std::string& tag, const std::string& text) {
+  return "<" + tag + ">" + escaped(text) + "</" + tag + ">\n";
+}
+
+/// An id may stand only once in a page, and gnuplot gives every plot the same ones.
+std::string withOwnIds(std::string svg, const std::string& prefix) {
+  static const std::regex names(R"((\sid=['"]|href=['"]#|url\(#))");
+  svg = std::regex_replace(svg, names, "$1" + prefix);
+  return svg;
+}
+
+std::string tableRow(const Table& table, const std::vector<std::string>& row, const std::string& tag) {
+  std::string html = "<tr>";
+  for (std::size_t column = 0; column < table.header.size(); ++column) {
+    html.append("<").append(tag).append(isNumeric(table, column) ? " class=\"n\">" : ">");
+    html.append(escaped(column < row.size() ? row[column] : "")).append("</").append(tag).append(">");
+  }
+  return html + "</tr>\n";
+}
+
+}  // namespace
+
+HtmlReport::HtmlReport(std::string title) : title_(std::move(title)) { body_ = element("h1", title_); }
+
+void HtmlReport::heading(const std::string& text) { body_ += element("h2", text); }
+void HtmlReport::subheading(const std::string& text) { body_ += element("h3", text); }
+void HtmlReport::paragraph(const std::string& text) { body_ += element("p", text); }
+void HtmlReport::preformatted(const std::string& text) { body_ += element("pre", text); }
+
+void HtmlReport::warning(const std::string& text) {
+  body_ += "<div class=\"warning\" role=\"note\"><strong>Warning:</strong> " + escaped(text) + "</div>\n";
+}
+
+void HtmlReport::keyValues(const std::vector<std::pair<std::string, std::string>>& values) {
+  body_ += "<dl class=\"keys\">\n";
+  for (const auto& [name, value] : values)
+    body_ += "<div><dt>" + escaped(name) + "</dt><dd>" + escaped(value) + "</dd></div>\n";
+  body_ += "</dl>\n";
+}
+
+void HtmlReport::table(const Table& table, const std::string& caption) {
+  body_ += "<div class=\"scroll\"><table>\n";
+  if (!caption.empty()) body_ += element("caption", caption);
+  body_ += "<thead>" + tableRow(table, table.header, "th") + "</thead>\n<tbody>\n";
+  for (const auto& row : table.rows) body_ += tableRow(table, row, "td");
+  body_ += "</tbody></table></div>\n";
+}
+
+void HtmlReport::plot(const Plot& plot, const std::string& caption) {
+  ++plots_;
+  body_ += plot.equal_axes ? "<figure class=\"square\">\n" : "<figure>\n";
+  body_ += withOwnIds(renderSvg(plot), "plot" + std::to_string(plots_) + "-");
+  if (!caption.empty()) body_ += element("figcaption", caption);
+  body_ += "</figure>\n";
+}
+
+void HtmlReport::footer(const RunInfo& run) {
+  body_ += "<footer>fathom " + escaped(run.version) + "<br>" + escaped(run.command_line) +
+           (run.seed ? "<br>seed " + std::to_string(*run.seed) : "") + "</footer>\n";
+}
+
+std::string HtmlReport::html() const {
+  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
+         escaped(title_) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n<main>\n" + body_ +
+         "</main>\n</body>\n</html>\n";
+}
+
+void HtmlReport::write(const std::filesystem::path& file) const { writeTextFile(file, html()); }
+
+}  // namespace fathom

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+namespace fathom {
+
+/// What it takes to repeat a run; stands in every result.json and at the foot of every report.
+struct RunInfo {
+  std::string command_line{};
+  std::optional<std::uint64_t> seed{};  ///< absent: nothing in the run is random
+  std::string version = FATHOM_VERSION;
+};
+
+/// {"program": "fathom", "version": …, "command_line": …, "seed": … or null}
+nlohmann::ordered_json toJson(const RunInfo& run);
+
+/// Two spaces an indent, keys in the order given, NaN and infinity as null, broken UTF-8 replaced; written by
+/// way of PendingFile. The same value gives the same bytes. Throws Error.
+void writeJson(const std::filesystem::path& file, const nlohmann::ordered_json& value);
+
+}  // namespace fathom

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace fathom {
+
+/// Rows may be shorter than the header: missing cells are empty.
+struct Table {
+  std::vector<std::string> header{};
+  std::vector<std::vector<std::string>> rows{};
+};
+
+/// Whether column i holds numbers (with or without unit; "-" and empty cells count as numbers that are
+/// absent), so that it is set flush right.
+bool isNumeric(const Table& table, std::size_t column);
+
+/// Aligned plain text for the terminal, lines end in \n. Columns are as wide as their widest cell, counted in
+/// UTF-8 characters.
+std::string formatTable(const Table& table);
+
+/// A number for a reader: `decimals` digits behind the point; "-" for NaN, "inf" for infinity; no "-0".
+std::string fixed(double value, int decimals);
+
+}  // namespace fathom

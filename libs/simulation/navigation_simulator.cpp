@@ -1,0 +1,298 @@
+#include "simulation/navigation_simulator.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "core/error.h"
+#include "core/random.h"
+#include "sensors/models.h"
+
+namespace fathom {
+namespace {
+
+/// Numbers of the random streams: fixed, so that a new sensor changes no other's noise.
+enum Stream : std::uint64_t {
+  kInsWhite,
+  kInsBias,
+  kInsAttitude,
+  kDvlVelocity,
+  kDvlRange,
+  kDepthNoise,
+  kUsblNoise
+};
+
+/// What all sensors share.
+struct Scene {
+  const SimulationOptions& options;
+  const Trajectory& trajectory;
+  World<double> world;
+  EffectParameters<double> effects;
+
+  Random stream(Stream number) const { return Random::stream(options.seed, number); }
+  double sigma(double sheet_sigma) const { return options.noise ? sheet_sigma : 0.0; }
+  /// The motion `seconds` after the first stamp.
+  KinematicState<double> at(double seconds) const { return trajectory.at(options.begin_s + seconds); }
+  bool covers(double seconds) const {
+    const double time_s = options.begin_s + seconds;
+    constexpr double kTick_s = 1e-6;  // stamps are rounded to 0.1 us: the last may lie just beyond the end
+    return time_s >= trajectory.start_s() - kTick_s && time_s <= trajectory.end_s() + kTick_s;
+  }
+};
+
+/// One sensor's samples, at a fixed rate.
+class Channel {
+ public:
+  Channel(const Scene& scene, const char* label, double rate_hz)
+      : scene_(scene), label_(label), rate_hz_(rate_hz) {}
+  virtual ~Channel() = default;
+  Channel(const Channel&) = delete;
+  Channel& operator=(const Channel&) = delete;
+
+  Time nextTime() const { return after(scene_.options.start, static_cast<double>(count_) / rate_hz_); }
+  Sample next() {
+    const Time time = nextTime();
+    ++count_;
+    return {time, label_, read(secondsBetween(scene_.options.start, time))};
+  }
+
+ protected:
+  /// The reading stamped `seconds` after the first stamp.
+  virtual Reading read(double seconds) = 0;
+  const Scene& scene_;
+
+ private:
+  const char* label_;
+  double rate_hz_;
+  std::uint64_t count_ = 0;
+};
+
+/// First-order Gauss-Markov process, discretised exactly; begins in its stationary distribution.
+class GaussMarkov {
+ public:
+  GaussMarkov(double sigma, double time_constant_s, double interval_s)
+      : sigma_(sigma), decay_(std::exp(-interval_s / time_constant_s)) {}
+
+  std::array<double, 3> next(Random& random) {
+    const Vector3d draw = sigma_ * random.normal3();
+    value_ = started_ ? Vector3d(decay_ * value_ + std::sqrt(1.0 - decay_ * decay_) * draw) : draw;
+    started_ = true;
+    return {value_.x(), value_.y(), value_.z()};
+  }
+
+ private:
+  double sigma_, decay_;
+  Vector3d value_ = Vector3d::Zero();
+  bool started_ = false;
+};
+
+class InsChannel : public Channel {
+ public:
+  InsChannel(const Scene& scene, const InsSheet& sheet)
+      : Channel(scene, labels::kIns, sheet.rate_hz),
+        sheet_(sheet),
+        gyro_bias_(sheet.gyro_bias_sigma_rad_s, sheet.bias_time_constant_s, 1.0 / sheet.rate_hz),
+        accelerometer_bias_(sheet.accelerometer_bias_sigma_m_s2, sheet.bias_time_constant_s,
+                            1.0 / sheet.rate_hz),
+        white_(scene.stream(kInsWhite)),
+        bias_(scene.stream(kInsBias)),
+        attitude_(scene.stream(kInsAttitude)) {}
+
+ private:
+  Reading read(double seconds) override {
+    const auto state = scene_.at(seconds);
+    EffectParameters<double> effects = scene_.effects;
+    if (scene_.options.noise) {
+      effects.add<GyroBias>(gyro_bias_.next(bias_));
+      effects.add<AccelerometerBias>(accelerometer_bias_.next(bias_));
+    }
+    InsSample sample{sheet_.T_robot_ins, {}, {}, {}};
+    sample.angular_velocity_ins = predictGyro(state, sheet_.T_robot_ins, effects) +
+                                  scene_.sigma(sheet_.gyro_sigma_rad_s) * white_.normal3();
+    sample.specific_force_ins = predictSpecificForce(state, scene_.world, sheet_.T_robot_ins, effects) +
+                                scene_.sigma(sheet_.accelerometer_sigma_m_s2) * white_.normal3();
+    if (sheet_.attitude_sigma_rad) {
+      const Vector3d error = scene_.sigma(*sheet_.attitude_sigma_rad) * attitude_.normal3();
+      sample.R_odom_ins = predictAttitude(state, sheet_.T_robot_ins, effects) * expSO3<double>(error);
+    }
+    return sample;
+  }
+
+  const InsSheet& sheet_;
+  GaussMarkov gyro_bias_, accelerometer_bias_;
+  Random white_, bias_, attitude_;
+};
+
+/// Ranges without noise; absent where the beam looks up or the floor is out of reach.
+std::vector<std::optional<double>> echoes(const Scene& scene, const DvlSheet& sheet,
+                                          const KinematicState<double>& state) {
+  std::vector<std::optional<double>> ranges_m;
+  for (std::size_t k = 0; k < sheet.beam_azimuths_rad.size(); ++k) {
+    const double range_m =
+        predictBeamRange(state, scene.world, sheet.T_robot_dvl, sheet.T_robot_beam(k), scene.effects);
+    const bool heard = range_m >= scene.options.beam_min_range_m && range_m <= scene.options.beam_max_range_m;
+    ranges_m.push_back(heard ? std::optional(range_m) : std::nullopt);
+  }
+  return ranges_m;
+}
+
+class DvlChannel : public Channel {
+ public:
+  DvlChannel(const Scene& scene, const DvlSheet& sheet)
+      : Channel(scene, labels::kDvl, sheet.rate_hz), sheet_(sheet), random_(scene.stream(kDvlVelocity)) {}
+
+ private:
+  Reading read(double seconds) override {
+    const double xy = scene_.sigma(sheet_.velocity_sigma_xy_m_s),
+                 z = scene_.sigma(sheet_.velocity_sigma_z_m_s);
+    const Vector3d error = Vector3d(xy, xy, z).cwiseProduct(random_.normal3());
+    const double valid_s = seconds + dvlValidityOffset(scene_.effects);
+    DvlSample sample{sheet_.T_robot_dvl, {}};
+    if (!scene_.covers(valid_s)) return sample;
+    const auto state = scene_.at(valid_s);
+    if (hasBottomLock(state))
+      sample.velocity_dvl = predictDvlVelocity(state, sheet_.T_robot_dvl, scene_.effects) + error;
+    return sample;
+  }
+
+  bool hasBottomLock(const KinematicState<double>& state) const {
+    const auto ranges_m = echoes(scene_, sheet_, state);
+    const auto heard = std::count_if(ranges_m.begin(), ranges_m.end(), [](auto& r) { return r.has_value(); });
+    return heard >= std::min<std::ptrdiff_t>(3, std::ssize(ranges_m));
+  }
+
+  const DvlSheet& sheet_;
+  Random random_;
+};
+
+class DvlBeamsChannel : public Channel {
+ public:
+  DvlBeamsChannel(const Scene& scene, const DvlSheet& sheet)
+      : Channel(scene, labels::kDvlBeams, sheet.rate_hz), sheet_(sheet), random_(scene.stream(kDvlRange)) {}
+
+ private:
+  Reading read(double seconds) override {
+    const double valid_s = seconds + dvlValidityOffset(scene_.effects);
+    std::vector<std::optional<double>> ranges_m(sheet_.beam_azimuths_rad.size());
+    if (scene_.covers(valid_s)) ranges_m = echoes(scene_, sheet_, scene_.at(valid_s));
+    DvlBeamsSample sample;
+    for (std::size_t k = 0; k < ranges_m.size(); ++k) {
+      const double error_m = scene_.sigma(sheet_.range_sigma_m) * random_.normal();
+      // A range of 0 means "no echo" in a recording, so noise must not reach it.
+      if (ranges_m[k]) ranges_m[k] = std::max(*ranges_m[k] + error_m, 1e-3);
+      sample.beams.push_back({sheet_.T_robot_beam(k), ranges_m[k]});
+    }
+    return sample;
+  }
+
+  const DvlSheet& sheet_;
+  Random random_;
+};
+
+class DepthChannel : public Channel {
+ public:
+  DepthChannel(const Scene& scene, const DepthSheet& sheet)
+      : Channel(scene, labels::kDepth, sheet.rate_hz),
+        sheet_(sheet),
+        effects_(scene.effects),
+        random_(scene.stream(kDepthNoise)) {
+    const double offset_pa = scene.sigma(sheet.pressure_offset_sigma_pa) * random_.normal();
+    if (scene.options.noise) effects_.add<PressureOffset>({offset_pa});
+  }
+
+ private:
+  Reading read(double seconds) override {
+    DepthSample sample;
+    sample.T_robot_depth = sheet_.T_robot_depth;
+    sample.pressure_pa =
+        predictPressure(scene_.at(seconds), scene_.world, sheet_, sheet_.T_robot_depth, effects_) +
+        scene_.sigma(sheet_.pressure_sigma_pa) * random_.normal();
+    return sample;
+  }
+
+  const DepthSheet& sheet_;
+  EffectParameters<double> effects_;
+  Random random_;
+};
+
+class UsblChannel : public Channel {
+ public:
+  UsblChannel(const Scene& scene, const UsblSheet& sheet)
+      : Channel(scene, labels::kUsbl, sheet.rate_hz), sheet_(sheet), random_(scene.stream(kUsblNoise)) {}
+
+ private:
+  Reading read(double seconds) override {
+    const Vector3d error = scene_.sigma(sheet_.position_sigma_m) * random_.normal3();
+    const Vector3d position = predictUsbl(scene_.at(seconds), sheet_.T_robot_usbl) + error;
+    PoseSample sample;
+    sample.T_odom_robot.mean = Pose{Matrix3d::Identity(), position}.toMrpt();
+    auto covariance = sample.T_odom_robot.cov.asEigen();
+    covariance.setZero();
+    covariance.diagonal().head<3>().setConstant(std::pow(sheet_.position_sigma_m, 2));
+    covariance.diagonal().tail<3>().setConstant(1e6);
+    return sample;
+  }
+
+  const UsblSheet& sheet_;
+  Random random_;
+};
+
+class TruthChannel : public Channel {
+ public:
+  explicit TruthChannel(const Scene& scene) : Channel(scene, labels::kTruth, scene.options.truth_rate_hz) {}
+
+ private:
+  Reading read(double seconds) override {
+    const auto state = scene_.at(seconds);
+    PoseSample sample;
+    sample.T_odom_robot.mean = Pose{state.R_odom_robot, state.position_odom}.toMrpt();
+    auto covariance = sample.T_odom_robot.cov.asEigen();
+    covariance.setZero();
+    covariance.diagonal().setConstant(1e-12);
+    return sample;
+  }
+};
+
+std::vector<std::unique_ptr<Channel>> channelsOf(const Scene& scene) {
+  const Vehicle& vehicle = scene.options.vehicle;
+  std::vector<std::unique_ptr<Channel>> channels;
+  if (vehicle.ins) channels.push_back(std::make_unique<InsChannel>(scene, *vehicle.ins));
+  if (vehicle.dvl) channels.push_back(std::make_unique<DvlChannel>(scene, *vehicle.dvl));
+  if (vehicle.dvl && !vehicle.dvl->beam_azimuths_rad.empty())
+    channels.push_back(std::make_unique<DvlBeamsChannel>(scene, *vehicle.dvl));
+  if (vehicle.depth) channels.push_back(std::make_unique<DepthChannel>(scene, *vehicle.depth));
+  if (vehicle.usbl) channels.push_back(std::make_unique<UsblChannel>(scene, *vehicle.usbl));
+  channels.push_back(std::make_unique<TruthChannel>(scene));
+  return channels;
+}
+
+}  // namespace
+
+double simulatedDuration_s(const SimulationOptions& options, const Trajectory& trajectory) {
+  const double left_s = trajectory.end_s() - options.begin_s;
+  if (options.begin_s < trajectory.start_s() || left_s < 0)
+    throw Error("simulation", "begin", "lies outside the trajectory");
+  if (!options.duration_s) return left_s;
+  if (!(*options.duration_s > 0)) throw Error("simulation", "duration", "must be greater than zero");
+  if (*options.duration_s > left_s)
+    throw Error("simulation", "duration",
+                "is longer than the trajectory, which has " + std::to_string(left_s) + " s");
+  return *options.duration_s;
+}
+
+void simulateNavigation(const SimulationOptions& options, const Trajectory& trajectory,
+                        const std::function<void(const Sample&)>& sink) {
+  const Time end = after(options.start, simulatedDuration_s(options, trajectory));
+  const Scene scene{
+      options, trajectory, {options.vehicle.gravityOdom(), options.sea_floor_z_m}, options.effects};
+  const auto channels = channelsOf(scene);
+  const auto earlier = [](const auto& a, const auto& b) { return a->nextTime() < b->nextTime(); };
+  for (;;) {
+    Channel& next = **std::min_element(channels.begin(), channels.end(), earlier);
+    if (next.nextTime() > end) return;
+    sink(next.next());
+  }
+}
+
+}  // namespace fathom

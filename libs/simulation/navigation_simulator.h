@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "effects/registry.h"
+#include "recording/samples.h"
+#include "sensors/vehicle.h"
+#include "simulation/trajectory.h"
+
+namespace fathom {
+
+/// What is simulated. Which sensors there are, how often they read and how noisy they are says the vehicle.
+struct SimulationOptions {
+  Vehicle vehicle;
+  EffectParameters<double> effects;  ///< physics that the nominal model leaves out; biases are drawn on top
+  double sea_floor_z_m = -6.0;       ///< flat, height in odom
+  std::uint64_t seed = 1;
+  bool noise = true;  ///< false: no white noise, no random bias, no random pressure offset
+
+  Time start = fromUnixSeconds(1'700'000'000);  ///< stamp of the first sample
+  double begin_s = 0.0;                         ///< the trajectory's time at `start`
+  std::optional<double> duration_s;             ///< default: to the trajectory's end
+
+  double truth_rate_hz = 10.0;
+  /// A beam has an echo between these slant ranges; the DVL has bottom lock with echoes on three beams.
+  double beam_min_range_m = 0.05, beam_max_range_m = 50.0;
+};
+
+/// Runs the forward model (sensors/models.h) along the trajectory and hands every sample to the sink, in time
+/// order: sample k of a sensor at start + k / rate, rounded to the 100 ns tick.
+///
+/// - INS: gyro, specific force; attitude where the vehicle file has attitude_sigma_deg. White noise and
+///   first-order Gauss-Markov biases, which begin stationary and enter through the bias effects.
+/// - DVL, DVL_BEAMS: the motion at stamp + dvlValidityOffset(); no velocity without bottom lock, nor where
+///   that time is outside the trajectory. A beam without echo has no range.
+/// - DEPTH: white noise and one random offset a run, which enters through the effect pressure-offset.
+/// - USBL: position of the transponder, 3 x 3 block of its covariance; orientation variance 1e6 rad².
+/// - TRUTH: T_odom_robot, covariance 1e-12 on the diagonal.
+///
+/// Each sensor draws from a random stream of its own: leaving one out changes no other.
+/// Throws Error where begin or duration lie outside the trajectory.
+void simulateNavigation(const SimulationOptions& options, const Trajectory& trajectory,
+                        const std::function<void(const Sample&)>& sink);
+
+/// How long a simulation lasts, s: duration_s, or what is left of the trajectory. Throws Error as above.
+double simulatedDuration_s(const SimulationOptions& options, const Trajectory& trajectory);
+
+}  // namespace fathom

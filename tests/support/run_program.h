@@ -1,0 +1,48 @@
+#pragma once
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "core/files.h"
+#include "support/shared_data.h"
+
+namespace fathom::test {
+
+struct ProgramResult {
+  int status = -1;  ///< exit status; -1 where it was killed
+  std::string out, err;
+};
+
+/// A word for the shell, whatever is in it.
+inline std::string shellQuoted(const std::string& word) {
+  std::string result = "'";
+  for (const char c : word) result += c == '\'' ? "'\\''" : std::string(1, c);
+  return result + "'";
+}
+
+/// Runs a bash command with no standard input.
+inline ProgramResult runShell(const std::string& command) {
+  const auto folder = std::filesystem::temp_directory_path() / "fathom-tests";
+  std::filesystem::create_directories(folder);
+  std::string base = (folder / "run-XXXXXX").string();
+  if (mkdtemp(base.data()) == nullptr) return {};
+  const std::string redirected =
+      "( " + command + "\n) </dev/null >" + shellQuoted(base + "/out") + " 2>" + shellQuoted(base + "/err");
+  const int status = std::system(("bash -c " + shellQuoted(redirected)).c_str());
+  ProgramResult result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, readTextFile(base + "/out"),
+                       readTextFile(base + "/err")};
+  std::filesystem::remove_all(base);
+  return result;
+}
+
+/// The program as built.
+inline std::string fathomProgram() { return std::string(FATHOM_BINARY_DIR) + "/app/fathom"; }
+
+/// `arguments` as one would type them.
+inline ProgramResult runFathom(const std::string& arguments) {
+  return runShell(shellQuoted(fathomProgram()) + " " + arguments);
+}
+
+}  // namespace fathom::test

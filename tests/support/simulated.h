@@ -1,0 +1,81 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sensors/vehicle.h"
+#include "simulation/navigation_simulator.h"
+
+namespace fathom::test {
+
+/// A vehicle with every navigation sensor, mounted aslant, so that no frame can be forgotten unnoticed.
+inline Vehicle slantedVehicle() {
+  const auto pose = [](double x, double y, double z, double yaw_deg, double pitch_deg, double roll_deg) {
+    return Pose{rotationFromYawPitchRoll(radians(yaw_deg), radians(pitch_deg), radians(roll_deg)), {x, y, z}};
+  };
+  Vehicle vehicle;
+  vehicle.ins.emplace().T_robot_ins = pose(0.15, -0.12, 0.13, 20, -5, 8);
+  vehicle.ins->attitude_sigma_rad = radians(0.2);
+  vehicle.dvl.emplace().T_robot_dvl = pose(-0.2, 0.05, -0.18, 45, 2, -3);
+  vehicle.depth.emplace().T_robot_depth = pose(-0.3, 0.2, 0.1, 0, 0, 0);
+  vehicle.usbl.emplace().T_robot_usbl = pose(0.1, 0.0, 0.4, 0, 0, 0);
+  vehicle.usbl->rate_hz = 1;
+  return vehicle;
+}
+
+using SamplesByLabel = std::map<std::string, std::vector<Sample>>;
+
+inline SamplesByLabel simulated(const SimulationOptions& options, const Trajectory& trajectory) {
+  SamplesByLabel samples;
+  simulateNavigation(options, trajectory, [&](const Sample& s) { samples[s.label].push_back(s); });
+  return samples;
+}
+
+/// All numbers of a reading, absent ones as NaN, for comparisons.
+inline std::vector<double> numbersOf(const Sample& sample) {
+  std::vector<double> numbers;
+  const auto add = [&](const auto& m) {
+    for (Eigen::Index i = 0; i < m.size(); ++i) numbers.push_back(m(i));
+  };
+  const auto addOptional = [&](const auto& m) {
+    if (m)
+      add(*m);
+    else
+      numbers.push_back(std::nan(""));
+  };
+  if (const auto* ins = std::get_if<InsSample>(&sample.reading)) {
+    addOptional(ins->angular_velocity_ins);
+    addOptional(ins->specific_force_ins);
+    addOptional(ins->R_odom_ins);
+  } else if (const auto* dvl = std::get_if<DvlSample>(&sample.reading)) {
+    addOptional(dvl->velocity_dvl);
+  } else if (const auto* beams = std::get_if<DvlBeamsSample>(&sample.reading)) {
+    for (const DvlBeam& beam : beams->beams) numbers.push_back(beam.range_m.value_or(std::nan("")));
+  } else if (const auto* depth = std::get_if<DepthSample>(&sample.reading)) {
+    numbers.push_back(depth->pressure_pa);
+  } else if (const auto* pose = std::get_if<PoseSample>(&sample.reading)) {
+    const Pose T = Pose::fromMrpt(pose->T_odom_robot.mean);
+    add(T.position);
+    add(T.rotation);
+  }
+  return numbers;
+}
+
+/// Largest difference of two lists of readings; infinite where counts, stamps or absences differ.
+inline double largestDifference(const std::vector<Sample>& a, const std::vector<Sample>& b) {
+  constexpr double kDifferent = std::numeric_limits<double>::infinity();
+  if (a.size() != b.size()) return kDifferent;
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const auto x = numbersOf(a[i]), y = numbersOf(b[i]);
+    if (a[i].time != b[i].time || x.size() != y.size()) return kDifferent;
+    for (std::size_t j = 0; j < x.size(); ++j) {
+      if (std::isnan(x[j]) != std::isnan(y[j])) return kDifferent;
+      if (!std::isnan(x[j])) largest = std::max(largest, std::abs(x[j] - y[j]));
+    }
+  }
+  return largest;
+}
+
+}  // namespace fathom::test

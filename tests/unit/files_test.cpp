@@ -1,0 +1,81 @@
+#include "core/files.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/error.h"
+#include "support/shared_data.h"
+
+namespace fathom {
+namespace {
+namespace fs = std::filesystem;
+
+std::size_t entriesIn(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+TEST(PendingFile, NothingUnderTheRealNameUntilCommit) {
+  const auto target = test::scratchFolder() / "new" / "out.txt";
+  PendingFile file(target);
+  EXPECT_EQ(file.target(), target);
+  std::ofstream(file.path()) << "whole";
+  EXPECT_FALSE(fs::exists(target));
+  file.commit();
+  EXPECT_EQ(readTextFile(target), "whole");
+  EXPECT_EQ(entriesIn(target.parent_path()), 1U);
+}
+
+TEST(PendingFile, OldFileStaysUntilCommit) {
+  const auto target = test::scratchFolder() / "out.txt";
+  writeTextFile(target, "old");
+  PendingFile file(target);
+  std::ofstream(file.path()) << "new";
+  EXPECT_EQ(readTextFile(target), "old");
+  file.commit();
+  EXPECT_EQ(readTextFile(target), "new");
+}
+
+TEST(PendingFile, AnExceptionRemovesThePart) {
+  const auto folder = test::scratchFolder();
+  writeTextFile(folder / "out.txt", "old");
+  try {
+    PendingFile file(folder / "out.txt");
+    std::ofstream(file.path()) << "half";
+    EXPECT_EQ(entriesIn(folder), 2U);
+    throw Error("x", "", "interrupted");
+  } catch (const Error&) {
+  }
+  EXPECT_EQ(entriesIn(folder), 1U);
+  EXPECT_EQ(readTextFile(folder / "out.txt"), "old");
+}
+
+TEST(PendingFile, FailuresAreErrorsThatNameTheFile) {
+  const auto folder = test::scratchFolder();
+  writeTextFile(folder / "file", "");
+  const auto below_a_file = folder / "file" / "out.txt";
+  try {
+    PendingFile file(below_a_file);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.file, below_a_file.string());
+  }
+  PendingFile never_written(folder / "other.txt");
+  EXPECT_THROW(never_written.commit(), Error);
+  fs::create_directories(folder / "taken" / "full");
+  EXPECT_THROW(writeTextFile(folder / "taken", "text"), Error);
+  EXPECT_FALSE(fs::exists(folder / "taken.part"));
+}
+
+TEST(TextFile, KeepsEveryByte) {
+  const auto file = test::scratchFolder() / "bytes";
+  std::string bytes;
+  for (int i = 0; i < 512; ++i) bytes += static_cast<char>(i % 256);
+  writeTextFile(file, bytes);
+  EXPECT_EQ(readTextFile(file), bytes);
+  EXPECT_THROW(readTextFile(file.parent_path()), Error);
+  EXPECT_THROW(readTextFile(file.parent_path() / "absent"), Error);
+}
+
+}  // namespace
+}  // namespace fathom

@@ -1,0 +1,126 @@
+// The table of rooms in README.md, the CMake files and the #include lines must say the same.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "core/files.h"
+
+namespace fathom {
+namespace {
+namespace fs = std::filesystem;
+using Uses = std::map<std::string, std::set<std::string>>;  // room -> rooms it may use
+
+const fs::path kSource = FATHOM_SOURCE_DIR;
+
+/// Rows `| `room` | owns | core, effects |`. "-" is none; "all" is left out of the comparison.
+Uses usesInReadme() {
+  Uses uses;
+  std::istringstream readme(readTextFile(kSource / "README.md"));
+  const std::regex row(R"(\| `(\w+)` \|[^|]*\|([^|]*)\|)");
+  bool in_table = false;
+  for (std::string line; std::getline(readme, line);) {
+    if (line.starts_with("| folder | owns | may use |")) in_table = true;
+    if (!line.starts_with("|")) in_table = false;
+    std::smatch match;
+    if (!in_table || !std::regex_match(line, match, row)) continue;
+    const std::string text = match[2];
+    const std::regex word("\\w+");
+    std::set<std::string>& rooms = uses[match[1]];
+    for (std::sregex_iterator it(text.begin(), text.end(), word), end; it != end; ++it)
+      rooms.insert(it->str());
+  }
+  return uses;
+}
+
+std::vector<fs::path> roomsOnDisk() {
+  std::vector<fs::path> rooms;
+  for (const auto& entry : fs::directory_iterator(kSource / "libs"))
+    if (fs::exists(entry.path() / "CMakeLists.txt")) rooms.push_back(entry.path());
+  return rooms;
+}
+
+std::set<std::string> usesInCMake(const fs::path& room) {
+  const std::string text = readTextFile(room / "CMakeLists.txt");
+  const auto call = text.find("fathom_library(" + room.filename().string());
+  EXPECT_NE(call, std::string::npos) << room << ": CMakeLists.txt does not call fathom_library for its room";
+  std::istringstream words(text.substr(call, text.find(')', call) - call));
+  std::set<std::string> uses;
+  bool listing = false;
+  for (std::string word; words >> word;) {
+    if (word == "USES" || word == "PACKAGES" || word == "SOURCES")
+      listing = word == "USES";
+    else if (listing)
+      uses.insert(word);
+  }
+  return uses;
+}
+
+struct Include {
+  fs::path file;
+  std::string room;  // first folder of the quoted path
+};
+
+std::vector<Include> quotedIncludes(const fs::path& folder) {
+  std::vector<Include> includes;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() != ".h" && entry.path().extension() != ".cpp") continue;
+    std::istringstream file(readTextFile(entry.path()));
+    const std::regex include(R"re(\s*#\s*include\s*"([^"/]+)(/?)[^"]*".*)re");
+    for (std::string line; std::getline(file, line);) {
+      std::smatch match;
+      if (std::regex_match(line, match, include)) includes.push_back({entry.path(), match[1]});
+    }
+  }
+  return includes;
+}
+
+TEST(Rooms, ReadmeHasTheTable) {
+  const Uses uses = usesInReadme();
+  EXPECT_TRUE(uses.contains("core") && uses.at("core").empty());
+  EXPECT_EQ(uses.at("app"), std::set<std::string>{"all"});
+  EXPECT_EQ(uses.at("sensors"), (std::set<std::string>{"core", "effects"}));
+}
+
+TEST(Rooms, EveryRoomIsInTheTable) {
+  const Uses uses = usesInReadme();
+  for (const auto& room : roomsOnDisk()) EXPECT_TRUE(uses.contains(room.filename())) << room;
+}
+
+TEST(Rooms, CMakeSaysWhatTheTableSays) {
+  const Uses uses = usesInReadme();
+  for (const auto& room : roomsOnDisk()) {
+    if (!uses.contains(room.filename())) continue;
+    EXPECT_EQ(usesInCMake(room), uses.at(room.filename())) << room;
+  }
+}
+
+TEST(Rooms, IncludesKeepToTheTable) {
+  const Uses uses = usesInReadme();
+  for (const auto& room : roomsOnDisk()) {
+    if (!uses.contains(room.filename())) continue;
+    for (const auto& include : quotedIncludes(room))
+      EXPECT_TRUE(include.room == room.filename() || uses.at(room.filename()).contains(include.room))
+          << include.file << " includes from '" << include.room << "'";
+  }
+}
+
+TEST(Rooms, NoRoomUsesItselfThroughOthers) {
+  const Uses uses = usesInReadme();
+  for (const auto& [room, used] : uses) {
+    std::set<std::string> reached, open = used;
+    while (!open.empty()) {
+      const std::string next = *open.begin();
+      open.erase(open.begin());
+      if (!reached.insert(next).second || !uses.contains(next)) continue;
+      open.insert(uses.at(next).begin(), uses.at(next).end());
+    }
+    EXPECT_FALSE(reached.contains(room)) << room;
+  }
+}
+
+}  // namespace
+}  // namespace fathom

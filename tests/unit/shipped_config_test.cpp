@@ -1,0 +1,44 @@
+// Every file in config/ is read by whoever it is for: no shipped example may be stale.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <map>
+
+#include "recording/topic_map.h"
+#include "sensors/vehicle.h"
+#include "simulation/read_trajectory.h"
+#include "support/shared_data.h"
+
+namespace fathom {
+namespace {
+namespace fs = std::filesystem;
+
+const fs::path kConfig = fs::path(FATHOM_SOURCE_DIR) / "config";
+
+/// By the end of the file's name.
+const std::map<std::string, std::function<void(const fs::path&)>> kReaders{
+    {"rov.yaml", [](const fs::path& file) { readVehicle(file); }},
+    {"_trajectory.yaml", [](const fs::path& file) { readTrajectory(file); }},
+    {"_topics.yaml", [](const fs::path& file) { readTopicMap(file); }},
+};
+
+TEST(ShippedConfig, EveryYamlFileIsReadByItsReader) {
+  int files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(kConfig)) {
+    if (entry.path().extension() != ".yaml") continue;
+    ++files;
+    const std::string name = entry.path().filename().string();
+    bool known = false;
+    for (const auto& [ending, read] : kReaders) {
+      if (!name.ends_with(ending)) continue;
+      known = true;
+      EXPECT_NO_THROW(read(entry.path())) << name;
+    }
+    EXPECT_TRUE(known) << name << ": who reads it? Add its reader here";
+  }
+  EXPECT_GE(files, 3);
+}
+
+}  // namespace
+}  // namespace fathom

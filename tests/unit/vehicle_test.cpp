@@ -1,0 +1,170 @@
+#include "sensors/vehicle.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "support/shared_data.h"
+
+namespace fathom {
+namespace {
+
+std::filesystem::path shipped() { return std::filesystem::path(FATHOM_SOURCE_DIR) / "config/rov.yaml"; }
+
+void expectExample(const Vehicle& v) {
+  EXPECT_EQ(v.gravity_m_s2, 9.80665);
+  EXPECT_EQ(v.gravityOdom(), Vector3d(0, 0, -9.80665));
+  ASSERT_TRUE(v.ins && v.dvl && v.depth && v.camera);
+  EXPECT_FALSE(v.usbl);
+  EXPECT_FALSE(v.ins->attitude_sigma_rad);
+  EXPECT_EQ(v.ins->rate_hz, 100);
+  EXPECT_EQ(v.ins->gyro_sigma_rad_s, 0.001);
+  EXPECT_EQ(v.ins->accelerometer_sigma_m_s2, 0.01);
+  EXPECT_EQ(v.ins->gyro_bias_sigma_rad_s, 0.00005);
+  EXPECT_EQ(v.ins->accelerometer_bias_sigma_m_s2, 0.003);
+  EXPECT_EQ(v.ins->bias_time_constant_s, 120);
+  EXPECT_EQ(v.ins->T_robot_ins.position, Vector3d(0.05, -0.02, 0.03));
+  EXPECT_EQ(v.dvl->rate_hz, 5);
+  EXPECT_EQ(v.dvl->assumed_sound_speed_m_s, 1500);
+  EXPECT_EQ(v.dvl->beam_sigma_m_s, 0.007);
+  EXPECT_EQ(v.dvl->velocity_sigma_xy_m_s, 0.0099);
+  EXPECT_EQ(v.dvl->velocity_sigma_z_m_s, 0.00404);
+  EXPECT_EQ(v.dvl->range_sigma_m, 0.015);
+  EXPECT_NEAR(v.dvl->beam_angle_rad, 0.5235987755982988, 1e-15);
+  EXPECT_EQ(v.dvl->beam_azimuths_rad.size(), 4U);
+  const double s = std::sqrt(0.5);
+  EXPECT_LT((v.dvl->T_robot_dvl * Vector3d(1, 0, 0) - Vector3d(-0.2 + s, 0.05 + s, -0.18)).norm(), 1e-15);
+  EXPECT_EQ(v.depth->pressure_sigma_pa, 100);
+  EXPECT_EQ(v.depth->pressure_offset_sigma_pa, 100);
+  EXPECT_EQ(v.depth->atmospheric_pressure_pa, 101325);
+  EXPECT_EQ(v.depth->water_density_kg_m3, 1025);
+  EXPECT_EQ(v.depth->T_robot_depth.position, Vector3d(-0.1, 0.1, 0.1));
+  EXPECT_EQ(v.camera->width_px, 640);
+  EXPECT_EQ(v.camera->gain, "fixed");
+  // The camera looks forward, 2 degrees down... so its optical axis is nearly the robot's x.
+  EXPECT_GT(v.camera->T_robot_camera.rotation(0, 2), 0.999);
+  ASSERT_FALSE(v.lamps.empty());
+  EXPECT_EQ(v.lamps[0].name, "port");
+  EXPECT_EQ(v.lamps[0].T_robot_lamp.position, Vector3d(0.33, 0.28, 0.14));
+}
+
+TEST(Vehicle, ShippedFileHasTheConventionsValues) {
+  expectExample(readVehicle(shipped()));
+  EXPECT_EQ(readVehicle(shipped()).camera->k1, -0.041737);
+}
+
+TEST(Vehicle, ReadsTheSampleRecordings) {
+  FATHOM_NEEDS_SHARED("data/sample/none/vehicle.yaml");
+  const Vehicle v = readVehicle(test::sharedData("data/sample/none/vehicle.yaml"));
+  expectExample(v);
+  EXPECT_EQ(v.lamps.size(), 2U);
+}
+
+TEST(Vehicle, OptionalPartsMayBeGivenOrLeftOut) {
+  const auto file = test::scratchFolder() / "v.yaml";
+  writeTextFile(file, "gravity_m_s2: 9.81\n");
+  EXPECT_FALSE(readVehicle(file).ins || readVehicle(file).dvl || readVehicle(file).depth ||
+               readVehicle(file).camera);
+  writeTextFile(file, R"(gravity_m_s2: 9.81
+ins:
+  rate_hz: 100
+  gyro_sigma_rad_s: 0.001
+  accelerometer_sigma_m_s2: 0.01
+  gyro_bias_sigma_rad_s: 0
+  accelerometer_bias_sigma_m_s2: 0
+  bias_time_constant_s: 120
+  attitude_sigma_deg: 0.5
+  pose: {x: 0, y: 0, z: 0, yaw_deg: 0, pitch_deg: 0, roll_deg: 0}
+usbl:
+  rate_hz: 0.5
+  position_sigma_m: 0.8
+  pose: {x: 0, y: 0, z: 0.3, yaw_deg: 0, pitch_deg: 0, roll_deg: 0}
+)");
+  const Vehicle v = readVehicle(file);
+  EXPECT_NEAR(v.ins->attitude_sigma_rad.value(), radians(0.5), 1e-15);
+  EXPECT_EQ(v.usbl.value().position_sigma_m, 0.8);
+  EXPECT_EQ(v.usbl->T_robot_usbl.position.z(), 0.3);
+}
+
+// Beams of a Janus DVL: down, 30 degrees outwards, at their azimuths.
+TEST(Vehicle, BeamsPointDownAndOut) {
+  DvlSheet dvl;
+  const double s = std::sin(radians(30)), c = std::cos(radians(30));
+  const Vector3d expected[4] = {{s, 0, -c}, {0, s, -c}, {-s, 0, -c}, {0, -s, -c}};
+  for (std::size_t k = 0; k < 4; ++k)
+    EXPECT_LT((dvl.T_robot_beam(k).rotation.col(0) - expected[k]).norm(), 1e-15) << k;
+  dvl.T_robot_dvl = {rotationFromYawPitchRoll(radians(90), 0, 0), {1, 2, 3}};
+  EXPECT_LT((dvl.T_robot_beam(0).rotation.col(0) - expected[1]).norm(), 1e-15);
+  EXPECT_EQ(dvl.T_robot_beam(0).position, Vector3d(1, 2, 3));
+}
+
+struct Bad {
+  const char* what;
+  const char* good;   ///< text of the shipped file...
+  const char* bad;    ///< ...and what stands there instead
+  const char* where;  ///< key and line
+  const char* why;    ///< the reason begins so
+};
+void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.what; }
+
+class VehicleRefuses : public testing::TestWithParam<Bad> {};
+
+TEST_P(VehicleRefuses, WithFileKeyAndLine) {
+  const Bad& bad = GetParam();
+  std::string text = readTextFile(shipped());
+  text.erase(0, text.find("gravity"));  // lines then count from gravity_m_s2
+  const auto at = text.find(bad.good);
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, std::string(bad.good).size(), bad.bad);
+  const auto file = test::scratchFolder() / "bad.yaml";
+  writeTextFile(file, text);
+  try {
+    readVehicle(file);
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.file, file.string());
+    EXPECT_EQ(error.where, bad.where) << error.what();
+    EXPECT_EQ(error.why.rfind(bad.why, 0), 0U) << error.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, VehicleRefuses,
+    testing::Values(
+        Bad{"UnknownKey", "  rate_hz: 100", "  colour: red\n  rate_hz: 100", "ins.colour (line 3)",
+            "unknown key"},
+        Bad{"UnknownSection", "ins:", "sonar: {rate_hz: 1}\nins:", "sonar (line 2)", "unknown key"},
+        Bad{"Misspelt", "water_density_kg_m3", "water_desnity_kg_m3", "depth (line 21)", "missing key"},
+        Bad{"MissingUnit", "gyro_sigma_rad_s:", "gyro_sigma:", "ins.gyro_sigma (line 4)", "lacks its unit"},
+        Bad{"WrongUnit", "yaw_deg: 45", "yaw_rad: 45", "dvl.pose (line 19)", "missing key `yaw_deg`"},
+        Bad{"DuplicateKey", "  rate_hz: 100", "  rate_hz: 100\n  rate_hz: 50", "ins.rate_hz (line 4)",
+            "duplicate key"},
+        Bad{"DuplicateSection", "depth:", "ins: {}\ndepth:", "ins (line 20)", "duplicate key"},
+        Bad{"TrailingLetter", "gravity_m_s2: 9.80665", "gravity_m_s2: 1.5x", "gravity_m_s2 (line 1)",
+            "must be a number, not `1.5x`"},
+        Bad{"Nan", "range_sigma_m: 0.015", "range_sigma_m: .nan", "dvl.range_sigma_m (line 16)", "must be"},
+        Bad{"Infinity", "range_sigma_m: 0.015", "range_sigma_m: inf", "dvl.range_sigma_m (line 16)",
+            "must be finite"},
+        Bad{"NegativeSigma", "pressure_sigma_pa: 100", "pressure_sigma_pa: -100",
+            "depth.pressure_sigma_pa (line 22)", "must be greater than zero"},
+        Bad{"NegativeBiasSigma", "gyro_bias_sigma_rad_s: 0.00005", "gyro_bias_sigma_rad_s: -1",
+            "ins.gyro_bias_sigma_rad_s (line 6)", "must not be negative"},
+        Bad{"ZeroRate", "rate_hz: 5", "rate_hz: 0", "dvl.rate_hz (line 11)", "must be greater than zero"},
+        Bad{"MissingKey", "  rate_hz: 100\n", "", "ins (line 3)", "missing key `rate_hz`"},
+        Bad{"MissingGravity", "gravity_m_s2: 9.80665\n", "", " (line 1)", "missing key `gravity_m_s2`"},
+        Bad{"UnclosedBracket", "[0, 90, 180, 270]", "[0, 90, 180, 270", "line 19", "not YAML"},
+        Bad{"ListForNumber", "beam_angle_deg: 30", "beam_angle_deg: [30]", "dvl.beam_angle_deg (line 17)",
+            "must be a number"},
+        Bad{"NumberForList", "[0, 90, 180, 270]", "90", "dvl.beam_azimuths_deg (line 18)", "must be a list"},
+        Bad{"BeamAlongTheHorizon", "beam_angle_deg: 30", "beam_angle_deg: 90", "dvl.beam_angle_deg (line 17)",
+            "must be below 90"},
+        Bad{"SectionIsNoMap", "depth:", "usbl: 3\ndepth:", "usbl (line 20)", "must be a map"},
+        Bad{"Gain", "gain: fixed", "gain: some", "camera.gain (line 37)", "must be fixed or auto"},
+        Bad{"Distortion", "k3: 0.0}", "k4: 0.0}", "camera.distortion (line 35)", "missing key `k3`"},
+        Bad{"HalfAPixel", "width_px: 640", "width_px: 640.5", "camera.width_px (line 29)",
+            "must be a whole number"},
+        Bad{"LampWithoutName", "{name: port, ", "{", "lamps[0] (line 45)", "missing key `name`"}),
+    [](const auto& each) { return each.param.what; });
+
+}  // namespace
+}  // namespace fathom
