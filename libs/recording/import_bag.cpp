@@ -1,5 +1,6 @@
 #include "recording/import_bag.h"
 
+#include <console_bridge/console.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
@@ -14,6 +15,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "recording/axes.h"
+#include "recording/bag_check.h"
 #include "recording/ros_messages.h"
 
 namespace fathom {
@@ -309,6 +311,14 @@ class MountingChecks {
 };
 
 // ---- the importer ----
+
+/// ROS prints what it throws; here the Error says it.
+struct SilentRos {
+  SilentRos() { console_bridge::noOutputHandler(); }
+  ~SilentRos() { console_bridge::restorePreviousOutputHandler(); }
+  SilentRos(const SilentRos&) = delete;
+  SilentRos& operator=(const SilentRos&) = delete;
+};
 
 class BagImporter {
  public:
@@ -671,6 +681,8 @@ ImportedRecording importBag(const std::filesystem::path& bag, const TopicMap& ma
     return Error(bag.string(), "", "not a ROS 1 bag, or truncated or damaged: " + why);
   };
   if (!std::filesystem::is_regular_file(bag)) throw Error(bag.string(), "", "cannot be read");
+  checkBag(bag);
+  const SilentRos silent;
   try {
     return BagImporter(bag, map, sink, options).run();
   } catch (const ros::Exception& problem) {
