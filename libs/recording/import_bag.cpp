@@ -1,5 +1,6 @@
 #include "recording/import_bag.h"
 
+#include <console_bridge/console.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
@@ -14,6 +15,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "recording/axes.h"
+#include "recording/bag_check.h"
 #include "recording/ros_messages.h"
 
 namespace fathom {
@@ -93,10 +95,11 @@ std::optional<double> sigmaFrom(const boost::array<double, N>& covariance, int f
 
 /// OpenCV names a Bayer pattern by its second row, ROS by its first.
 cv::Mat toBgr(const cv::Mat& raw, const std::string& encoding) {
-  static const std::map<std::string, int> kConversions{
-      {"rgb8", cv::COLOR_RGB2BGR},           {"bayer_rggb8", cv::COLOR_BayerBG2BGR},
-      {"bayer_bggr8", cv::COLOR_BayerRG2BGR}, {"bayer_gbrg8", cv::COLOR_BayerGR2BGR},
-      {"bayer_grbg8", cv::COLOR_BayerGB2BGR}};
+  static const std::map<std::string, int> kConversions{{"rgb8", cv::COLOR_RGB2BGR},
+                                                       {"bayer_rggb8", cv::COLOR_BayerBG2BGR},
+                                                       {"bayer_bggr8", cv::COLOR_BayerRG2BGR},
+                                                       {"bayer_gbrg8", cv::COLOR_BayerGR2BGR},
+                                                       {"bayer_grbg8", cv::COLOR_BayerGB2BGR}};
   const auto conversion = kConversions.find(encoding);
   if (conversion == kConversions.end()) return raw;
   cv::Mat bgr;
@@ -206,11 +209,9 @@ class MountingChecks {
   explicit MountingChecks(double gravity_m_s2) : gravity_(gravity_m_s2) {}
 
   void addIns(const BagTopic& topic, const std::optional<Matrix3d>& orientation,
-              const std::optional<Vector3d>& rate_ins, const std::optional<Vector3d>& force_ins) {
-    const Matrix3d& R_robot_ins = topic.T_robot_sensor.rotation;
-    if (rate_ins) rate_robot_ += R_robot_ins * *rate_ins, ++rates_;
+              const std::optional<Vector3d>& force_ins) {
     if (!force_ins) return;
-    const Vector3d force_robot = R_robot_ins * *force_ins;
+    const Vector3d force_robot = topic.T_robot_sensor.rotation * *force_ins;
     force_robot_ += force_robot, ++forces_;
     total_force_robot_ += force_robot, ++total_forces_;
     if (!orientation) return;
@@ -226,18 +227,14 @@ class MountingChecks {
       start_velocity_ = velocity;
     }
     turning_ += rate.cross(velocity);
-    odometry_rate_ += rate;
     ++readings_;
     const double span = secondsBetween(start_, time);
     if (span < 1.0) return;
-    const double readings = static_cast<double>(readings_);
-    if (forces_ > 0 && span < 3.0)
-      force_axes_.add((velocity - start_velocity_) / span + turning_ / readings + up(),
+    if (forces_ > 0 && span < 3.0)  // a longer one has a gap in it
+      force_axes_.add((velocity - start_velocity_) / span + turning_ / static_cast<double>(readings_) + up(),
                       force_robot_ / static_cast<double>(forces_));
-    if (rates_ > 0 && span < 3.0)
-      rate_axes_.add(odometry_rate_ / readings, rate_robot_ / static_cast<double>(rates_));
-    force_robot_ = rate_robot_ = turning_ = odometry_rate_ = Vector3d::Zero();
-    forces_ = rates_ = readings_ = 0;
+    force_robot_ = turning_ = Vector3d::Zero();
+    forces_ = readings_ = 0;
     start_ = time;
     start_velocity_ = velocity;
   }
@@ -265,10 +262,10 @@ class MountingChecks {
     const double tilt_rad = std::acos(std::clamp(mean.z() / mean.norm(), -1.0, 1.0));
     const bool upright = tilt_rad < radians(20);
     return {"INS mounting against gravity",
-            upright ? "the map's pose turns gravity upright" : "the map's pose does not turn gravity upright", "",
-            0.0,
-            print("mean specific force in the robot's axes (%.3f, %.3f, %.3f) m/s2, %.2f deg off up", mean.x(),
-                  mean.y(), mean.z(), degrees(tilt_rad))};
+            upright ? "the map's pose turns gravity upright" : "the map's pose does not turn gravity upright",
+            "", 0.0,
+            print("mean specific force in the robot's axes (%.3f, %.3f, %.3f) m/s2, %.2f deg off up",
+                  mean.x(), mean.y(), mean.z(), degrees(tilt_rad))};
   }
 
   Conclusion orientationConclusion(const BagTopic& ins) const {
@@ -285,23 +282,20 @@ class MountingChecks {
   }
 
   Conclusion axesConclusion() const {
-    const auto ranked = force_axes_.ranking();
-    const bool agrees = ranked[0].axes == SignedAxes{};
-    std::string evidence = print("acceleration from odometry plus gravity against accelerometer, %zu windows of "
-                                 "1 s, RMS (%.2f, %.2f, %.2f) m/s2",
-                                 force_axes_.count(), ranked[0].residual_rms.x(), ranked[0].residual_rms.y(),
-                                 ranked[0].residual_rms.z());
-    const auto rates = rate_axes_.ranking();
-    for (const AxesScore& score : rates)
-      if (score.axes == SignedAxes{})
-        evidence += print("; rates from odometry against gyro RMS (%.3f, %.3f, %.3f) rad/s",
-                          score.residual_rms.x(), score.residual_rms.y(), score.residual_rms.z());
+    auto ranked = force_axes_.ranking();
+    std::erase_if(ranked, [](const AxesScore& s) { return !s.axes.proper(); });  // a mounting is no mirror
+    const AxesScore &best = ranked[0], &other = ranked[1];
+    std::string evidence = print(
+        "acceleration from odometry plus gravity against accelerometer, %zu windows of "
+        "1 s, RMS (%.2f, %.2f, %.2f) m/s2 against (%.2f, %.2f, %.2f)",
+        force_axes_.count(), best.residual_rms.x(), best.residual_rms.y(), best.residual_rms.z(),
+        other.residual_rms.x(), other.residual_rms.y(), other.residual_rms.z());
     return {"INS mounting against odometry",
-            agrees ? "the map's pose fits best of all 48 axis assignments"
-                   : "axes " + ranked[0].axes.text() + " after the map's pose would fit better (not corrected)",
-            ranked[1].axes.text(),
-            std::exp((ranked[0].log_likelihood - ranked[1].log_likelihood) /
-                     static_cast<double>(force_axes_.count())),
+            best.axes == SignedAxes{}
+                ? "the map's pose fits best of the 24 right-angled ones"
+                : "axes " + best.axes.text() + " after the map's pose fit better (not corrected)",
+            "axes " + other.axes.text() + " after the map's pose",
+            std::exp((best.log_likelihood - other.log_likelihood) / static_cast<double>(force_axes_.count())),
             evidence};
   }
 
@@ -311,17 +305,25 @@ class MountingChecks {
   std::size_t oriented_ = 0, total_forces_ = 0;
   // the current window
   Time start_{};
-  Vector3d start_velocity_ = Vector3d::Zero(), turning_ = Vector3d::Zero(), odometry_rate_ = Vector3d::Zero();
-  Vector3d force_robot_ = Vector3d::Zero(), rate_robot_ = Vector3d::Zero();
-  std::size_t forces_ = 0, rates_ = 0, readings_ = 0;
-  AxesEvidence force_axes_, rate_axes_;
+  Vector3d start_velocity_ = Vector3d::Zero(), turning_ = Vector3d::Zero(), force_robot_ = Vector3d::Zero();
+  std::size_t forces_ = 0, readings_ = 0;
+  AxesEvidence force_axes_;
 };
 
 // ---- the importer ----
 
+/// ROS prints what it throws; here the Error says it.
+struct SilentRos {
+  SilentRos() { console_bridge::noOutputHandler(); }
+  ~SilentRos() { console_bridge::restorePreviousOutputHandler(); }
+  SilentRos(const SilentRos&) = delete;
+  SilentRos& operator=(const SilentRos&) = delete;
+};
+
 class BagImporter {
  public:
-  BagImporter(const std::filesystem::path& bag, const TopicMap& map, SampleSink sink, const BagOptions& options)
+  BagImporter(const std::filesystem::path& bag, const TopicMap& map, SampleSink sink,
+              const BagOptions& options)
       : bag_(bag.string()),
         map_(map),
         options_(options),
@@ -366,7 +368,8 @@ void BagImporter::checkTopics(const rosbag::Bag& bag) const {
   std::map<std::string, std::string> types;
   for (const auto* connection : view.getConnections()) types[connection->topic] = connection->datatype;
   std::string present;
-  for (const auto& [topic, type] : types) present += (present.empty() ? "" : ", ") + topic + " (" + type + ")";
+  for (const auto& [topic, type] : types)
+    present += (present.empty() ? "" : ", ") + topic + " (" + type + ")";
   if (present.empty()) present = "nothing";
   for (const BagTopic& topic : map_.topics) {
     const auto found = types.find(topic.topic);
@@ -383,13 +386,20 @@ void BagImporter::checkTopics(const rosbag::Bag& bag) const {
 
 void BagImporter::take(const BagTopic& topic, const Message& message) {
   switch (topic.as) {
-    case TopicRole::ins: return takeIns(topic, message);
-    case TopicRole::dvl: return takeDvl(topic, message);
-    case TopicRole::dvl_beams: return takeBeam(topic, message);
-    case TopicRole::depth: return takeDepth(topic, message);
-    case TopicRole::usbl: return takeUsbl(topic, message);
-    case TopicRole::camera: return takeImage(topic, message);
-    case TopicRole::reference: return takeReference(topic, message);
+    case TopicRole::ins:
+      return takeIns(topic, message);
+    case TopicRole::dvl:
+      return takeDvl(topic, message);
+    case TopicRole::dvl_beams:
+      return takeBeam(topic, message);
+    case TopicRole::depth:
+      return takeDepth(topic, message);
+    case TopicRole::usbl:
+      return takeUsbl(topic, message);
+    case TopicRole::camera:
+      return takeImage(topic, message);
+    case TopicRole::reference:
+      return takeReference(topic, message);
   }
 }
 
@@ -412,7 +422,7 @@ void BagImporter::takeIns(const BagTopic& topic, const Message& message) {
       sigmas_.accelerometer = sigmaFrom(imu->linear_acceleration_covariance, 0, 3);
     if (orientation) sigmas_.attitude = sigmaFrom(imu->orientation_covariance, 0, 3);
   }
-  checks_.addIns(topic, orientation, sample.angular_velocity_ins, sample.specific_force_ins);
+  checks_.addIns(topic, orientation, sample.specific_force_ins);
   push(topic, toTime(imu->header.stamp), std::move(sample), message);
 }
 
@@ -526,8 +536,9 @@ void BagImporter::takeReference(const BagTopic& topic, const Message& message) {
 void BagImporter::sortReference() {
   std::stable_sort(reference_.begin(), reference_.end(),
                    [](const StampedPose& a, const StampedPose& b) { return a.time < b.time; });
-  const auto repeated = std::unique(reference_.begin(), reference_.end(),
-                                    [](const StampedPose& a, const StampedPose& b) { return a.time == b.time; });
+  const auto repeated =
+      std::unique(reference_.begin(), reference_.end(),
+                  [](const StampedPose& a, const StampedPose& b) { return a.time == b.time; });
   reference_.erase(repeated, reference_.end());
 }
 
@@ -546,8 +557,8 @@ std::string poseLine(const Pose& pose) {
   char line[256];
   std::snprintf(line, sizeof line,
                 "  pose: {x: %.9g, y: %.9g, z: %.9g, yaw_deg: %.9g, pitch_deg: %.9g, roll_deg: %.9g}\n",
-                pose.position.x(), pose.position.y(), pose.position.z(), degrees(ypr[0]), degrees(ypr[1]),
-                degrees(ypr[2]));
+                pose.position.x(), pose.position.y(), pose.position.z(), degrees(ypr[0]) + 0.0,
+                degrees(ypr[1]) + 0.0, degrees(ypr[2]) + 0.0);  // + 0.0: no negative zero
   return line;
 }
 
@@ -559,13 +570,14 @@ std::string rateLine(const Stream& stream) {
 
 std::string cameraLines(const mrpt::img::TCamera& c) {
   char lines[900];
-  std::snprintf(lines, sizeof lines,
-                "  width_px: %u\n  height_px: %u\n  fx_px: %.9g\n  fy_px: %.9g\n  cx_px: %.9g\n  cy_px: %.9g\n"
-                "  distortion: {k1: %.9g, k2: %.9g, p1: %.9g, p2: %.9g, k3: %.9g}\n"
-                "  # From here on generic: the bag does not say.\n"
-                "  exposure_s: 0.004\n  gain: fixed\n  response_gamma: 1.0\n  bits: 8\n"
-                "  full_well_e: 30000\n  read_noise_e: 12\n  corner_sigma_px: 0.15\n",
-                c.ncols, c.nrows, c.fx(), c.fy(), c.cx(), c.cy(), c.k1(), c.k2(), c.p1(), c.p2(), c.k3());
+  std::snprintf(
+      lines, sizeof lines,
+      "  width_px: %u\n  height_px: %u\n  fx_px: %.9g\n  fy_px: %.9g\n  cx_px: %.9g\n  cy_px: %.9g\n"
+      "  distortion: {k1: %.9g, k2: %.9g, p1: %.9g, p2: %.9g, k3: %.9g}\n"
+      "  # From here on generic: the bag does not say.\n"
+      "  exposure_s: 0.004\n  gain: fixed\n  response_gamma: 1.0\n  bits: 8\n"
+      "  full_well_e: 30000\n  read_noise_e: 12\n  corner_sigma_px: 0.15\n",
+      c.ncols, c.nrows, c.fx(), c.fy(), c.cx(), c.cy(), c.k1(), c.k2(), c.p1(), c.p2(), c.k3());
   return lines;
 }
 
@@ -580,17 +592,18 @@ std::string BagImporter::vehicleYaml() const {
     const Stream& stream = found->second;
     switch (topic.as) {
       case TopicRole::ins:
-        yaml << "ins:\n" << rateLine(stream) << sigmaLine("gyro_sigma_rad_s", sigmas_.gyro, 0.001)
+        yaml << "ins:\n"
+             << rateLine(stream) << sigmaLine("gyro_sigma_rad_s", sigmas_.gyro, 0.001)
              << sigmaLine("accelerometer_sigma_m_s2", sigmas_.accelerometer, 0.01)
              << sigmaLine("gyro_bias_sigma_rad_s", {}, 0.001)
              << sigmaLine("accelerometer_bias_sigma_m_s2", {}, 0.05)
              << sigmaLine("bias_time_constant_s", {}, 300);
-        if (sigmas_.attitude)
-          yaml << sigmaLine("attitude_sigma_deg", degrees(*sigmas_.attitude), 1.0);
+        if (sigmas_.attitude) yaml << sigmaLine("attitude_sigma_deg", degrees(*sigmas_.attitude), 1.0);
         yaml << poseLine(topic.T_robot_sensor);
         break;
       case TopicRole::dvl:
-        yaml << "dvl:\n" << rateLine(stream) << "  assumed_sound_speed_m_s: 1500   # generic\n"
+        yaml << "dvl:\n"
+             << rateLine(stream) << "  assumed_sound_speed_m_s: 1500   # generic\n"
              << sigmaLine("beam_sigma_m_s", {}, 0.007)
              << sigmaLine("velocity_sigma_xy_m_s", sigmas_.velocity_xy, 0.01)
              << sigmaLine("velocity_sigma_z_m_s", sigmas_.velocity_z, 0.01)
@@ -600,21 +613,26 @@ std::string BagImporter::vehicleYaml() const {
              << poseLine(topic.T_robot_sensor);
         break;
       case TopicRole::depth:
-        yaml << "depth:\n" << rateLine(stream) << sigmaLine("pressure_sigma_pa", sigmas_.pressure, 100)
+        yaml << "depth:\n"
+             << rateLine(stream) << sigmaLine("pressure_sigma_pa", sigmas_.pressure, 100)
              << sigmaLine("pressure_offset_sigma_pa", {}, 100)
              << "  atmospheric_pressure_pa: 101325   # standard atmosphere\n"
              << sigmaLine("water_density_kg_m3", {}, 1025) << poseLine(topic.T_robot_sensor);
         break;
       case TopicRole::usbl:
-        yaml << "usbl:\n" << rateLine(stream) << sigmaLine("position_sigma_m", sigmas_.position, 0.5)
+        yaml << "usbl:\n"
+             << rateLine(stream) << sigmaLine("position_sigma_m", sigmas_.position, 0.5)
              << poseLine(topic.T_robot_sensor);
         break;
       case TopicRole::camera:
-        yaml << "camera:\n" << rateLine(stream) << cameraLines(*topic.intrinsics)
-             << poseLine(topic.T_robot_sensor);
+        yaml << "camera:\n"
+             << rateLine(stream) << cameraLines(*topic.intrinsics) << poseLine(topic.T_robot_sensor);
         break;
-      case TopicRole::dvl_beams: has_beams = true; break;
-      case TopicRole::reference: break;
+      case TopicRole::dvl_beams:
+        has_beams = true;
+        break;
+      case TopicRole::reference:
+        break;
     }
   }
   if (has_beams && !streams_.contains(TopicRole::dvl))
@@ -644,8 +662,9 @@ ImportedRecording BagImporter::run() {
 
   sortReference();
   ImportedRecording recording;
-  recording.header.description =
-      map_.description.empty() ? "ROS bag " + std::filesystem::path(bag_).filename().string() : map_.description;
+  recording.header.description = map_.description.empty()
+                                     ? "ROS bag " + std::filesystem::path(bag_).filename().string()
+                                     : map_.description;
   recording.start = *order_.first();
   recording.reference = std::move(reference_);
   recording.vehicle_yaml = vehicleYaml();
@@ -662,6 +681,8 @@ ImportedRecording importBag(const std::filesystem::path& bag, const TopicMap& ma
     return Error(bag.string(), "", "not a ROS 1 bag, or truncated or damaged: " + why);
   };
   if (!std::filesystem::is_regular_file(bag)) throw Error(bag.string(), "", "cannot be read");
+  checkBag(bag);
+  const SilentRos silent;
   try {
     return BagImporter(bag, map, sink, options).run();
   } catch (const ros::Exception& problem) {
@@ -673,10 +694,11 @@ ImportedRecording importBag(const std::filesystem::path& bag, const TopicMap& ma
   }
 }
 
-ImportedRecording importBag(const std::filesystem::path& bag, const TopicMap& map, const BagOptions& options) {
+ImportedRecording importBag(const std::filesystem::path& bag, const TopicMap& map,
+                            const BagOptions& options) {
   std::vector<Sample> samples;
-  ImportedRecording recording =
-      importBag(bag, map, [&](Sample&& sample) { samples.push_back(std::move(sample)); }, options);
+  ImportedRecording recording = importBag(
+      bag, map, [&](Sample&& sample) { samples.push_back(std::move(sample)); }, options);
   recording.samples = std::move(samples);
   return recording;
 }

@@ -13,24 +13,25 @@ struct BagOptions {
   /// Messages lie in a bag in the order of their arrival; entries are put in the order of their header stamps
   /// as long as none is later than this behind its successors.
   double reorder_window_s = 5.0;
-  /// Images are written here as they are met, so that memory stays bounded; needed where the map has a CAMERA.
-  /// Raw ones as PNG, compressed ones as they are.
+  /// Images are written here as they are met, so that memory stays bounded; needed where the map has a
+  /// CAMERA. Raw ones as PNG, compressed ones as they are.
   std::filesystem::path image_folder;
 };
 
 using SampleSink = std::function<void(Sample&&)>;
 
-/// Hands every sample to the sink, in time order; what is returned has everything but the samples. Memory does
-/// not depend on the bag's length, but for the reference.
+/// Hands every sample to the sink, in time order; what is returned has everything but the samples. Memory
+/// does not depend on the bag's length, but for the reference.
 ///
 /// Stamps are the header's. Several DVL_BEAMS topics with equal stamps become the beams of one entry; a range
 /// outside the message's limits, or infinite, is no echo. A negative first covariance entry of a field of
 /// sensor_msgs/Imu says that the field is absent (REP 145). The vehicle file's sigmas are the covariances of
 /// each topic's first message.
 ///
-/// Throws Error: not a bag, truncated or damaged; a topic of the map is not in the bag (the message lists those
-/// that are) or has the wrong type; a message with a zero stamp, NaN, or a quaternion that is not of unit norm;
-/// a stamp older than the reorder window; an image of unknown encoding or of another size than its intrinsics.
+/// Throws Error: not a bag, truncated or damaged; a topic of the map is not in the bag (the message lists
+/// those that are) or has the wrong type; a message with a zero stamp, NaN, or a quaternion that is not of
+/// unit norm; a stamp older than the reorder window; an image of unknown encoding or of another size than its
+/// intrinsics.
 ImportedRecording importBag(const std::filesystem::path& bag, const TopicMap& map, const SampleSink& sink,
                             const BagOptions& options = {});
 

@@ -125,9 +125,8 @@ SeaTrialFiles seaTrialFiles(const std::filesystem::path& folder, int section) {
 
 SeaTrialData readSeaTrial(const SeaTrialFiles& files) {
   SeaTrialData data;
-  for (const auto& row :
-       readRows(files.imu, {"Time [s]", "ACC X [m/s^2]", "ACC Y [m/s^2]", "ACC Z [m/s^2]", "GYRO X [rad/s]",
-                            "GYRO Y [rad/s]", "GYRO Z [rad/s]"})) {
+  for (const auto& row : readRows(files.imu, {"Time [s]", "ACC X [m/s^2]", "ACC Y [m/s^2]", "ACC Z [m/s^2]",
+                                              "GYRO X [rad/s]", "GYRO Y [rad/s]", "GYRO Z [rad/s]"})) {
     data.imu_time_s.push_back(row[0]);
     data.acceleration_imu.push_back(three(row, 1));
     data.rate_imu.push_back(three(row, 4));
@@ -136,9 +135,9 @@ SeaTrialData readSeaTrial(const SeaTrialFiles& files) {
     data.dvl_time_s.push_back(row[0]);
     data.velocity_dvl.push_back(three(row, 1));
   }
-  for (const auto& row : readRows(
-           files.gt, {"Time [s]", "Longitude [rad]", "Latitude [rad]", "Altitude [m]", "V North [m/s]",
-                      "V East [m/s]", "V Down [m/s]", "Roll [rad]", "Pitch [rad]", "Yaw [rad]"})) {
+  for (const auto& row :
+       readRows(files.gt, {"Time [s]", "Longitude [rad]", "Latitude [rad]", "Altitude [m]", "V North [m/s]",
+                           "V East [m/s]", "V Down [m/s]", "Roll [rad]", "Pitch [rad]", "Yaw [rad]"})) {
     data.gt_time_s.push_back(row[0]);
     data.longitude_rad.push_back(row[1]);
     data.latitude_rad.push_back(row[2]);

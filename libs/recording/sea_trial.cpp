@@ -11,7 +11,7 @@
 namespace fathom {
 namespace {
 
-constexpr double kGravity = 9.80665;       // m/s²; a local value 0.1 % off changes no conclusion
+constexpr double kGravity = 9.80665;        // m/s²; a local value 0.1 % off changes no conclusion
 constexpr double kEarthRate = 7.292115e-5;  // rad/s, WGS-84
 constexpr double kLongestDelay = 3.0;       // s, searched on both sides
 
@@ -113,7 +113,7 @@ void settlePositionColumns(const SeaTrialData& data, SeaTrialConventions& c) {
   c.position_columns_swapped = swapped * kDecisiveRatio < named;
   const double best = c.position_columns_swapped ? swapped : named;
   const double other = c.position_columns_swapped ? named : swapped;
-  constexpr const char* kNamed = "as named", *kSwapped = "names swapped";
+  constexpr const char *kNamed = "as named", *kSwapped = "names swapped";
   const double latitude = c.position_columns_swapped ? data.longitude_rad[0] : data.latitude_rad[0];
   const double longitude = c.position_columns_swapped ? data.latitude_rad[0] : data.longitude_rad[0];
   c.conclusions.push_back(
@@ -128,8 +128,8 @@ void settleAltitude(const SeaTrialData& data, SeaTrialConventions& c) {
   double up = 0.0, down = 0.0;
   const std::size_t rows = data.gt_time_s.size();
   for (std::size_t k = 1; k + 1 < rows; ++k) {
-    const double climb = (data.altitude_m[k + 1] - data.altitude_m[k - 1]) /
-                         (data.gt_time_s[k + 1] - data.gt_time_s[k - 1]);
+    const double climb =
+        (data.altitude_m[k + 1] - data.altitude_m[k - 1]) / (data.gt_time_s[k + 1] - data.gt_time_s[k - 1]);
     up += std::pow(climb + data.velocity_ned[k].z(), 2);
     down += std::pow(climb - data.velocity_ned[k].z(), 2);
   }
@@ -255,8 +255,7 @@ AxesEvidence accelerometerEvidence(const AlignedStreams& s, const std::vector<Ma
   for (std::size_t k = 1; k + 1 < R_ned_frd.size(); ++k) {
     const double from = s.gt_time_s[k - 1], to = s.gt_time_s[k + 1];
     if (!s.pushed_imu.covers(from, to)) continue;
-    const Vector3d acceleration_ned =
-        (s.data.velocity_ned[k + 1] - s.data.velocity_ned[k - 1]) / (to - from);
+    const Vector3d acceleration_ned = (s.data.velocity_ned[k + 1] - s.data.velocity_ned[k - 1]) / (to - from);
     const Vector3d force_frd = R_ned_frd[k].transpose() * (acceleration_ned - Vector3d(0, 0, kGravity));
     evidence.add(force_frd, (s.pushed_imu.at(to) - s.pushed_imu.at(from)) / (to - from));
   }
@@ -355,8 +354,8 @@ std::string axesText(const SignedAxes& axes) {
 
 SignedAxes settleAxes(const std::string& what, const std::vector<AxesScore>& ranked, std::size_t rows,
                       const std::string& compared, const std::string& unit, SeaTrialConventions& c) {
-  const AxesScore published = *std::find_if(ranked.begin(), ranked.end(),
-                                            [](const AxesScore& s) { return s.axes == SignedAxes{}; });
+  const AxesScore published =
+      *std::find_if(ranked.begin(), ranked.end(), [](const AxesScore& s) { return s.axes == SignedAxes{}; });
   const bool decisive =
       residualRatio(ranked[0].log_likelihood, published.log_likelihood, rows) >= kDecisiveRatio;
   const AxesScore& best = decisive ? ranked[0] : published;
@@ -421,8 +420,7 @@ DvlFit fitDvlAtDelay(const AlignedStreams& s, const SeaTrialConventions& c, cons
     const double t = s.dvl_time_s[k] + delay_s;
     if (!velocity_frd.covers(t, t) || !s.turned_imu.covers(t - 0.5, t + 0.5)) continue;
     const Vector3d velocity = to_robot * velocity_frd.at(t);
-    const Vector3d rate =
-        to_robot * c.gyro.matrix() * (s.turned_imu.at(t + 0.5) - s.turned_imu.at(t - 0.5));
+    const Vector3d rate = to_robot * c.gyro.matrix() * (s.turned_imu.at(t + 0.5) - s.turned_imu.at(t - 0.5));
     DvlDesign design;
     design << velocity, crossMatrix<double>(velocity), crossMatrix<double>(rate);
     designs.push_back(design);
@@ -477,13 +475,12 @@ void reportEarthRate(const AlignedStreams& s, SeaTrialConventions& c) {
   const Vector3d earth(kEarthRate * std::cos(latitude), 0.0, -kEarthRate * std::sin(latitude));
   const double with = (c.rate_excess_ned - earth).norm(), without = c.rate_excess_ned.norm();
   const bool contained = with < without;
-  constexpr const char* kContained = "contained (not compensated, not corrected)", *kNone = "not contained";
-  c.conclusions.push_back({"Earth's rotation in the gyro", contained ? kContained : kNone,
-                           contained ? kNone : kContained,
-                           contained ? without / with : with / std::max(without, 1e-12),
-                           "gyro minus the solution's rate, median, north east down " +
-                               print("%.2g", c.rate_excess_ned) + " rad/s; Earth turns " +
-                               print("%.2g", earth)});
+  constexpr const char *kContained = "contained (not compensated, not corrected)", *kNone = "not contained";
+  c.conclusions.push_back(
+      {"Earth's rotation in the gyro", contained ? kContained : kNone, contained ? kNone : kContained,
+       contained ? without / with : with / std::max(without, 1e-12),
+       "gyro minus the solution's rate, median, north east down " + print("%.2g", c.rate_excess_ned) +
+           " rad/s; Earth turns " + print("%.2g", earth)});
 }
 
 }  // namespace
@@ -537,9 +534,9 @@ SeaTrialConventions establishConventions(const SeaTrialData& data) {
   settleAttitude(ranked, c);
   c.gyro = settleAxes("gyro axes", best.gyro, best.gyro_rows, "mean rate between rows, attitude against gyro",
                       "rad/s", c);
-  c.accelerometer = settleAxes("accelerometer axes (specific force)", best.accelerometer,
-                               best.accelerometer_rows,
-                               "change of velocity less gravity, in the body, against accelerometer", "m/s2", c);
+  c.accelerometer =
+      settleAxes("accelerometer axes (specific force)", best.accelerometer, best.accelerometer_rows,
+                 "change of velocity less gravity, in the body, against accelerometer", "m/s2", c);
   concludeImuFrame(c);
   c.dvl = settleAxes("DVL axes", best.dvl, best.dvl_rows,
                      "velocity north, east, down turned into the body, against DVL", "m/s", c);

@@ -19,7 +19,8 @@ constexpr std::array<std::pair<const char*, TopicRole>, 7> kRoles{{{"INS", Topic
 
 TopicRole readRole(const YamlMap& y) {
   const std::string name = y.text("as");
-  const auto found = std::find_if(kRoles.begin(), kRoles.end(), [&](const auto& r) { return name == r.first; });
+  const auto found =
+      std::find_if(kRoles.begin(), kRoles.end(), [&](const auto& r) { return name == r.first; });
   if (found != kRoles.end()) return found->second;
   throw y.error("as", "must be INS, DVL, DVL_BEAMS, DEPTH, USBL, CAMERA or REFERENCE, not `" + name + "`");
 }
@@ -30,7 +31,9 @@ void readInsFields(const YamlMap& y, BagTopic& topic) {
     for (const std::string& name : used)
       if (name != "orientation" && name != "rate" && name != "acceleration")
         throw y.error("use", "knows orientation, rate and acceleration, not `" + name + "`");
-    const auto uses = [&](const char* name) { return std::find(used.begin(), used.end(), name) != used.end(); };
+    const auto uses = [&](const char* name) {
+      return std::find(used.begin(), used.end(), name) != used.end();
+    };
     topic.use_orientation = uses("orientation");
     topic.use_rate = uses("rate");
     topic.use_acceleration = uses("acceleration");
@@ -51,7 +54,8 @@ mrpt::img::TCamera readIntrinsics(const YamlMap& y) {
   camera.setIntrinsicParamsFromValues(y.positive("fx_px"), y.positive("fy_px"), y.number("cx_px"),
                                       y.number("cy_px"));
   const YamlMap d = y.map("distortion");
-  camera.setDistortionPlumbBob(d.number("k1"), d.number("k2"), d.number("p1"), d.number("p2"), d.number("k3"));
+  camera.setDistortionPlumbBob(d.number("k1"), d.number("k2"), d.number("p1"), d.number("p2"),
+                               d.number("k3"));
   return camera;
 }
 

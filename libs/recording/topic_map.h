@@ -27,7 +27,7 @@ struct BagTopic {
   Pose T_robot_sensor;
   // INS: which fields are used, and whose attitude `orientation` is.
   bool use_orientation = true, use_rate = true, use_acceleration = true;
-  bool orientation_is_robot = false;  ///< else the sensor's own, as ROS defines it
+  bool orientation_is_robot = false;             ///< else the sensor's own, as ROS defines it
   std::optional<mrpt::img::TCamera> intrinsics;  ///< CAMERA only
 };
 

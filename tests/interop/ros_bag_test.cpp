@@ -1,0 +1,432 @@
+// Bags written by rosbag itself, and one recorded by others on a real robot.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "sensors/vehicle.h"
+#include "support/bags.h"
+#include "support/shared_data.h"
+
+namespace fathom {
+namespace {
+
+using test::bagTopic;
+using test::rosTime;
+using test::stamped;
+using test::topicMap;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// A bag with what `fill` writes.
+std::filesystem::path makeBag(const std::function<void(rosbag::Bag&)>& fill) {
+  const auto file = test::scratchFolder() / "test.bag";
+  rosbag::Bag bag(file.string(), rosbag::bagmode::Write);
+  fill(bag);
+  bag.close();
+  return file;
+}
+
+/// The message, received when it was stamped.
+template <class M>
+std::filesystem::path bagOf(const std::string& topic, const M& message) {
+  return makeBag([&](rosbag::Bag& bag) { bag.write(topic, message.header.stamp, message); });
+}
+
+template <class R>
+R onlyReading(const ImportedRecording& recording, const std::string& label) {
+  EXPECT_EQ(recording.samples.size(), 1U);
+  EXPECT_EQ(recording.samples.at(0).label, label);
+  return std::get<R>(recording.samples.at(0).reading);
+}
+
+Vehicle vehicleOf(const ImportedRecording& recording) {
+  const auto file = test::scratchFolder() / "vehicle.yaml";
+  writeTextFile(file, recording.vehicle_yaml);
+  return readVehicle(file);
+}
+
+void expectError(const std::filesystem::path& bag, const TopicMap& map, const std::string& part) {
+  try {
+    importBag(bag, map, {.image_folder = bag.parent_path() / "images"});
+    ADD_FAILURE() << "accepted, instead of: " << part;
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
+  }
+}
+
+TEST(RosBag, Imu) {
+  const auto topic = bagTopic("/imu", TopicRole::ins);
+  auto imu = test::imuMessage(rosTime(1500000000, 123456789));
+  imu.orientation.w = imu.orientation.z = std::sqrt(0.5);  // yaw 90 degrees
+  const auto recording = importBag(bagOf("/imu", imu), topicMap({topic}));
+  const auto ins = onlyReading<InsSample>(recording, labels::kIns);
+  EXPECT_TRUE(ins.angular_velocity_ins->isApprox(Vector3d(0.1, 0.2, 0.3)));
+  EXPECT_TRUE(ins.specific_force_ins->isApprox(Vector3d(0, 0, 9.80665)));
+  EXPECT_TRUE(ins.R_odom_ins->isApprox(rotationFromYawPitchRoll(radians(90), 0, 0), 1e-12));
+  EXPECT_TRUE(ins.T_robot_ins.rotation.isApprox(topic.T_robot_sensor.rotation));
+  EXPECT_TRUE(ins.T_robot_ins.position.isApprox(Vector3d(1, 2, 3)));
+  EXPECT_EQ(recording.start, fromUnixSeconds(1500000000) + mrpt::Clock::duration(1234568)) << "100 ns ticks";
+
+  const Vehicle vehicle = vehicleOf(recording);
+  EXPECT_NEAR(vehicle.ins->gyro_sigma_rad_s, 0.002, 1e-12);
+  EXPECT_NEAR(vehicle.ins->accelerometer_sigma_m_s2, 0.03, 1e-12);
+  EXPECT_NEAR(*vehicle.ins->attitude_sigma_rad, 0.01, 1e-5);
+  EXPECT_NEAR(angleBetween(vehicle.ins->T_robot_ins.rotation, topic.T_robot_sensor.rotation), 0.0, 1e-8);
+}
+
+TEST(RosBag, ImuFieldsAbsentOrUnusedStayAbsent) {
+  auto topic = bagTopic("/imu", TopicRole::ins);
+  auto imu = test::imuMessage(rosTime(100));
+  imu.orientation_covariance[0] = imu.linear_acceleration_covariance[0] = -1;
+  imu.orientation.w = kNan;  // an absent field may hold anything
+  auto ins = onlyReading<InsSample>(importBag(bagOf("/imu", imu), topicMap({topic})), labels::kIns);
+  EXPECT_FALSE(ins.R_odom_ins || ins.specific_force_ins);
+  EXPECT_TRUE(ins.angular_velocity_ins);
+
+  topic.use_rate = topic.use_orientation = false;
+  const auto bag = bagOf("/imu", test::imuMessage(rosTime(100)));
+  const auto recording = importBag(bag, topicMap({topic}));
+  ins = onlyReading<InsSample>(recording, labels::kIns);
+  EXPECT_FALSE(ins.R_odom_ins || ins.angular_velocity_ins);
+  EXPECT_FALSE(vehicleOf(recording).ins->attitude_sigma_rad);
+}
+
+TEST(RosBag, ImuOrientationOfTheRobotIsTurnedIntoTheSensors) {
+  auto topic = bagTopic("/imu", TopicRole::ins);
+  topic.orientation_is_robot = true;
+  const auto bag = bagOf("/imu", test::imuMessage(rosTime(100)));
+  const auto ins = onlyReading<InsSample>(importBag(bag, topicMap({topic})), labels::kIns);
+  EXPECT_TRUE(ins.R_odom_ins->isApprox(topic.T_robot_sensor.rotation));
+}
+
+TEST(RosBag, TwistAndOdometryBecomeDvl) {
+  auto twist = stamped<ros1::TwistWithCovarianceStamped>(rosTime(100));
+  twist.twist.twist.linear.x = 1.5;
+  twist.twist.twist.linear.z = -0.5;
+  twist.twist.covariance[0] = twist.twist.covariance[7] = 4e-4;
+  twist.twist.covariance[14] = 1e-4;
+  auto recording = importBag(bagOf("/dvl", twist), topicMap({bagTopic("/dvl", TopicRole::dvl)}));
+  EXPECT_TRUE(onlyReading<DvlSample>(recording, labels::kDvl).velocity_dvl->isApprox(Vector3d(1.5, 0, -0.5)));
+  const Vehicle vehicle = vehicleOf(recording);
+  EXPECT_NEAR(vehicle.dvl->velocity_sigma_xy_m_s, 0.02, 1e-12);
+  EXPECT_NEAR(vehicle.dvl->velocity_sigma_z_m_s, 0.01, 1e-12);
+
+  auto odometry = stamped<ros1::Odometry>(rosTime(100));
+  odometry.twist = twist.twist;
+  recording = importBag(bagOf("/odom", odometry), topicMap({bagTopic("/odom", TopicRole::dvl)}));
+  EXPECT_TRUE(onlyReading<DvlSample>(recording, labels::kDvl).velocity_dvl->isApprox(Vector3d(1.5, 0, -0.5)));
+  EXPECT_TRUE(recording.reference.empty());
+}
+
+TEST(RosBag, OdometryAndPoseBecomeReference) {
+  const auto imu_topic = bagTopic("/imu", TopicRole::ins);
+  const auto topic = bagTopic("/pose", TopicRole::reference);
+  const Pose T_odom_robot{rotationFromYawPitchRoll(1, 0.2, -0.3), Vector3d(5, 6, 7)};
+  const Pose T_odom_sensor = T_odom_robot * topic.T_robot_sensor;
+  const Eigen::Quaterniond q(T_odom_sensor.rotation);
+  ros1::Pose pose;
+  pose.position.x = T_odom_sensor.position.x();
+  pose.position.y = T_odom_sensor.position.y();
+  pose.position.z = T_odom_sensor.position.z();
+  pose.orientation.x = q.x();
+  pose.orientation.y = q.y();
+  pose.orientation.z = q.z();
+  pose.orientation.w = q.w();
+  const auto check = [&](const auto& late, const auto& early) {
+    const auto bag = makeBag([&](rosbag::Bag& b) {
+      b.write("/imu", rosTime(100), test::imuMessage(rosTime(100)));
+      b.write("/pose", rosTime(101), late);
+      b.write("/pose", rosTime(102), early);
+      b.write("/pose", rosTime(103), early);
+    });
+    const auto recording = importBag(bag, topicMap({imu_topic, topic}));
+    EXPECT_EQ(recording.samples.size(), 1U) << "the reference never goes into the rawlog";
+    ASSERT_EQ(recording.reference.size(), 2U) << "a repeated stamp counts once";
+    EXPECT_EQ(recording.reference[0].time, fromUnixSeconds(50));
+    EXPECT_TRUE(recording.reference[1].T_odom_robot.position.isApprox(T_odom_robot.position));
+    EXPECT_TRUE(recording.reference[1].T_odom_robot.rotation.isApprox(T_odom_robot.rotation));
+  };
+  auto late = stamped<ros1::Odometry>(rosTime(60)), early = stamped<ros1::Odometry>(rosTime(50));
+  late.pose.pose = early.pose.pose = pose;
+  check(late, early);
+  auto late_pose = stamped<ros1::PoseWithCovarianceStamped>(rosTime(60));
+  auto early_pose = stamped<ros1::PoseWithCovarianceStamped>(rosTime(50));
+  late_pose.pose.pose = early_pose.pose.pose = pose;
+  check(late_pose, early_pose);
+}
+
+TEST(RosBag, PoseBecomesUsblPositionOfUnknownOrientation) {
+  auto fix = stamped<ros1::PoseWithCovarianceStamped>(rosTime(100));
+  fix.pose.pose.position.y = 4.0;
+  for (std::size_t i = 0; i < 6; ++i) fix.pose.covariance[7 * i] = 0.25;
+  fix.pose.covariance[1] = fix.pose.covariance[6] = 0.1;
+  const auto recording = importBag(bagOf("/usbl", fix), topicMap({bagTopic("/usbl", TopicRole::usbl)}));
+  const auto pdf = onlyReading<PoseSample>(recording, labels::kUsbl).T_odom_robot;
+  EXPECT_EQ(pdf.mean.y(), 4.0);
+  EXPECT_EQ(pdf.cov(0, 0), 0.25);
+  EXPECT_EQ(pdf.cov(1, 0), 0.1);
+  EXPECT_GE(pdf.cov(3, 3), 1e6);
+  EXPECT_EQ(vehicleOf(recording).usbl->position_sigma_m, 0.5);
+}
+
+TEST(RosBag, PressureBecomesDepth) {
+  auto pressure = stamped<ros1::FluidPressure>(rosTime(100));
+  pressure.fluid_pressure = 201325.0;
+  pressure.variance = 2500.0;
+  const auto recording = importBag(bagOf("/p", pressure), topicMap({bagTopic("/p", TopicRole::depth)}));
+  EXPECT_EQ(onlyReading<DepthSample>(recording, labels::kDepth).pressure_pa, 201325.0);
+  EXPECT_EQ(vehicleOf(recording).depth->pressure_sigma_pa, 50.0);
+}
+
+TEST(RosBag, RangesOfEqualStampBecomeBeamsOfOneEntry) {
+  const auto range = [](std::uint32_t sec, float value) {
+    auto message = stamped<ros1::Range>(rosTime(sec));
+    message.min_range = 0.5F;
+    message.max_range = 50.0F;
+    message.range = value;
+    return message;
+  };
+  auto second_beam = bagTopic("/r1", TopicRole::dvl_beams);
+  second_beam.T_robot_sensor.position.x() = 9.0;
+  const auto bag = makeBag([&](rosbag::Bag& b) {
+    b.write("/r1", rosTime(100), range(100, 11.0F));
+    b.write("/r0", rosTime(101), range(101, 20.0F));
+    b.write("/r0", rosTime(102), range(100, 10.0F));  // arrives late
+    b.write("/r1", rosTime(103), range(101, std::numeric_limits<float>::infinity()));
+    b.write("/r0", rosTime(104), range(104, 51.0F));
+  });
+  const auto recording = importBag(bag, topicMap({bagTopic("/r0", TopicRole::dvl_beams), second_beam}));
+  ASSERT_EQ(recording.samples.size(), 3U);
+  const auto beams = [&](std::size_t k) { return std::get<DvlBeamsSample>(recording.samples[k].reading).beams; };
+  ASSERT_EQ(beams(0).size(), 2U);
+  EXPECT_EQ(beams(0)[0].range_m, 10.0);
+  EXPECT_EQ(beams(0)[1].range_m, 11.0);
+  EXPECT_EQ(beams(0)[1].T_robot_beam.position.x(), 9.0);
+  EXPECT_EQ(beams(1)[0].range_m, 20.0);
+  EXPECT_FALSE(beams(1)[1].range_m) << "infinite: no echo";
+  EXPECT_FALSE(beams(2)[0].range_m || beams(2)[1].range_m) << "out of its limits, and never sent";
+}
+
+BagTopic cameraTopic(unsigned width, unsigned height) {
+  BagTopic topic = bagTopic("/cam", TopicRole::camera);
+  topic.intrinsics.emplace();
+  topic.intrinsics->ncols = width;
+  topic.intrinsics->nrows = height;
+  topic.intrinsics->setIntrinsicParamsFromValues(10, 11, 2, 1);
+  return topic;
+}
+
+/// 4 x 3, rows of `step` bytes: byte b of row r is 16 r + b.
+ros1::Image image(const std::string& encoding, std::uint32_t channels, std::uint32_t padding) {
+  auto message = stamped<ros1::Image>(rosTime(100, 5));
+  message.width = 4;
+  message.height = 3;
+  message.encoding = encoding;
+  message.step = 4 * channels + padding;
+  for (unsigned r = 0; r < 3; ++r)
+    for (unsigned b = 0; b < message.step; ++b)
+      message.data.push_back(static_cast<unsigned char>(16 * r + b));
+  return message;
+}
+
+TEST(RosBag, ImagesBecomePngOfTheSamePixels) {
+  const auto pixels = [&](const ros1::Image& message) {
+    const auto bag = bagOf("/cam", message);
+    const auto folder = bag.parent_path() / "images";
+    const auto recording = importBag(bag, topicMap({cameraTopic(4, 3)}), {.image_folder = folder});
+    const auto sample = onlyReading<ImageSample>(recording, labels::kCamera);
+    EXPECT_EQ(sample.file, "CAMERA_0000000100.000000005.png");
+    return cv::imread((folder / sample.file).string(), cv::IMREAD_UNCHANGED);
+  };
+  const cv::Mat mono = pixels(image("mono8", 1, 2));
+  ASSERT_EQ(mono.type(), CV_8UC1);
+  EXPECT_EQ(mono.at<unsigned char>(2, 3), 16 * 2 + 3);
+  const cv::Mat bgr = pixels(image("bgr8", 3, 0));
+  EXPECT_EQ(bgr.at<cv::Vec3b>(1, 2), cv::Vec3b(16 + 6, 16 + 7, 16 + 8));
+  const cv::Mat rgb = pixels(image("rgb8", 3, 1));
+  EXPECT_EQ(rgb.at<cv::Vec3b>(1, 2), cv::Vec3b(16 + 8, 16 + 7, 16 + 6));
+}
+
+/// A plain red scene seen through each Bayer pattern must come out red.
+TEST(RosBag, BayerPatternsAreNamedByTheirFirstRow) {
+  for (const std::string pattern : {"rggb", "bggr", "gbrg", "grbg"}) {
+    auto message = stamped<ros1::Image>(rosTime(100));
+    message.width = message.height = message.step = 8;
+    message.encoding = "bayer_" + pattern + "8";
+    for (unsigned r = 0; r < 8; ++r)
+      for (unsigned c = 0; c < 8; ++c) message.data.push_back(pattern[2 * (r % 2) + c % 2] == 'r' ? 200 : 0);
+    const auto bag = bagOf("/cam", message);
+    const auto folder = bag.parent_path() / "images";
+    importBag(bag, topicMap({cameraTopic(8, 8)}), {.image_folder = folder});
+    const cv::Mat bgr = cv::imread((folder / "CAMERA_0000000100.000000000.png").string());
+    EXPECT_EQ(bgr.at<cv::Vec3b>(4, 4), cv::Vec3b(0, 0, 200)) << pattern;
+  }
+}
+
+TEST(RosBag, CompressedImagesAreKeptAsTheyAre) {
+  for (const std::string extension : {".png", ".jpg"}) {
+    std::vector<unsigned char> bytes;
+    cv::imencode(extension, cv::Mat(3, 4, CV_8UC1, cv::Scalar(77)), bytes);
+    auto message = stamped<ros1::CompressedImage>(rosTime(100));
+    message.data.assign(bytes.begin(), bytes.end());
+    const auto bag = bagOf("/cam", message);
+    const auto folder = bag.parent_path() / "images";
+    const auto recording = importBag(bag, topicMap({cameraTopic(4, 3)}), {.image_folder = folder});
+    const auto sample = onlyReading<ImageSample>(recording, labels::kCamera);
+    EXPECT_EQ(sample.file, "CAMERA_0000000100.000000000" + extension);
+    EXPECT_EQ(readTextFile(folder / sample.file), std::string(bytes.begin(), bytes.end()));
+    EXPECT_EQ(vehicleOf(recording).camera->width_px, 4) << "the vehicle file is whole";
+  }
+}
+
+TEST(RosBag, OrderOfStampsNotOfArrivalWithinTheWindow) {
+  const auto bag = makeBag([](rosbag::Bag& b) {
+    unsigned received = 200;
+    for (const unsigned stamp : {100U, 103U, 104U, 101U, 110U, 109U})
+      b.write("/imu", rosTime(received++), test::imuMessage(rosTime(stamp)));
+  });
+  const auto map = topicMap({bagTopic("/imu", TopicRole::ins)});
+  const auto recording = importBag(bag, map);
+  std::vector<double> seconds;
+  for (const Sample& s : recording.samples) seconds.push_back(toUnixSeconds(s.time));
+  EXPECT_EQ(seconds, (std::vector<double>{100, 101, 103, 104, 109, 110}));
+  EXPECT_THROW(importBag(bag, map, {.reorder_window_s = 0.5, .image_folder = {}}), Error)
+      << "101 comes after 103 is gone";
+}
+
+TEST(RosBag, RefusesBadMessages) {
+  const auto imu_map = topicMap({bagTopic("/imu", TopicRole::ins)});
+  const auto without_stamp = makeBag([](rosbag::Bag& b) {
+    b.write("/imu", rosTime(1), test::imuMessage(rosTime(1)));
+    b.write("/imu", rosTime(2), test::imuMessage(ros::Time()));
+  });
+  expectError(without_stamp, imu_map, "/imu, message 2: has no time stamp");
+  auto imu = test::imuMessage(rosTime(1));
+  imu.angular_velocity.y = kNan;
+  expectError(bagOf("/imu", imu), imu_map, "angular_velocity is not finite");
+  imu = test::imuMessage(rosTime(1));
+  imu.orientation.w = 0.5;
+  expectError(bagOf("/imu", imu), imu_map, "not a unit quaternion");
+  auto pressure = stamped<ros1::FluidPressure>(rosTime(1));
+  pressure.fluid_pressure = kNan;
+  expectError(bagOf("/p", pressure), topicMap({bagTopic("/p", TopicRole::depth)}), "not finite");
+  auto range = stamped<ros1::Range>(rosTime(1));
+  range.range = std::numeric_limits<float>::quiet_NaN();
+  expectError(bagOf("/r", range), topicMap({bagTopic("/r", TopicRole::dvl_beams)}), "not a number");
+
+  const auto camera = topicMap({cameraTopic(4, 3)});
+  expectError(bagOf("/cam", image("yuv422", 2, 0)), camera, "encoding `yuv422`");
+  auto small = image("mono8", 1, 0);
+  small.data.pop_back();
+  expectError(bagOf("/cam", small), camera, "does not fit");
+  expectError(bagOf("/cam", image("mono8", 1, 0)), topicMap({cameraTopic(5, 3)}), "another size");
+  auto compressed = stamped<ros1::CompressedImage>(rosTime(1));
+  compressed.data.assign(100, 'x');
+  expectError(bagOf("/cam", compressed), camera, "neither PNG nor JPEG");
+  EXPECT_THROW(importBag(bagOf("/cam", image("mono8", 1, 0)), camera), Error) << "no folder for images";
+}
+
+TEST(RosBag, RefusesBagsThatDoNotFitTheMap) {
+  const auto bag = makeBag([](rosbag::Bag& b) {
+    b.write("/imu", rosTime(1), test::imuMessage(rosTime(1)));
+    b.write("/pressure", rosTime(1), stamped<ros1::FluidPressure>(rosTime(1)));
+  });
+  expectError(bag, topicMap({bagTopic("/imu/data", TopicRole::ins)}),
+              "no such topic (topics.yaml asks for it); the bag has /imu (sensor_msgs/Imu), /pressure "
+              "(sensor_msgs/FluidPressure)");
+  expectError(bag, topicMap({bagTopic("/pressure", TopicRole::ins)}),
+              "is a sensor_msgs/FluidPressure; INS is made of sensor_msgs/Imu");
+  expectError(bag, topicMap({bagTopic("/imu", TopicRole::dvl)}),
+              "DVL is made of nav_msgs/Odometry or geometry_msgs/TwistWithCovarianceStamped");
+  expectError(makeBag([](rosbag::Bag&) {}), topicMap({bagTopic("/imu", TopicRole::ins)}), "the bag has nothing");
+  const auto folder = test::scratchFolder();
+  expectError(folder / "none.bag", topicMap({}), "cannot be read");
+  expectError(folder, topicMap({}), "cannot be read");
+  writeTextFile(folder / "text.bag", "hello\n");
+  expectError(folder / "text.bag", topicMap({}), "is not a ROS 1 bag of version 2.0");
+}
+
+TEST(RosBag, StreamsWithoutKeepingSamples) {
+  const auto bag = makeBag([](rosbag::Bag& b) {
+    for (unsigned k = 1; k <= 50; ++k) b.write("/imu", rosTime(k), test::imuMessage(rosTime(k)));
+  });
+  std::size_t count = 0;
+  const auto recording =
+      importBag(bag, topicMap({bagTopic("/imu", TopicRole::ins)}), [&](Sample&&) { ++count; });
+  EXPECT_EQ(count, 50U);
+  EXPECT_TRUE(recording.samples.empty());
+  EXPECT_EQ(recording.start, fromUnixSeconds(1));
+}
+
+class Husky : public testing::Test {
+ protected:
+  void SetUp() override {
+    FATHOM_NEEDS_SHARED("data/robot_localization/test1.bag");
+    map = readTopicMap(std::filesystem::path(FATHOM_SOURCE_DIR) / "config/husky_topics.yaml");
+  }
+  ImportedRecording import() const {
+    return importBag(test::sharedData("data/robot_localization/test1.bag"), map);
+  }
+  TopicMap map;
+};
+
+TEST_F(Husky, HasTheMessagesTheBagCounts) {
+  const auto recording = import();
+  std::map<std::string, int> counts;
+  for (const Sample& s : recording.samples) ++counts[s.label];
+  EXPECT_EQ(counts["INS"], 11865);  // rosbag info
+  EXPECT_EQ(counts["DVL"], 3952);
+  EXPECT_EQ(recording.reference.size(), 3952U);
+  EXPECT_TRUE(std::is_sorted(recording.samples.begin(), recording.samples.end(),
+                             [](const Sample& a, const Sample& b) { return a.time < b.time; }));
+  EXPECT_NEAR(toUnixSeconds(recording.start), 1432235497.988949, 1e-6);
+  const Vehicle vehicle = vehicleOf(recording);
+  EXPECT_NEAR(vehicle.ins->rate_hz, 30.0, 0.1);
+  EXPECT_NEAR(vehicle.dvl->rate_hz, 10.0, 0.1);
+  EXPECT_NEAR(vehicle.ins->gyro_sigma_rad_s, 0.02, 1e-3);
+}
+
+/// Independent of the importer's own checks: with the map's mounting the robot stands upright, and its yaw rate by
+/// the gyro is that of the wheels.
+TEST_F(Husky, MountingMakesTheRobotUpright) {
+  Vector3d force_robot = Vector3d::Zero();
+  double count = 0, worst_tilt = 0;
+  for (const Sample& s : import().samples)
+    if (const auto* ins = std::get_if<InsSample>(&s.reading)) {
+      force_robot += ins->T_robot_ins.rotation * *ins->specific_force_ins;
+      const Matrix3d R_odom_robot = *ins->R_odom_ins * ins->T_robot_ins.rotation.transpose();
+      worst_tilt = std::max(worst_tilt, std::acos(R_odom_robot(2, 2)));
+      ++count;
+    }
+  EXPECT_LT((force_robot / count - Vector3d(0, 0, 9.80665)).norm(), 0.3) << force_robot.transpose() / count;
+  EXPECT_LT(worst_tilt, radians(20)) << "a wheeled robot outdoors does not lie on its side";
+}
+
+TEST_F(Husky, ConcludesThatTheOrientationIsTheSensorsOwn) {
+  const auto said = [](const ImportedRecording& recording, const std::string& what) {
+    for (const Conclusion& c : recording.conclusions)
+      if (c.what == what) return c;
+    ADD_FAILURE() << "nothing on " << what;
+    return Conclusion{};
+  };
+  auto orientation = said(import(), "orientation in the INS's messages");
+  EXPECT_EQ(orientation.concluded, "the sensor's own attitude, as the map says");
+  EXPECT_GT(orientation.residual_ratio, 10.0);
+  auto mounting = said(import(), "INS mounting against odometry");
+  EXPECT_EQ(mounting.concluded, "the map's pose fits best of the 24 right-angled ones");
+
+  map.topics[0].orientation_is_robot = true;
+  orientation = said(import(), "orientation in the INS's messages");
+  EXPECT_EQ(orientation.concluded, "the sensor's own attitude, but the map says otherwise");
+  // A drawing that is wrong by a quarter turn about the vertical, which gravity cannot see.
+  map.topics[0].T_robot_sensor.rotation =
+      rotationFromYawPitchRoll(radians(90), 0, 0) * map.topics[0].T_robot_sensor.rotation;
+  mounting = said(import(), "INS mounting against odometry");
+  EXPECT_EQ(mounting.concluded, "axes (y, -x, z) after the map's pose fit better (not corrected)");
+}
+
+}  // namespace
+}  // namespace fathom

@@ -1,0 +1,336 @@
+// A sea trial made from a known motion, with conventions broken on purpose: the importer must recognise each.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "core/random.h"
+#include "recording/import_csv.h"
+#include "sensors/vehicle.h"
+#include "support/shared_data.h"
+
+namespace fathom {
+namespace {
+
+/// What may be odd about a published sea trial. Default: everything as one would expect, FRD and NED.
+struct Oddities {
+  bool columns_swapped = false;
+  bool altitude_down = false;
+  Vector3d attitude_sign = Vector3d::Ones();
+  SignedAxes gyro, accelerometer, dvl;  // columns to FRD, as the importer should conclude
+  bool stamps_stretched = false;
+  double imu_offset_s = 0.0;
+  double dvl_delay_s = 0.0;
+  double dvl_scale_error = 0.0;
+  Vector3d dvl_lever_arm_robot = Vector3d::Zero();
+  bool earth_rate = false;
+};
+
+constexpr double kLatitude = radians(32.85), kLongitude = radians(34.89);
+constexpr int kRows = 400;
+
+/// A submarine's way: turning, diving and rolling gently at 2 m/s. FRD against NED.
+Matrix3d attitude(double t) {
+  return rotationFromYawPitchRoll(1.1 + 1.5 * std::sin(0.05 * t) + 0.2 * std::sin(0.31 * t),
+                                  -0.02 + 0.07 * std::sin(0.11 * t + 1), 0.03 + 0.05 * std::sin(0.23 * t));
+}
+Vector3d velocityFrd(double t) {
+  return {2.0 + 0.3 * std::sin(0.07 * t), 0.05 * std::sin(0.13 * t), 0.03 * std::cos(0.19 * t)};
+}
+Vector3d velocityNed(double t) { return attitude(t) * velocityFrd(t); }
+Vector3d rateFrd(double t) {
+  constexpr double kStep = 1e-4;
+  return logSO3<double>(attitude(t - kStep).transpose() * attitude(t + kStep)) / (2 * kStep);
+}
+Vector3d specificForceFrd(double t) {
+  constexpr double kStep = 1e-4;
+  const Vector3d acceleration_ned = (velocityNed(t + kStep) - velocityNed(t - kStep)) / (2 * kStep);
+  return attitude(t).transpose() * (acceleration_ned - Vector3d(0, 0, 9.7955));
+}
+
+/// Latitude, longitude (rad) and height (m), moved over the ellipsoid by its radii of curvature: independent of
+/// the importer's conversion. (MRPT 2.5.8's ENUToGeocentric will not do: its up is geocentric.)
+struct Geodetic {
+  double latitude = kLatitude, longitude = kLongitude, height = -20.0;
+  void move(const Vector3d& step_ned) {
+    constexpr double kA = 6378137.0, kE2 = 6.69437999014e-3;  // WGS-84
+    const double w2 = 1 - kE2 * std::pow(std::sin(latitude), 2);
+    latitude += step_ned.x() / (kA * (1 - kE2) / std::pow(w2, 1.5) + height);
+    longitude += step_ned.y() / ((kA / std::sqrt(w2) + height) * std::cos(latitude));
+    height -= step_ned.z();
+  }
+};
+
+void addGtRow(SeaTrialData& d, const Oddities& odd, double stamp, double t, const Geodetic& g) {
+  d.gt_time_s.push_back(stamp);
+  d.latitude_rad.push_back(odd.columns_swapped ? g.longitude : g.latitude);
+  d.longitude_rad.push_back(odd.columns_swapped ? g.latitude : g.longitude);
+  d.altitude_m.push_back(odd.altitude_down ? -g.height : g.height);
+  d.velocity_ned.push_back(velocityNed(t));
+  const Vector3d ypr = yawPitchRollFromRotation(attitude(t));
+  d.roll_pitch_yaw.emplace_back(Vector3d(ypr[2], ypr[1], ypr[0]).cwiseProduct(odd.attitude_sign));
+}
+
+SeaTrialData makeSeaTrial(const Oddities& odd, std::uint64_t seed) {
+  Random random(seed);
+  SeaTrialData d;
+  // measured = axes^-1 (frd): the axes are orthonormal.
+  const Matrix3d gyro = odd.gyro.matrix().transpose(), force = odd.accelerometer.matrix().transpose(),
+                 dvl = odd.dvl.matrix().transpose();
+  const Vector3d earth_ned = 7.292115e-5 * Vector3d(std::cos(kLatitude), 0, -std::sin(kLatitude));
+  for (int k = 0; k < 100 * kRows; ++k) {
+    const double t = 0.01 * k;
+    Vector3d rate = rateFrd(t);
+    if (odd.earth_rate) rate += attitude(t).transpose() * earth_ned;
+    d.imu_time_s.push_back(t);
+    d.rate_imu.emplace_back(gyro * rate + 5e-4 * random.normal3());
+    d.acceleration_imu.emplace_back(force * specificForceFrd(t) + 0.02 * random.normal3());
+  }
+  const double step = odd.stamps_stretched ? kRows / (kRows - 1.0) : 1.0;
+  Geodetic position;
+  for (int k = 0; k < kRows; ++k) {
+    const double t = k + odd.imu_offset_s;
+    addGtRow(d, odd, k * step, t, position);
+    for (int i = 0; i < 100; ++i) position.move(0.01 * velocityNed(t + 0.01 * i + 0.005));
+    const double valid = k + odd.dvl_delay_s;
+    const Vector3d lever_frd = flipFrdRobot() * odd.dvl_lever_arm_robot;
+    const Vector3d reading = velocityFrd(valid) + rateFrd(valid).cross(lever_frd);
+    d.dvl_time_s.push_back(k * step);
+    d.velocity_dvl.emplace_back(dvl * reading * (1 + odd.dvl_scale_error) + 0.01 * random.normal3());
+  }
+  return d;
+}
+
+void expectRecovered(const Oddities& odd, std::uint64_t seed) {
+  const SeaTrialConventions c = establishConventions(makeSeaTrial(odd, seed));
+  EXPECT_EQ(c.position_columns_swapped, odd.columns_swapped);
+  EXPECT_EQ(c.altitude_sign, odd.altitude_down ? -1 : 1);
+  EXPECT_EQ(c.attitude_sign, odd.attitude_sign) << c.attitude_sign.transpose();
+  EXPECT_EQ(c.gyro, odd.gyro) << c.gyro.text() << " instead of " << odd.gyro.text();
+  EXPECT_EQ(c.accelerometer, odd.accelerometer) << c.accelerometer.text();
+  EXPECT_EQ(c.dvl, odd.dvl) << c.dvl.text() << " instead of " << odd.dvl.text();
+  EXPECT_EQ(c.stamp_stretch, odd.stamps_stretched ? (kRows - 1.0) / kRows : 1.0);
+  EXPECT_NEAR(c.imu_offset_s, odd.imu_offset_s, 0.01);
+}
+
+void writeTable(const std::filesystem::path& file, const std::string& header,
+                const std::vector<std::vector<double>>& rows) {
+  std::ofstream out(file);
+  out << header << '\n';
+  out.precision(17);
+  for (const auto& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) out << row[i] << (i + 1 < row.size() ? ',' : '\n');
+}
+
+SeaTrialFiles writeSeaTrial(const SeaTrialData& d, const std::filesystem::path& folder) {
+  std::vector<std::vector<double>> imu, dvl, gt;
+  for (std::size_t k = 0; k < d.imu_time_s.size(); ++k) {
+    const Vector3d &a = d.acceleration_imu[k], &w = d.rate_imu[k];
+    imu.push_back({d.imu_time_s[k], a.x(), a.y(), a.z(), w.x(), w.y(), w.z()});
+  }
+  for (std::size_t k = 0; k < d.dvl_time_s.size(); ++k) {
+    const Vector3d& v = d.velocity_dvl[k];
+    dvl.push_back({d.dvl_time_s[k], v.x(), v.y(), v.z()});
+  }
+  for (std::size_t k = 0; k < d.gt_time_s.size(); ++k) {
+    const Vector3d &v = d.velocity_ned[k], &a = d.roll_pitch_yaw[k];
+    gt.push_back({d.gt_time_s[k], d.longitude_rad[k], d.latitude_rad[k], d.altitude_m[k], v.x(), v.y(), v.z(),
+                  a.x(), a.y(), a.z()});
+  }
+  writeTable(folder / "IMU_trajectory1.csv",
+             "Time [s],ACC X [m/s^2],ACC Y [m/s^2],ACC Z [m/s^2],GYRO X [rad/s],GYRO Y [rad/s],GYRO Z [rad/s]",
+             imu);
+  writeTable(folder / "DVL_trajectory1.csv", "Time [s],DVL X [m/s],DVL Y [m/s],DVL Z [m/s]", dvl);
+  writeTable(folder / "GT_trajectory1.csv",
+             "Time [s],Longitude [rad],Latitude [rad],Altitude [m],V North [m/s],V East [m/s],V Down [m/s],"
+             "Roll [rad],Pitch [rad],Yaw [rad]",
+             gt);
+  return seaTrialFiles(folder, 1);
+}
+
+const SignedAxes kFlippedY{{0, 1, 2}, {1, -1, 1}};
+
+TEST(SeaTrial, WhatIsRightIsLeftAlone) {
+  Oddities none;
+  expectRecovered(none, 1);
+  for (const Conclusion& c : establishConventions(makeSeaTrial(none, 2)).conclusions)
+    if (!c.runner_up.empty()) {
+      EXPECT_GT(c.residual_ratio, 2.0) << "should be sure: " << toText(c);
+    }
+}
+
+TEST(SeaTrial, RecognisesEachOddityAlone) {
+  Oddities odd;
+  odd.columns_swapped = true;
+  expectRecovered(odd, 3);
+  odd = {};
+  odd.altitude_down = true;
+  expectRecovered(odd, 4);
+  odd = {};
+  odd.attitude_sign = {1, -1, 1};
+  expectRecovered(odd, 5);
+  odd = {};
+  odd.gyro = kFlippedY;
+  expectRecovered(odd, 6);
+  odd = {};
+  odd.accelerometer.sign = {-1, -1, -1};  // acceleration of gravity instead of specific force
+  expectRecovered(odd, 7);
+  odd = {};
+  odd.dvl.sign = {1, 1, -1};
+  expectRecovered(odd, 8);
+  odd = {};
+  odd.stamps_stretched = true;
+  expectRecovered(odd, 9);
+  odd = {};
+  odd.imu_offset_s = -0.43;
+  expectRecovered(odd, 10);
+}
+
+TEST(SeaTrial, RecognisesWhatTheSeaTrialHas) {
+  Oddities odd;
+  odd.gyro = odd.accelerometer = kFlippedY;
+  odd.stamps_stretched = true;
+  odd.imu_offset_s = -0.45;
+  odd.dvl_delay_s = 1.0;
+  odd.dvl_lever_arm_robot = {-1.85, 0, -0.2};
+  odd.earth_rate = true;
+  expectRecovered(odd, 11);
+}
+
+TEST(SeaTrial, RecognisesAnyCombination) {
+  const auto all_axes = AxesEvidence{}.ranking();
+  Random random(12);
+  const auto pick = [&] { return all_axes[static_cast<std::size_t>(random.uniform(0, 48))].axes; };
+  const auto sign = [&] { return random.uniform() < 0.5 ? -1.0 : 1.0; };
+  for (int trial = 0; trial < 6; ++trial) {
+    Oddities odd;
+    odd.columns_swapped = sign() > 0;
+    odd.altitude_down = sign() > 0;
+    odd.attitude_sign = {sign(), sign(), sign()};
+    odd.gyro = pick();
+    odd.accelerometer = pick();
+    odd.dvl = pick();
+    odd.stamps_stretched = sign() > 0;
+    odd.imu_offset_s = random.uniform(-0.6, 0.6);
+    odd.dvl_delay_s = random.uniform(-1, 1);
+    SCOPED_TRACE("trial " + std::to_string(trial));
+    expectRecovered(odd, 100 + static_cast<std::uint64_t>(trial));
+  }
+}
+
+TEST(SeaTrial, ReportsTheDvlsErrorsWithoutCorrectingThem) {
+  Oddities odd;
+  odd.dvl_delay_s = 0.6;
+  odd.dvl_scale_error = 0.01;
+  odd.dvl_lever_arm_robot = {-1.5, 0.2, 0.1};
+  odd.earth_rate = true;
+  const SeaTrialData data = makeSeaTrial(odd, 20);
+  const SeaTrialConventions c = establishConventions(data);
+  const DvlRegression& r = c.dvl_regression;
+  // The delay is searched in steps of 0.02 s; what is left of it, and straight lines between rows a second
+  // apart, bias the rest by about 1 % of the signal, hence more than the fit's own sigmas.
+  EXPECT_NEAR(r.delay_s, 0.6, 0.05);
+  EXPECT_NEAR(r.scale_error, 0.01, 0.003);
+  EXPECT_LT((r.lever_arm_m - odd.dvl_lever_arm_robot).norm(), 0.2) << r.lever_arm_m.transpose();
+  EXPECT_LT(r.rotation_rad.norm(), radians(1.0));
+  EXPECT_LT(r.residual_m_s.norm(), 0.03);
+  EXPECT_GT(r.residual_before_m_s.y(), 0.05);
+
+  const auto recording = importSeaTrial(writeSeaTrial(data, test::scratchFolder()));
+  std::size_t row = 0;
+  for (const Sample& sample : recording.samples)
+    if (const auto* dvl = std::get_if<DvlSample>(&sample.reading)) {
+      EXPECT_TRUE(dvl->velocity_dvl->isApprox(flipFrdRobot() * data.velocity_dvl[row++], 1e-12));
+      EXPECT_TRUE(dvl->T_robot_dvl.position.isZero());
+    }
+  EXPECT_EQ(row, static_cast<std::size_t>(kRows));
+}
+
+TEST(SeaTrial, FindsEarthsRotationOnlyWhereItIs) {
+  for (const bool contained : {false, true}) {
+    Oddities odd;
+    odd.earth_rate = contained;
+    const SeaTrialConventions c = establishConventions(makeSeaTrial(odd, 30));
+    const Conclusion& last = c.conclusions.back();
+    EXPECT_EQ(last.what, "Earth's rotation in the gyro");
+    EXPECT_EQ(last.concluded.starts_with("contained"), contained) << toText(last);
+  }
+}
+
+TEST(SeaTrial, ImportedSamplesAndReferenceFollowTheConvention) {
+  Oddities odd;
+  odd.columns_swapped = true;
+  odd.altitude_down = true;
+  odd.attitude_sign = {1, -1, 1};
+  odd.gyro = odd.accelerometer = kFlippedY;
+  odd.dvl.sign = {1, 1, -1};
+  const auto folder = test::scratchFolder();
+  const auto recording = importSeaTrial(writeSeaTrial(makeSeaTrial(odd, 40), folder));
+
+  EXPECT_EQ(recording.start, fromUnixSeconds(1654041600.0));
+  ASSERT_EQ(recording.samples.size(), 101U * kRows);
+  ASSERT_EQ(recording.reference.size(), static_cast<std::size_t>(kRows));
+  Time last = recording.start;
+  for (const Sample& sample : recording.samples) {
+    EXPECT_GE(sample.time, last);
+    last = sample.time;
+    const double t = secondsBetween(recording.start, sample.time);
+    if (const auto* ins = std::get_if<InsSample>(&sample.reading)) {
+      EXPECT_LT((*ins->angular_velocity_ins - flipFrdRobot() * rateFrd(t)).norm(), 6 * 5e-4);
+      EXPECT_LT((*ins->specific_force_ins - flipFrdRobot() * specificForceFrd(t)).norm(), 6 * 0.02);
+    } else {
+      const auto& dvl = std::get<DvlSample>(sample.reading);
+      EXPECT_LT((*dvl.velocity_dvl - flipFrdRobot() * velocityFrd(t)).norm(), 6 * 0.01);
+    }
+  }
+  // Reference: starts at the origin; its positions are the integral of its own attitude times the velocity.
+  Vector3d position = Vector3d::Zero();
+  for (std::size_t k = 0; k + 1 < recording.reference.size(); ++k) {
+    const Pose& pose = recording.reference[k].T_odom_robot;
+    EXPECT_NEAR(pose.rotation.determinant(), 1.0, 1e-9);
+    EXPECT_LT((pose.position - position).norm(), 0.05) << "the Earth is flat to 5 cm here";
+    for (int i = 0; i < 100; ++i) {
+      const double t = static_cast<double>(k) + 0.01 * i + 0.005;
+      position += 0.01 * (swapNedEnu() * attitude(t) * velocityFrd(t));
+    }
+    const Vector3d heading = pose.rotation.col(0);
+    const Vector3d expected = swapNedEnu() * attitude(static_cast<double>(k)).col(0);
+    EXPECT_LT((heading - expected).norm(), 1e-9);
+    EXPECT_GT(pose.rotation(2, 2), 0.9) << "z is up";
+  }
+  writeTextFile(folder / "vehicle.yaml", recording.vehicle_yaml);
+  const Vehicle vehicle = readVehicle(folder / "vehicle.yaml");
+  EXPECT_NEAR(vehicle.ins->gyro_sigma_rad_s, 5e-4, 0.3e-4);
+  EXPECT_NEAR(vehicle.ins->accelerometer_sigma_m_s2, 0.02, 0.001);
+  EXPECT_NEAR(vehicle.gravity_m_s2, 9.7955, 1e-3);
+  EXPECT_EQ(vehicle.dvl->velocity_sigma_xy_m_s, 0.02);
+}
+
+TEST(SeaTrial, CanUndoTheStretchOfStamps) {
+  Oddities odd;
+  odd.stamps_stretched = true;
+  const auto files = writeSeaTrial(makeSeaTrial(odd, 50), test::scratchFolder());
+  const auto as_published = importSeaTrial(files);
+  const auto undone = importSeaTrial(files, {.undo_stamp_stretch = true});
+  EXPECT_NEAR(secondsBetween(as_published.start, as_published.reference.back().time), 400.0, 1e-6);
+  EXPECT_NEAR(secondsBetween(undone.start, undone.reference.back().time), 399.0, 1e-6);
+}
+
+TEST(SeaTrial, RefusesWhatProvesNothing) {
+  SeaTrialData data = makeSeaTrial({}, 60);
+  for (double& t : data.imu_time_s) t += 1000.0;
+  EXPECT_THROW(establishConventions(data), std::invalid_argument) << "IMU elsewhere in time";
+  data = makeSeaTrial({}, 60);
+  for (double& t : data.dvl_time_s) t += 1000.0;
+  EXPECT_THROW(establishConventions(data), std::invalid_argument) << "DVL elsewhere in time";
+
+  data = makeSeaTrial({}, 60);
+  data.gt_time_s.resize(9);
+  EXPECT_THROW(establishConventions(data), std::invalid_argument);
+  EXPECT_THROW(importSeaTrial(writeSeaTrial(data, test::scratchFolder())), Error) << "with the file's name";
+  EXPECT_THROW(seaTrialFiles(test::scratchFolder(), 1), Error);
+}
+
+}  // namespace
+}  // namespace fathom
