@@ -1,0 +1,161 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "core/files.h"
+#include "core/random.h"
+#include "recording/fields.h"
+#include "recording/rawlog.h"
+
+/// Recordings for tests: made, written, read and compared.
+namespace fathom::test {
+
+inline const Time kStart = fromUnixSeconds(1'700'000'000.0);
+
+inline Pose randomPose(Random& random) {
+  return {expSO3<double>(Vector3d(random.normal3())), 2.0 * random.normal3()};
+}
+
+inline mrpt::img::TCamera randomCamera(Random& random) {
+  mrpt::img::TCamera camera;
+  camera.ncols = 640;
+  camera.nrows = 480;
+  camera.setIntrinsicParamsFromValues(random.uniform(500, 600), random.uniform(500, 600), 320.5, 240.25);
+  camera.distortion = mrpt::img::DistortionModel::plumb_bob;
+  for (double& coefficient : camera.dist) coefficient = 0.01 * random.normal();
+  camera.cameraName = "front";
+  return camera;
+}
+
+/// `field` or, every now and then, nothing.
+template <class T>
+std::optional<T> sometimes(Random& random, const T& field) {
+  return random.uniform() < 0.8 ? std::optional<T>(field) : std::nullopt;
+}
+
+constexpr int kKinds = 8;
+
+/// A sample of the `kind`-th kind with random content and randomly absent fields.
+inline Sample randomSample(int kind, Time time, Random& random) {
+  switch (kind) {
+    case 0:
+      return {time, labels::kIns,
+              InsSample{randomPose(random), sometimes<Vector3d>(random, random.normal3()),
+                        sometimes<Vector3d>(random, random.normal3()),
+                        sometimes<Matrix3d>(random, randomPose(random).rotation)}};
+    case 1:
+      return {time, labels::kDvl,
+              DvlSample{randomPose(random), sometimes<Vector3d>(random, random.normal3())}};
+    case 2: {
+      DvlBeamsSample beams;
+      for (int k = 0; k < 4; ++k)
+        beams.beams.push_back({randomPose(random), sometimes(random, random.uniform(0.5, 50.0))});
+      return {time, labels::kDvlBeams, beams};
+    }
+    case 3:
+      return {time, labels::kDepth,
+              DepthSample{randomPose(random), random.uniform(1e5, 5e5),
+                          sometimes(random, random.uniform(2, 25))}};
+    case 4:
+    case 5: {
+      PoseSample pose;
+      pose.T_odom_robot.mean = randomPose(random).toMrpt();
+      Eigen::Matrix<double, 6, 6> root;
+      for (double& element : root.reshaped()) element = random.normal();
+      pose.T_odom_robot.cov.asEigen() = root * root.transpose();
+      pose.T_robot_sensor = randomPose(random);
+      return {time, kind == 4 ? labels::kUsbl : "EKF_TL2", pose};
+    }
+    case 6:
+      return {time, labels::kCamera,
+              ImageSample{randomPose(random), randomCamera(random),
+                          "CAMERA_" + std::to_string(random.bits() % 10000) + ".png"}};
+    default:
+      return {time, labels::kStereo,
+              StereoSample{randomPose(random), randomPose(random), randomCamera(random), randomCamera(random),
+                           "left.png", "right, \"odd\".png"}};
+  }
+}
+
+/// Samples of every kind in turn, 10 ms apart.
+inline std::vector<Sample> randomSamples(int count, Random& random) {
+  std::vector<Sample> samples;
+  for (int i = 0; i < count; ++i)
+    samples.push_back(randomSample(i % kKinds, after(kStart, 0.01 * i), random));
+  return samples;
+}
+
+inline void writeRecording(const std::filesystem::path& file, const std::vector<Sample>& samples,
+                           const RecordingHeader& header = {"maps/panel.yaml", "rov.yaml", "a test"}) {
+  RawlogWriter writer(file, header, kStart);
+  for (const Sample& sample : samples) writer.write(sample);
+  writer.finish();
+}
+
+struct ReadBack {
+  std::vector<Sample> samples;  ///< without the header comment
+  std::optional<RecordingLoss> loss;
+};
+
+inline ReadBack readRecording(const std::filesystem::path& file) {
+  RawlogReader reader(file);
+  ReadBack result;
+  while (auto sample = reader.next())
+    if (!std::holds_alternative<RecordingHeader>(sample->reading))
+      result.samples.push_back(std::move(*sample));
+  result.loss = reader.loss();
+  return result;
+}
+
+/// All there is in a sample, bit for bit.
+inline std::string fingerprint(const Sample& sample) {
+  std::string bytes = sample.label + '|' + std::to_string(sample.reading.index()) + '|' +
+                      std::to_string(sample.time.time_since_epoch().count());
+  const auto add = [&bytes](const double value) {
+    char raw[sizeof value];
+    std::memcpy(raw, &value, sizeof value);
+    bytes.append(raw, sizeof raw);
+  };
+  std::vector<std::optional<double>> values;
+  fieldValues(sample.reading, values);
+  for (const auto& value : values) {
+    bytes += value ? '1' : '0';
+    add(value.value_or(0.0));
+  }
+  for (const Pose& pose : mountings(sample.reading)) {
+    for (const double x : pose.rotation.reshaped()) add(x);
+    for (const double x : pose.position) add(x);
+  }
+  for (const auto& camera : intrinsics(sample.reading)) {
+    for (const double x : camera.intrinsicParams.asEigen().reshaped()) add(x);
+    for (const double x : camera.dist) add(x);
+    bytes += camera.cameraName + std::to_string(camera.ncols) + 'x' + std::to_string(camera.nrows);
+  }
+  for (const std::string& image : imageFiles(sample.reading)) bytes += '|' + image;
+  return bytes;
+}
+
+inline std::vector<std::string> fingerprints(const std::vector<Sample>& samples) {
+  std::vector<std::string> result;
+  for (const Sample& sample : samples) result.push_back(fingerprint(sample));
+  return result;
+}
+
+/// A gzip file's content, by zlib's own reader.
+inline std::string inflated(const std::filesystem::path& file) {
+  const gzFile in = gzopen(file.c_str(), "rb");
+  std::string text, piece(1 << 16, '\0');
+  for (int size = 0; (size = gzread(in, piece.data(), static_cast<unsigned>(piece.size()))) > 0;)
+    text.append(piece, 0, static_cast<std::size_t>(size));
+  gzclose(in);
+  return text;
+}
+
+}  // namespace fathom::test
