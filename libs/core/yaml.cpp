@@ -104,8 +104,8 @@ void rejectUnknown(const YAML::Node& node, const std::string& path, const std::s
 
 }  // namespace
 
-YamlMap::YamlMap(YAML::Node node, std::string path, std::shared_ptr<Known> known)
-    : node_(std::move(node)), path_(std::move(path)), known_(std::move(known)) {}
+YamlMap::YamlMap(const YAML::Node& node, std::string path, std::shared_ptr<Known> known)
+    : node_(node), path_(std::move(path)), known_(std::move(known)) {}
 
 bool YamlMap::has(const std::string& key) const {
   known_->keys.insert(join(path_, key));

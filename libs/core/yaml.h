@@ -54,7 +54,7 @@ class YamlMap {
  private:
   friend class YamlFile;
   struct Known;
-  YamlMap(YAML::Node node, std::string path, std::shared_ptr<Known> known);
+  YamlMap(const YAML::Node& node, std::string path, std::shared_ptr<Known> known);
   YAML::Node child(const std::string& key) const;
   double toNumber(const YAML::Node& node, const std::string& key) const;
 

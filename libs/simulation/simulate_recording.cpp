@@ -13,7 +13,7 @@ namespace fathom {
 
 RecordingFiles simulateRecording(const SimulationOptions& options, const Trajectory& trajectory,
                                  const RecordingTarget& target) {
-  const RecordingFiles files{target.folder / (target.name + ".rawlog"),
+  RecordingFiles files{target.folder / (target.name + ".rawlog"),
                              target.folder / (target.name + "_vehicle.yaml"),
                              target.folder / (target.name + "_truth.tum")};
   const double duration_s = simulatedDuration_s(options, trajectory);

@@ -41,7 +41,7 @@ void expectExample(const Vehicle& v) {
   EXPECT_EQ(v.depth->T_robot_depth.position, Vector3d(-0.1, 0.1, 0.1));
   EXPECT_EQ(v.camera->width_px, 640);
   EXPECT_EQ(v.camera->gain, "fixed");
-  // The camera looks forward, 2 degrees down... so its optical axis is nearly the robot's x.
+  // The optical axis is the robot's x, but for 2 degrees.
   EXPECT_GT(v.camera->T_robot_camera.rotation(0, 2), 0.999);
   ASSERT_FALSE(v.lamps.empty());
   EXPECT_EQ(v.lamps[0].name, "port");
