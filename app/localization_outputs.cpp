@@ -1,0 +1,92 @@
+#include "localization_outputs.h"
+
+#include "core/error.h"
+
+namespace fathom {
+
+InnovationLog::InnovationLog(const std::filesystem::path& file)
+    : file_(file), gz_(gzopen(file_.path().c_str(), "wb6")) {
+  if (gz_ == nullptr) throw Error(file.string(), "", "cannot be written");
+  gzputs(gz_, "t_s,channel,degrees_of_freedom,nis,fused\n");
+}
+
+InnovationLog::~InnovationLog() {
+  if (gz_ != nullptr) gzclose(gz_);
+}
+
+void InnovationLog::write(const Innovation& i) {
+  gzprintf(gz_, "%.4f,%s,%d,%.6g,%d\n", i.t_s, nameOf(i.channel).c_str(), i.degrees_of_freedom, i.nis,
+           i.fused ? 1 : 0);
+}
+
+void InnovationLog::finish() {
+  const int status = gzclose(gz_);
+  gz_ = nullptr;
+  if (status != Z_OK) throw Error(file_.target().string(), "", "cannot be written; is the disk full?");
+  file_.commit();
+}
+
+void NisWindows::add(const Innovation& innovation) {
+  constexpr std::size_t kMost = 4000;
+  if (windows_.empty() || innovation.t_s >= windows_.back().begin_s + length_s_)
+    windows_.push_back({std::floor(innovation.t_s / length_s_) * length_s_});
+  windows_.back().sum += innovation.nis;
+  ++windows_.back().count;
+  if (windows_.size() <= kMost) return;
+  length_s_ *= 2.0;
+  std::vector<Window> merged;
+  for (const Window& window : windows_) {
+    const double begin_s = std::floor(window.begin_s / length_s_) * length_s_;
+    if (merged.empty() || begin_s > merged.back().begin_s) merged.push_back({begin_s});
+    merged.back().sum += window.sum;
+    merged.back().count += window.count;
+  }
+  windows_ = std::move(merged);
+}
+
+void LocalizationOutputs::TumFile::finish() {
+  out.close();
+  if (!out) throw Error(file.target().string(), "", "cannot be written; is the disk full?");
+  file.commit();
+}
+
+LocalizationOutputs::LocalizationOutputs(const std::filesystem::path& folder, const std::string& name,
+                                         const std::string& task, Time time_zero, bool smoothed)
+    : label_("EKF_" + task),
+      results_(folder / (name + "_results.rawlog"), {"", "", "results of fathom localize, task " + task},
+               time_zero),
+      trajectory_(folder / "trajectory.tum"),
+      innovations_(folder / "innovations.csv.gz") {
+  if (smoothed) smoothed_ = std::make_unique<TumFile>(folder / "trajectory_smoothed.tum");
+}
+
+void LocalizationOutputs::estimate(const Estimate& e) {
+  const KinematicState<double>& m = e.state.motion;
+  writeTumLine(trajectory_.out, {e.time, {m.R_odom_robot, m.position_odom}});
+  results_.write({e.time, label_, PoseSample{posePdf(e)}});
+  path_.push_back({e.t_s, m.position_odom, m.velocity_robot, yawPitchRollFromRotation(m.R_odom_robot),
+                   std::sqrt(std::max(0.0, e.pose_covariance.topLeftCorner<3, 3>().trace()))});
+  last_ = e;
+}
+
+void LocalizationOutputs::smoothed(const Estimate& e) {
+  writeTumLine(smoothed_->out, {e.time, {e.state.motion.R_odom_robot, e.state.motion.position_odom}});
+}
+
+void LocalizationOutputs::innovation(const Innovation& innovation) {
+  innovations_.write(innovation);
+  nis_[innovation.channel].add(innovation);
+}
+
+void LocalizationOutputs::event(const Event& event) {
+  if (events_.size() < kEventsKept) events_.push_back(event);
+}
+
+void LocalizationOutputs::finish() {
+  trajectory_.finish();
+  if (smoothed_) smoothed_->finish();
+  innovations_.finish();
+  results_.finish();
+}
+
+}  // namespace fathom

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <zlib.h>
+
+#include <fstream>
+#include <map>
+#include <memory>
+
+#include "core/files.h"
+#include "localization/evaluation.h"
+#include "recording/rawlog.h"
+
+namespace fathom {
+
+/// Every innovation of a run as gzipped CSV (t_s,channel,degrees_of_freedom,nis,fused): NIS, gates and
+/// rejections, kept whatever the recording's length. Throws Error where it cannot be written.
+class InnovationLog {
+ public:
+  explicit InnovationLog(const std::filesystem::path& file);
+  ~InnovationLog();
+  InnovationLog(const InnovationLog&) = delete;
+  InnovationLog& operator=(const InnovationLog&) = delete;
+  void write(const Innovation& innovation);
+  void finish();
+
+ private:
+  PendingFile file_;
+  gzFile gz_;
+};
+
+/// Mean NIS over windows of time, in bounded memory: windows double in length when there are too many.
+class NisWindows {
+ public:
+  struct Window {
+    double begin_s = 0.0, sum = 0.0;
+    std::size_t count = 0;
+  };
+  void add(const Innovation& innovation);
+  double length_s() const { return length_s_; }
+  const std::vector<Window>& windows() const { return windows_; }
+
+ private:
+  double length_s_ = 1.0;
+  std::vector<Window> windows_;
+};
+
+/// One point of the estimated path, as much as plots need.
+struct PathPoint {
+  double t_s = 0.0;
+  Vector3d position_odom, velocity_robot, yaw_pitch_roll_rad;
+  double position_sigma_m = 0.0;
+};
+
+/// Writes what a localization run gives while it runs (trajectory, results rawlog, innovations), and keeps
+/// what the report needs.
+class LocalizationOutputs {
+ public:
+  /// `name` is the recording's; files go to `folder`.
+  LocalizationOutputs(const std::filesystem::path& folder, const std::string& name, const std::string& task,
+                      Time time_zero, bool smoothed);
+
+  void estimate(const Estimate& estimate);
+  void smoothed(const Estimate& estimate);
+  void innovation(const Innovation& innovation);
+  void event(const Event& event);
+  /// Puts all files under their names. Throws Error.
+  void finish();
+
+  const std::vector<PathPoint>& path() const { return path_; }
+  const std::vector<Event>& events() const { return events_; }
+  const std::map<Channel, NisWindows>& nis() const { return nis_; }
+  std::optional<Estimate> last() const { return last_; }
+
+  static constexpr std::size_t kEventsKept = 1000;
+
+ private:
+  struct TumFile {
+    explicit TumFile(const std::filesystem::path& target) : file(target), out(file.path()) {}
+    void finish();
+    PendingFile file;
+    std::ofstream out;
+  };
+
+  std::string label_;
+  RawlogWriter results_;
+  TumFile trajectory_;
+  std::unique_ptr<TumFile> smoothed_;
+  InnovationLog innovations_;
+  std::vector<PathPoint> path_;
+  std::vector<Event> events_;  ///< the first kEventsKept
+  std::map<Channel, NisWindows> nis_;
+  std::optional<Estimate> last_;
+};
+
+}  // namespace fathom
