@@ -87,6 +87,7 @@ inline Sample randomSample(int kind, Time time, Random& random) {
 /// Samples of every kind in turn, 10 ms apart.
 inline std::vector<Sample> randomSamples(int count, Random& random) {
   std::vector<Sample> samples;
+  samples.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i)
     samples.push_back(randomSample(i % kKinds, after(kStart, 0.01 * i), random));
   return samples;
@@ -144,6 +145,7 @@ inline std::string fingerprint(const Sample& sample) {
 
 inline std::vector<std::string> fingerprints(const std::vector<Sample>& samples) {
   std::vector<std::string> result;
+  result.reserve(samples.size());
   for (const Sample& sample : samples) result.push_back(fingerprint(sample));
   return result;
 }

@@ -1,0 +1,103 @@
+#include "recording/tum.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <sstream>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "support/recordings.h"
+#include "support/shared_data.h"
+
+namespace fathom::test {
+namespace {
+
+std::vector<StampedPose> readText(const std::string& text) {
+  const auto file = scratchFolder() / "trajectory.tum";
+  writeTextFile(file, text);
+  return readTum(file);
+}
+
+std::string errorOf(const std::string& text) {
+  try {
+    readText(text);
+  } catch (const Error& error) {
+    return error.where + ": " + error.why;
+  }
+  return "no error";
+}
+
+TEST(Tum, ReadsWhatItsFormatAllows) {
+  const auto poses = readText(
+      "# timestamp tx ty tz qx qy qz qw\n"
+      "\n"
+      "1700000000.0000001 1 -2 3.5 0 0 0 1\n"
+      "  1.7000000005e9\t0 0 0   0 0 0.70710678 0.70710678 # half a second later\r\n");
+  ASSERT_EQ(poses.size(), 2U);
+  EXPECT_EQ((poses[0].time - kStart).count(), 1);  // one tick of 100 ns
+  EXPECT_EQ((poses[1].time - kStart).count(), 5'000'000);
+  EXPECT_EQ(poses[0].T_odom_robot.position, Vector3d(1, -2, 3.5));
+  EXPECT_EQ(poses[0].T_odom_robot.rotation, Matrix3d(Matrix3d::Identity()));
+  // A quarter turn about z takes x to y.
+  EXPECT_LT((poses[1].T_odom_robot.rotation * Vector3d::UnitX() - Vector3d::UnitY()).norm(), 1e-15);
+}
+
+TEST(Tum, NamesLineAndReason) {
+  const std::string good = "1 0 0 0 0 0 0 1\n";
+  EXPECT_EQ(errorOf(good + "2 0 0 0 0 0 1\n"),
+            "line 2: has 7 fields, must have 8: time tx ty tz qx qy qz qw");
+  EXPECT_EQ(errorOf(good + "2 0 0 0 0 0 0 1 9\n"),
+            "line 2: has 9 fields, must have 8: time tx ty tz qx qy qz qw");
+  EXPECT_EQ(errorOf(good + "\n2 0 0 1.5m 0 0 0 1\n"), "line 3: `1.5m` is not a number");
+  EXPECT_EQ(errorOf(good + "2 0 0 nan 0 0 0 1\n"), "line 2: `nan` is not finite");
+  EXPECT_EQ(errorOf(good + "2 0 inf 0 0 0 0 1\n"), "line 2: `inf` is not finite");
+  EXPECT_EQ(errorOf(good + "2 0 0 0 0 0 0 1.01\n"), "line 2: the quaternion is not of unit norm");
+  EXPECT_EQ(errorOf(good + "1 0 0 0 0 0 0 1\n"), "line 2: time does not increase");
+  EXPECT_EQ(errorOf("-1 0 0 0 0 0 0 1\n"), "line 1: time is not within 1970 to 2477");
+  EXPECT_EQ(errorOf("1e300 0 0 0 0 0 0 1\n"), "line 1: time is not within 1970 to 2477");
+  EXPECT_EQ(errorOf("1,0,0,0,0,0,0,1\n"), "line 1: has 1 fields, must have 8: time tx ty tz qx qy qz qw");
+  EXPECT_EQ(errorOf("# only a comment\n"), ": holds no pose");
+  EXPECT_EQ(errorOf(""), ": holds no pose");
+  EXPECT_THROW(readTum(scratchFolder() / "missing.tum"), Error);
+  EXPECT_THROW(readTum(scratchFolder()), Error);
+}
+
+TEST(Tum, NormalizesWithinTolerance) {
+  const auto poses = readText("1 0 0 0 0 0 0 1.0009\n");
+  EXPECT_NEAR(poses[0].T_odom_robot.rotation.determinant(), 1.0, 1e-15);
+}
+
+TEST(Tum, RoundTrip) {
+  Random random(31);
+  std::vector<StampedPose> poses;
+  poses.reserve(500);
+  for (int i = 0; i < 500; ++i) poses.push_back({after(kStart, 0.0100001 * i), randomPose(random)});
+  const auto file = scratchFolder() / "trajectory.tum";
+  writeTum(file, poses);
+  const auto back = readTum(file);
+  ASSERT_EQ(back.size(), poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_EQ(back[i].time, poses[i].time);
+    EXPECT_LT((back[i].T_odom_robot.position - poses[i].T_odom_robot.position).norm(), 1e-9);
+    EXPECT_LT(angleBetween(back[i].T_odom_robot.rotation, poses[i].T_odom_robot.rotation), 1e-11);
+  }
+}
+
+TEST(Tum, LineIsAsSpecified) {
+  std::ostringstream out;
+  writeTumLine(out, {after(kStart, 0.5), {Matrix3d::Identity(), Vector3d(1, -2, 0.25)}});
+  EXPECT_EQ(out.str(),
+            "1700000000.5000000 1.000000000 -2.000000000 0.250000000 "
+            "0.000000000000 0.000000000000 0.000000000000 1.000000000000\n");
+}
+
+TEST(Tum, SharedTruthIsRead) {
+  FATHOM_NEEDS_SHARED("data/sample/none/truth.tum");
+  const auto poses = readTum(sharedData("data/sample/none/truth.tum"));
+  EXPECT_EQ(poses.size(), 3601U);  // 180 s at 20 Hz
+  EXPECT_NEAR(secondsBetween(poses.front().time, poses.back().time), 180.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace fathom::test
