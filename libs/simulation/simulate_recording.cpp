@@ -14,8 +14,8 @@ namespace fathom {
 RecordingFiles simulateRecording(const SimulationOptions& options, const Trajectory& trajectory,
                                  const RecordingTarget& target) {
   RecordingFiles files{target.folder / (target.name + ".rawlog"),
-                             target.folder / (target.name + "_vehicle.yaml"),
-                             target.folder / (target.name + "_truth.tum")};
+                       target.folder / (target.name + "_vehicle.yaml"),
+                       target.folder / (target.name + "_truth.tum")};
   const double duration_s = simulatedDuration_s(options, trajectory);
   const std::string vehicle_text = readTextFile(target.vehicle_file);
   PendingFile truth(files.truth);

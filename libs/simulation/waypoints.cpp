@@ -36,11 +36,12 @@ struct Plan {
 };
 
 Coordinates readCoordinates(const YamlMap& y) {
-  Coordinates c;
-  c << y.number("x"), y.number("y"), y.number("z"), radians(y.number("yaw_deg")),
-      radians(y.has("pitch_deg") ? y.number("pitch_deg") : 0.0),
-      radians(y.has("roll_deg") ? y.number("roll_deg") : 0.0);
-  return c;
+  const auto angle = [&](const std::string& key) { return y.has(key) ? radians(y.number(key)) : 0.0; };
+  // All read first: Eigen's comma initializer asserts where an exception cuts it short.
+  const std::array<double, 6> values{y.number("x"),      y.number("y"),
+                                     y.number("z"),      radians(y.number("yaw_deg")),
+                                     angle("pitch_deg"), angle("roll_deg")};
+  return Coordinates(values.data());
 }
 
 Sway readSway(const YamlMap& y) {

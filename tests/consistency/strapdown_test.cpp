@@ -58,8 +58,9 @@ Vector3d strapdownError(const Trajectory& trajectory, double begin_s, double dur
   return {worst_m, worst_rad, 0};
 }
 
-// The trapezoid is wrong by dt²/12 times the change of the integrand's slope: for tilt, at 1 kHz and 0.1 rad/s²
-// within one period, 1e-8 rad, which gravity turns into 1e-4 m in 60 s. Asked for with a margin of about seven.
+// The trapezoid is wrong by dt²/12 times the change of the integrand's slope: for tilt, at 1 kHz and 0.1
+// rad/s² within one period, 1e-8 rad, which gravity turns into 1e-4 m in 60 s. Asked for with a margin of
+// about seven.
 TEST(Strapdown, NoiselessInertialReadingsReproduceThePose) {
   const Vector3d error = strapdownError(test::sineTrajectory(70), 3.0, 60.0, 1000);
   EXPECT_LT(error[0], 1e-3);

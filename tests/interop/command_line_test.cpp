@@ -195,7 +195,7 @@ TEST_F(Completion, ScriptIsSound) {
     EXPECT_GT(runFathom("completion " + shell).out.size(), 500u);
     // zsh and fish are no packages that the tests need; where one is at hand it reads its script.
     std::ofstream("script") << runFathom("completion " + shell).out;
-    const auto checked = runShell("if command -v " + shell + "; then " + shell + " -n script; fi");
+    const auto checked = runShell("shell=" + shell + "; if command -v $shell; then $shell -n script; fi");
     EXPECT_EQ(checked.status, 0) << checked.err;
   }
 }

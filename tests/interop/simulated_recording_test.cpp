@@ -73,7 +73,7 @@ TEST(SimulatedRecording, TruthIsATrajectory) {
   const Trajectory trajectory = test::sineTrajectory(20, 0.1);
   const auto files = simulateRecording(options(), trajectory, {folder, "r", shippedVehicle(), "", ""});
   const Trajectory again = readTrajectory(files.truth);
-  for (double t = 2; t < 18; t += 0.013) {
+  for (const double t : test::timesBetween(2, 18, 0.013)) {
     const auto a = trajectory.at(t), b = again.at(t);
     EXPECT_LT((a.position_odom - b.position_odom).norm(), 1e-8);
     // 1e-9 m of TUM text over 0.1 s, differenced once and twice.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -21,13 +22,17 @@ inline Pose sinePose(double t) {
       Vector3d(2.0 * std::sin(0.23 * t), 1.5 * std::sin(0.17 * t + 1.0), -4.0 + 0.6 * std::sin(0.29 * t))};
 }
 
+/// first, first + step, … below last.
+inline std::vector<double> timesBetween(double first, double last, double step) {
+  std::vector<double> times_s(static_cast<std::size_t>(std::ceil((last - first) / step)));
+  for (std::size_t i = 0; i < times_s.size(); ++i) times_s[i] = first + step * static_cast<double>(i);
+  return times_s;
+}
+
 inline Trajectory sineTrajectory(double duration_s, double interval_s = 0.1) {
-  std::vector<double> times_s;
-  std::vector<Pose> poses;
-  for (int i = 0; interval_s * i <= duration_s + 1e-9; ++i) {
-    times_s.push_back(interval_s * i);
-    poses.push_back(sinePose(times_s.back()));
-  }
+  const auto times_s = timesBetween(0, duration_s + interval_s / 2, interval_s);
+  std::vector<Pose> poses(times_s.size());
+  std::transform(times_s.begin(), times_s.end(), poses.begin(), sinePose);
   return {times_s, poses};
 }
 

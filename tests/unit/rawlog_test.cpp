@@ -52,7 +52,7 @@ fs::path writePlain(const std::vector<const mrpt::serialization::CSerializable*>
   mrpt::io::CMemoryStream stream;
   auto archive = mrpt::serialization::archiveFrom(stream);
   for (const auto* object : objects) archive << *object;
-  const auto file = scratchFolder() / "plain.rawlog";
+  auto file = scratchFolder() / "plain.rawlog";
   writeTextFile(
       file,
       std::string(static_cast<const char*>(stream.getRawBufferData()), stream.getTotalBytesCount()) + tail);

@@ -38,6 +38,7 @@ class RecordingInfoTest : public testing::Test {
 TEST_F(RecordingInfoTest, RatesAndJitter) {
   // Periods alternate between 0.19 and 0.21 s: 5 Hz with a standard deviation of 0.01 s.
   std::vector<Sample> samples;
+  samples.reserve(101);
   for (int i = 0; i < 101; ++i) samples.push_back(dvl(0.2 * i + (i % 2 ? 0.01 : 0.0)));
   const RecordingInfo info = inspected(samples);
   const LabelInfo& label = labelOf(info, "DVL");

@@ -29,8 +29,8 @@ TEST(Trajectory, PassesThroughItsPoses) {
 
 TEST(Trajectory, PassesThroughPosesAroundAGap) {
   std::vector<double> times_s{0, 0.1, 0.2, 2.1, 2.2, 2.3, 2.4};
-  std::vector<Pose> poses;
-  for (const double t : times_s) poses.push_back(sinePose(t));
+  std::vector<Pose> poses(times_s.size());
+  std::transform(times_s.begin(), times_s.end(), poses.begin(), sinePose);
   const Trajectory trajectory(times_s, poses);
   for (std::size_t i = 0; i < poses.size(); ++i)
     EXPECT_LT((trajectory.at(times_s[i]).position_odom - poses[i].position).norm(), 1e-9);
@@ -109,7 +109,7 @@ TEST(Trajectory, ConvergesToTheMotionItSamples) {
   const auto errors = [](double interval_s) {
     const Trajectory trajectory = sineTrajectory(60, interval_s);
     double position = 0, velocity = 0, angle = 0;
-    for (double t = 20; t < 40; t += 0.0137) {
+    for (const double t : test::timesBetween(20, 40, 0.0137)) {
       const auto state = trajectory.at(t);
       const Vector3d truth_odom(2.0 * 0.23 * std::cos(0.23 * t), 1.5 * 0.17 * std::cos(0.17 * t + 1.0),
                                 0.6 * 0.29 * std::cos(0.29 * t));
@@ -137,8 +137,11 @@ TEST(Trajectory, EndsAreNatural) {
 
 TEST(Trajectory, TumTimesCountFromTheFirst) {
   const Time start = fromUnixSeconds(1.7e9);
-  std::vector<StampedPose> poses;
-  for (int i = 0; i < 6; ++i) poses.push_back({after(start, 0.5 * i), sinePose(0.5 * i)});
+  std::vector<StampedPose> poses(6);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const double t = 0.5 * static_cast<double>(i);
+    poses[i] = {after(start, t), sinePose(t)};
+  }
   const Trajectory trajectory = Trajectory::fromTum(poses);
   EXPECT_EQ(trajectory.start_s(), 0.0);
   EXPECT_EQ(trajectory.end_s(), 2.5);
@@ -146,10 +149,10 @@ TEST(Trajectory, TumTimesCountFromTheFirst) {
 }
 
 TEST(Trajectory, RefusesWhatItCannotInterpolate) {
-  const auto with = [](std::vector<double> times_s, double turn = 0.1) {
-    std::vector<Pose> poses;
+  const auto with = [](const std::vector<double>& times_s, double turn = 0.1) {
+    std::vector<Pose> poses(times_s.size());
     for (std::size_t i = 0; i < times_s.size(); ++i)
-      poses.push_back({rotationFromYawPitchRoll(turn * static_cast<double>(i), 0, 0), Vector3d::Zero()});
+      poses[i].rotation = rotationFromYawPitchRoll(turn * static_cast<double>(i), 0, 0);
     const Trajectory trajectory(times_s, poses, "run.tum");
   };
   EXPECT_NO_THROW(with({0, 1, 2, 3}));

@@ -71,6 +71,7 @@ TEST(Tum, NormalizesWithinTolerance) {
 TEST(Tum, RoundTrip) {
   Random random(31);
   std::vector<StampedPose> poses;
+  poses.reserve(500);
   for (int i = 0; i < 500; ++i) poses.push_back({after(kStart, 0.0100001 * i), randomPose(random)});
   const auto file = scratchFolder() / "trajectory.tum";
   writeTum(file, poses);

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "support/motions.h"
 #include "support/shared_data.h"
 
 namespace fathom {
@@ -62,7 +63,7 @@ sway:
     EXPECT_LT((state.position_odom - Vector3d(0, 0, -3)).norm(), 1e-9);
   }
   double lowest = 0, highest = -10, roll = 0;
-  for (double t = 0; t < 60; t += 0.1) {
+  for (const double t : test::timesBetween(0, 60, 0.1)) {
     const auto state = trajectory.at(t);
     lowest = std::min(lowest, state.position_odom.z());
     highest = std::max(highest, state.position_odom.z());
@@ -79,7 +80,7 @@ TEST(Waypoints, ShippedDiveIsADive) {
   EXPECT_NEAR(dive.end_s(), 300, 30);
   Vector3d low = Vector3d::Constant(1e9), high = -low;
   double speed = 0, rate = 0, sideways = 0;
-  for (double t = 0; t < dive.end_s(); t += 0.05) {
+  for (const double t : test::timesBetween(0, dive.end_s(), 0.05)) {
     const auto state = dive.at(t);
     low = low.cwiseMin(state.position_odom);
     high = high.cwiseMax(state.position_odom);
