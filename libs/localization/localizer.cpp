@@ -53,6 +53,17 @@ bool isFusible(const Sample& sample) {
          std::holds_alternative<DepthSample>(sample.reading);
 }
 
+/// The filter with what it remembers of its gates: a late reading rewinds both.
+template <int N>
+struct GatedFilter {
+  ErrorStateFilter<N> filter;
+  std::array<int, kAllChannels.size()> rejected_in_a_row{};
+};
+
+/// One rejected reading is an outlier. This many in a row are a filter that has gone astray: the channel is
+/// believed again until a reading passes the gate, so that a gate cannot lock the filter out for good.
+constexpr int kRejectionsBelieved = 5;
+
 /// Turns one sample into updates of a filter.
 template <int N>
 class Fuser {
@@ -67,13 +78,16 @@ class Fuser {
     for (const Channel channel : setup.options.fuse) fused_.insert(channel);
   }
 
-  void fuse(ErrorStateFilter<N>& filter, const Sample& sample, double t_s,
-            std::vector<Innovation>& log) const {
+  void fuse(GatedFilter<N>& state, const Sample& sample, double t_s, std::vector<Innovation>& log) const {
+    ErrorStateFilter<N>& filter = state.filter;
     const auto update = [&](Channel channel, const auto& m) {
       constexpr int M = std::remove_cvref_t<decltype(m.residual)>::RowsAtCompileTime;
-      const double gate = gates_[M];
-      const double nis = filter.update(m, gate);
-      log.push_back({t_s, channel, M, nis, nis <= gate});
+      int& streak = state.rejected_in_a_row[static_cast<std::size_t>(channel)];
+      const double gate = passes(m) ? gates_[M] : kNever;
+      const bool believed = streak >= kRejectionsBelieved;
+      const double nis = filter.update(m, believed ? kAlways : gate);
+      streak = nis <= gate ? 0 : streak + 1;
+      log.push_back({t_s, channel, M, nis, believed || nis <= gate, streak});
     };
     if (const auto* ins = std::get_if<InsSample>(&sample.reading)) fuseIns(filter, *ins, update);
     if (const auto* dvl = std::get_if<DvlSample>(&sample.reading)) fuseDvl(filter, *dvl, update);
@@ -81,7 +95,7 @@ class Fuser {
     if (const auto* depth = std::get_if<DepthSample>(&sample.reading)) fuseDepth(filter, *depth, update);
     if (const auto* pose = std::get_if<PoseSample>(&sample.reading)) {
       if (sample.label == labels::kUsbl) fuseUsbl(filter, *pose, update);
-      if (sample.label == labels::kMarkers) fuseLandmark(filter, *pose, t_s, log);
+      if (sample.label == labels::kMarkers) fuseLandmark(filter, *pose, update);
     }
   }
 
@@ -140,20 +154,23 @@ class Fuser {
                                              Matrix3d(s.T_odom_robot.cov.asEigen().topLeftCorner<3, 3>())));
   }
 
-  /// The one channel the paper's fixed gate applies to.
-  void fuseLandmark(ErrorStateFilter<N>& f, const PoseSample& s, double t_s,
-                    std::vector<Innovation>& log) const {
-    if (!uses(Channel::landmark)) return;
-    const auto m = poseMeasurement<N>(f.x, s.T_odom_robot);
-    double gate = gates_[6];
-    const Gate& rule = setup_.options.gate;
-    if (rule.kind == Gate::Kind::fixed && (m.residual.template head<3>().norm() > rule.max_position_m ||
-                                           m.residual.template tail<3>().norm() > rule.max_angle_rad))
-      gate = -1.0;  // below every NIS: not fused, its NIS is kept all the same
-    const double nis = f.update(m, gate);
-    log.push_back({t_s, Channel::landmark, 6, nis, nis <= gate});
+  template <class Update>
+  void fuseLandmark(ErrorStateFilter<N>& f, const PoseSample& s, const Update& update) const {
+    if (uses(Channel::landmark)) update(Channel::landmark, poseMeasurement<N>(f.x, s.T_odom_robot));
   }
 
+  /// The paper's fixed gate, which looks at poses only.
+  template <class AnyMeasurement>
+  bool passes(const AnyMeasurement& m) const {
+    const Gate& rule = setup_.options.gate;
+    if constexpr (AnyMeasurement::Columns::size == 6 && decltype(m.residual)::RowsAtCompileTime == 6)
+      return rule.kind != Gate::Kind::fixed || (m.residual.template head<3>().norm() <= rule.max_position_m &&
+                                                m.residual.template tail<3>().norm() <= rule.max_angle_rad);
+    return true;
+  }
+
+  static constexpr double kAlways = std::numeric_limits<double>::infinity();
+  static constexpr double kNever = -1.0;  ///< below every NIS
   const LocalizationSetup& setup_;
   MeasurementContext context_;
   std::array<double, 7> gates_{};
@@ -262,7 +279,7 @@ class Run {
   struct Entry {
     double t_s = 0.0;
     Sample sample;
-    ErrorStateFilter<N> after;
+    GatedFilter<N> after;
     std::vector<Innovation> innovations;
   };
 
@@ -273,8 +290,8 @@ class Run {
     summary_.start_source = initial.source;
     summary_.start_t_s = initial.t_s;
     report(initial.t_s, "start", initial.source);
-    before_.x = initial.state;
-    before_.P = initial.sigma.template head<N>().cwiseAbs2().asDiagonal();
+    before_.filter.x = initial.state;
+    before_.filter.P = initial.sigma.template head<N>().cwiseAbs2().asDiagonal();
     before_t_s_ = initial.t_s;
     next_output_s_ = initial.t_s;
     for (Sample& sample : std::exchange(waiting_, {})) {
@@ -302,7 +319,7 @@ class Run {
     const bool first = entry == entries_.begin();
     entry->after = first ? before_ : std::prev(entry)->after;
     const double dt = entry->t_s - (first ? before_t_s_ : std::prev(entry)->t_s);
-    if (dt > 0.0) entry->after.predict(dt, noise_);
+    if (dt > 0.0) entry->after.filter.predict(dt, noise_);
     entry->innovations.clear();
     fuser_.fuse(entry->after, entry->sample, entry->t_s, entry->innovations);
   }
@@ -323,9 +340,9 @@ class Run {
 
   void output(const Entry& entry) {
     summary_.end_t_s = entry.t_s;
-    if (setup_.options.smooth) smoother_.record(entry.t_s, entry.after);
+    if (setup_.options.smooth) smoother_.record(entry.t_s, entry.after.filter);
     if (entry.t_s < next_output_s_ - 1e-6) return;
-    sink_.estimate(makeEstimate(entry.t_s, entry.after.x, entry.after.P));
+    sink_.estimate(makeEstimate(entry.t_s, entry.after.filter.x, entry.after.filter.P));
     outputs_.push_back(entry.t_s);
     // The grid is kept, however unevenly readings come.
     const double period = 1.0 / setup_.options.output_rate_hz;
@@ -354,21 +371,16 @@ class Run {
     s.nis_mean += innovation.nis;
     ++(innovation.fused ? s.fused : s.gated);
     sink_.innovation(innovation);
-    // A sensor that is rejected again and again is not an outlier: the filter, or the sensor, is lost.
-    std::size_t& streak = rejected_in_a_row_[innovation.channel];
-    streak = innovation.fused ? 0 : streak + 1;
-    if (streak == kRejectionStreak)
+    if (innovation.rejected_in_a_row == kRejectionsBelieved)
       report(innovation.t_s, "rejected",
-             nameOf(innovation.channel) + " rejected " + std::to_string(streak) +
-                 " times in a row: filter and sensor contradict each other");
+             nameOf(innovation.channel) + " rejected " + std::to_string(kRejectionsBelieved) +
+                 " times in a row: filter and sensor contradict each other; believed again");
   }
 
   void report(double t_s, const char* kind, std::string text) {
     ++summary_.event_counts[kind];
     sink_.event({t_s, kind, std::move(text)});
   }
-
-  static constexpr std::size_t kRejectionStreak = 10;
 
   const LocalizationSetup& setup_;
   const LocalizationSink& sink_;
@@ -378,13 +390,12 @@ class Run {
   double dvl_offset_s_ = 0.0;
   LocalizationSummary summary_;
   std::vector<Sample> waiting_;  ///< until alignment
-  ErrorStateFilter<N> before_;   ///< the state that the first entry starts from
+  GatedFilter<N> before_;        ///< the state that the first entry starts from
   double before_t_s_ = 0.0;
   std::deque<Entry> entries_;
   double next_output_s_ = 0.0;
   std::vector<double> outputs_;
   Smoother<N> smoother_;
-  std::map<Channel, std::size_t> rejected_in_a_row_;
 };
 
 template <int N>

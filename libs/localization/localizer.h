@@ -27,6 +27,7 @@ struct Innovation {
   int degrees_of_freedom = 0;
   double nis = 0.0;  ///< normalized innovation squared; chi-square distributed where the filter is consistent
   bool fused = false;
+  int rejected_in_a_row = 0;  ///< of its channel, this one included
 };
 
 /// Something about the input that must not pass in silence.
@@ -38,7 +39,7 @@ struct Event {
 
 struct ChannelSummary {
   int degrees_of_freedom = 0;
-  std::size_t fused = 0, gated = 0;
+  std::size_t fused = 0, gated = 0;                    ///< gated: not fused
   double nis_mean = 0.0;                               ///< over fused and gated
   double nis_band95_low = 0.0, nis_band95_high = 0.0;  ///< where the mean lies if the filter is consistent
 };
