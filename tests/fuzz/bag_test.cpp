@@ -16,8 +16,7 @@ std::string wholeBag(const std::filesystem::path& folder, rosbag::CompressionTyp
   rosbag::Bag bag(file.string(), rosbag::bagmode::Write);
   bag.setCompression(compression);
   bag.setChunkThreshold(4096);
-  for (unsigned k = 1; k <= 60; ++k)
-    bag.write("/imu", test::rosTime(k), test::imuMessage(test::rosTime(k)));
+  for (unsigned k = 1; k <= 60; ++k) bag.write("/imu", test::rosTime(k), test::imuMessage(test::rosTime(k)));
   bag.close();
   return readTextFile(file);
 }

@@ -17,7 +17,7 @@ inline std::filesystem::path scratchFolder() {
   std::string name = std::string(info->test_suite_name()) + "." + info->name();
   for (char& c : name)
     if (c == '/') c = '_';
-  const auto folder = std::filesystem::temp_directory_path() / "fathom-tests" / name;
+  auto folder = std::filesystem::temp_directory_path() / "fathom-tests" / name;
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;
