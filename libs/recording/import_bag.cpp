@@ -677,7 +677,7 @@ ImportedRecording BagImporter::run() {
 
 }  // namespace
 
-ImportedRecording importBag(const std::filesystem::path& bag, const TopicMap& map, const SampleSink& sink,
+ImportedRecording streamBag(const std::filesystem::path& bag, const TopicMap& map, const SampleSink& sink,
                             const BagOptions& options) {
   const auto unreadable = [&](const std::string& why) {
     return Error(bag.string(), "", "not a ROS 1 bag, or truncated or damaged: " + why);
@@ -699,7 +699,7 @@ ImportedRecording importBag(const std::filesystem::path& bag, const TopicMap& ma
 ImportedRecording importBag(const std::filesystem::path& bag, const TopicMap& map,
                             const BagOptions& options) {
   std::vector<Sample> samples;
-  ImportedRecording recording = importBag(
+  ImportedRecording recording = streamBag(
       bag, map, [&](Sample&& sample) { samples.push_back(std::move(sample)); }, options);
   recording.samples = std::move(samples);
   return recording;

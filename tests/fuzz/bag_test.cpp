@@ -30,7 +30,7 @@ class Bag : public testing::TestWithParam<rosbag::CompressionType> {
     writeTextFile(folder_ / "part.bag", bytes);
     try {
       std::size_t count = 0;
-      importBag(folder_ / "part.bag", map_, [&](Sample&&) { ++count; });
+      streamBag(folder_ / "part.bag", map_, [&](Sample&&) { ++count; });
       return count;
     } catch (const Error& e) {
       EXPECT_NE(e.file.find("part.bag"), std::string::npos) << e.what();

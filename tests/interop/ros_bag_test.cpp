@@ -358,7 +358,7 @@ TEST(RosBag, StreamsWithoutKeepingSamples) {
   });
   std::size_t count = 0;
   const auto recording =
-      importBag(bag, topicMap({bagTopic("/imu", TopicRole::ins)}), [&](Sample&&) { ++count; });
+      streamBag(bag, topicMap({bagTopic("/imu", TopicRole::ins)}), [&](Sample&&) { ++count; });
   EXPECT_EQ(count, 50U);
   EXPECT_TRUE(recording.samples.empty());
   EXPECT_EQ(recording.start, fromUnixSeconds(1));
