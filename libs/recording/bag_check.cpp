@@ -89,10 +89,17 @@ class BagChecker {
       if (kind == message)
         messages_.insert(start);
       else if (kind == connection)
-        parse(body);
+        checkConnection(inner, body);
       else
         throw error("a chunk holds a record of unknown kind");
     }
+  }
+
+  void checkConnection(const Fields& fields, std::string_view data) const {
+    number<std::uint32_t>(fields, "conn");
+    text(fields, "topic");
+    const Fields described = parse(data);
+    for (const char* name : {"type", "md5sum", "message_definition"}) text(described, name);
   }
 
   /// Entries of time (8 bytes) and offset in the chunk before.

@@ -648,7 +648,8 @@ ImportedRecording BagImporter::run() {
   if (has_camera && options_.image_folder.empty())
     throw Error(map_.file, "CAMERA", "no folder is given for the images");
 
-  rosbag::Bag bag(bag_, rosbag::bagmode::Read);
+  rosbag::Bag bag;
+  bag.open(bag_, rosbag::bagmode::Read);  // not in the constructor: that leaks when it throws
   checkTopics(bag);
   std::vector<std::string> topics;
   for (const BagTopic& topic : map_.topics) topics.push_back(topic.topic);
