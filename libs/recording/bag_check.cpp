@@ -19,7 +19,14 @@ namespace {
 constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
 constexpr std::uint32_t kLargestChunk = 1U << 30U;  // rosbag writes chunks of 768 kB, or of one large message
 
-enum Op : unsigned char { message = 2, bag_header = 3, index_data = 4, chunk = 5, chunk_info = 6, connection = 7 };
+enum Op : unsigned char {
+  message = 2,
+  bag_header = 3,
+  index_data = 4,
+  chunk = 5,
+  chunk_info = 6,
+  connection = 7
+};
 
 using Fields = std::map<std::string, std::string, std::less<>>;
 
@@ -49,22 +56,31 @@ class BagChecker {
         index_position_ = number<std::uint64_t>(fields, "index_pos");
         chunk_count_ = number<std::uint32_t>(fields, "chunk_count");
         break;
-      case chunk: checkChunk(fields, data); break;
-      case index_data: checkIndex(fields, data); break;
+      case chunk:
+        checkChunk(fields, data);
+        break;
+      case index_data:
+        checkIndex(fields, data);
+        break;
       case chunk_info:
         referred_chunks_.insert(number<std::uint64_t>(fields, "chunk_pos"));
         expectEntries(fields, data, 8);
         break;
-      case connection: parse(data); break;
-      case message: break;
-      default: throw error("has a record of unknown kind");
+      case connection:
+        parse(data);
+        break;
+      case message:
+        break;
+      default:
+        throw error("has a record of unknown kind");
     }
   }
 
   void checkChunk(const Fields& fields, const std::string& data) {
     chunks_.insert(record_);
     messages_.clear();
-    const std::string inside = decompress(text(fields, "compression"), data, number<std::uint32_t>(fields, "size"));
+    const std::string inside =
+        decompress(text(fields, "compression"), data, number<std::uint32_t>(fields, "size"));
     for (std::size_t at = 0; at < inside.size();) {
       const std::size_t start = at;
       const Fields inner = parse(piece(inside, at));
@@ -73,10 +89,17 @@ class BagChecker {
       if (kind == message)
         messages_.insert(start);
       else if (kind == connection)
-        parse(body);
+        checkConnection(inner, body);
       else
         throw error("a chunk holds a record of unknown kind");
     }
+  }
+
+  void checkConnection(const Fields& fields, std::string_view data) const {
+    number<std::uint32_t>(fields, "conn");
+    text(fields, "topic");
+    const Fields described = parse(data);
+    for (const char* name : {"type", "md5sum", "message_definition"}) text(described, name);
   }
 
   /// Entries of time (8 bytes) and offset in the chunk before.

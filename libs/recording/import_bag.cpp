@@ -50,7 +50,7 @@ class Message {
 
   template <class M>
   boost::shared_ptr<M> as() const {
-    const auto message = instance_.instantiate<M>();
+    auto message = instance_.instantiate<M>();
     if (!message) throw error("its definition is not that of " + instance_.getDataType());
     if (message->header.stamp.isZero()) throw error("has no time stamp");
     return message;
@@ -85,7 +85,7 @@ class Message {
 template <std::size_t N>
 std::optional<double> sigmaFrom(const boost::array<double, N>& covariance, int first, int count) {
   constexpr int kSize = N == 36 ? 6 : 3;
-  static_assert(kSize * kSize == N);
+  static_assert(N == 36 || N == 9);
   const Eigen::Map<const Eigen::Matrix<double, kSize, kSize, Eigen::RowMajor>> c(covariance.data());
   const double largest = c.diagonal().segment(first, count).maxCoeff();
   return largest > 0.0 && std::isfinite(largest) ? std::optional(std::sqrt(largest)) : std::nullopt;
@@ -182,7 +182,7 @@ class ReorderBuffer {
 
 // ---- what the vehicle file is made of ----
 
-struct Stream {
+struct Pace {
   std::size_t count = 0;
   Time first{}, last{};
 
@@ -346,7 +346,7 @@ class BagImporter {
   void takeImage(const BagTopic& topic, const Message& message);
   void takeReference(const BagTopic& topic, const Message& message);
   void push(const BagTopic& topic, Time time, Reading reading, const Message& message) {
-    streams_[topic.as].add(time);
+    paces_[topic.as].add(time);
     order_.push({time, roleName(topic.as), std::move(reading)}, message);
   }
   void sortReference();
@@ -358,7 +358,7 @@ class BagImporter {
   ReorderBuffer order_;
   MountingChecks checks_;
   std::vector<const BagTopic*> beams_;
-  std::map<TopicRole, Stream> streams_;
+  std::map<TopicRole, Pace> paces_;
   Sigmas sigmas_;
   std::vector<StampedPose> reference_;
 };
@@ -367,14 +367,15 @@ void BagImporter::checkTopics(const rosbag::Bag& bag) const {
   rosbag::View view(bag);
   std::map<std::string, std::string> types;
   for (const auto* connection : view.getConnections()) types[connection->topic] = connection->datatype;
-  std::string present;
+  std::ostringstream present;
   for (const auto& [topic, type] : types)
-    present += (present.empty() ? "" : ", ") + topic + " (" + type + ")";
-  if (present.empty()) present = "nothing";
+    present << (present.tellp() > 0 ? ", " : "") << topic << " (" << type << ')';
+  if (types.empty()) present << "nothing";
   for (const BagTopic& topic : map_.topics) {
     const auto found = types.find(topic.topic);
     if (found == types.end())
-      throw Error(bag_, topic.topic, "no such topic (" + map_.file + " asks for it); the bag has " + present);
+      throw Error(bag_, topic.topic,
+                  "no such topic (" + map_.file + " asks for it); the bag has " + present.str());
     const auto& suitable = typesOf(topic.as);
     if (std::find(suitable.begin(), suitable.end(), found->second) != suitable.end()) continue;
     std::string wanted;
@@ -416,7 +417,7 @@ void BagImporter::takeIns(const BagTopic& topic, const Message& message) {
   if (orientation)
     sample.R_odom_ins =
         topic.orientation_is_robot ? Matrix3d(*orientation * topic.T_robot_sensor.rotation) : *orientation;
-  if (streams_[topic.as].count == 0) {
+  if (paces_[topic.as].count == 0) {
     if (sample.angular_velocity_ins) sigmas_.gyro = sigmaFrom(imu->angular_velocity_covariance, 0, 3);
     if (sample.specific_force_ins)
       sigmas_.accelerometer = sigmaFrom(imu->linear_acceleration_covariance, 0, 3);
@@ -442,7 +443,7 @@ void BagImporter::takeDvl(const BagTopic& topic, const Message& message) {
     time = toTime(stamped->header.stamp);
   }
   const Vector3d velocity_dvl = message.finite(toVector(twist.twist.linear), "twist.linear");
-  if (streams_[topic.as].count == 0) {
+  if (paces_[topic.as].count == 0) {
     sigmas_.velocity_xy = sigmaFrom(twist.covariance, 0, 2);
     sigmas_.velocity_z = sigmaFrom(twist.covariance, 2, 1);
   }
@@ -471,7 +472,7 @@ void BagImporter::takeBeam(const BagTopic& topic, const Message& message) {
 void BagImporter::takeDepth(const BagTopic& topic, const Message& message) {
   const auto pressure = message.as<ros1::FluidPressure>();
   const double pressure_pa = message.finite(pressure->fluid_pressure, "fluid_pressure");
-  if (streams_[topic.as].count == 0 && pressure->variance > 0.0)
+  if (paces_[topic.as].count == 0 && pressure->variance > 0.0)
     sigmas_.pressure = std::sqrt(message.finite(pressure->variance, "variance"));
   push(topic, toTime(pressure->header.stamp), DepthSample{topic.T_robot_sensor, pressure_pa, {}}, message);
 }
@@ -483,13 +484,14 @@ void BagImporter::takeUsbl(const BagTopic& topic, const Message& message) {
   PoseSample sample;
   sample.T_odom_robot.mean = Pose{Matrix3d::Identity(), position}.toMrpt();
   sample.T_odom_robot.cov.setZero();
+  const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(
+      fix->pose.covariance.data());
   for (int i = 0; i < 3; ++i) {
     sample.T_odom_robot.cov(i + 3, i + 3) = kUnknownAngle;
     for (int j = 0; j < 3; ++j)
-      sample.T_odom_robot.cov(i, j) =
-          message.finite(fix->pose.covariance[static_cast<std::size_t>(i * 6 + j)], "covariance");
+      sample.T_odom_robot.cov(i, j) = message.finite(covariance(i, j), "covariance");
   }
-  if (streams_[topic.as].count == 0) sigmas_.position = sigmaFrom(fix->pose.covariance, 0, 3);
+  if (paces_[topic.as].count == 0) sigmas_.position = sigmaFrom(fix->pose.covariance, 0, 3);
   push(topic, toTime(fix->header.stamp), std::move(sample), message);
 }
 
@@ -562,9 +564,9 @@ std::string poseLine(const Pose& pose) {
   return line;
 }
 
-std::string rateLine(const Stream& stream) {
+std::string rateLine(const Pace& pace) {
   char line[80];
-  std::snprintf(line, sizeof line, "  rate_hz: %.4g   # mean over the bag\n", stream.rate_hz());
+  std::snprintf(line, sizeof line, "  rate_hz: %.4g   # mean over the bag\n", pace.rate_hz());
   return line;
 }
 
@@ -587,13 +589,13 @@ std::string BagImporter::vehicleYaml() const {
        << "gravity_m_s2: " << map_.gravity_m_s2 << '\n';
   bool has_beams = false;
   for (const BagTopic& topic : map_.topics) {
-    const auto found = streams_.find(topic.as);
-    if (found == streams_.end() || found->second.count == 0) continue;
-    const Stream& stream = found->second;
+    const auto found = paces_.find(topic.as);
+    if (found == paces_.end() || found->second.count == 0) continue;
+    const Pace& pace = found->second;
     switch (topic.as) {
       case TopicRole::ins:
         yaml << "ins:\n"
-             << rateLine(stream) << sigmaLine("gyro_sigma_rad_s", sigmas_.gyro, 0.001)
+             << rateLine(pace) << sigmaLine("gyro_sigma_rad_s", sigmas_.gyro, 0.001)
              << sigmaLine("accelerometer_sigma_m_s2", sigmas_.accelerometer, 0.01)
              << sigmaLine("gyro_bias_sigma_rad_s", {}, 0.001)
              << sigmaLine("accelerometer_bias_sigma_m_s2", {}, 0.05)
@@ -603,7 +605,7 @@ std::string BagImporter::vehicleYaml() const {
         break;
       case TopicRole::dvl:
         yaml << "dvl:\n"
-             << rateLine(stream) << "  assumed_sound_speed_m_s: 1500   # generic\n"
+             << rateLine(pace) << "  assumed_sound_speed_m_s: 1500   # generic\n"
              << sigmaLine("beam_sigma_m_s", {}, 0.007)
              << sigmaLine("velocity_sigma_xy_m_s", sigmas_.velocity_xy, 0.01)
              << sigmaLine("velocity_sigma_z_m_s", sigmas_.velocity_z, 0.01)
@@ -614,19 +616,19 @@ std::string BagImporter::vehicleYaml() const {
         break;
       case TopicRole::depth:
         yaml << "depth:\n"
-             << rateLine(stream) << sigmaLine("pressure_sigma_pa", sigmas_.pressure, 100)
+             << rateLine(pace) << sigmaLine("pressure_sigma_pa", sigmas_.pressure, 100)
              << sigmaLine("pressure_offset_sigma_pa", {}, 100)
              << "  atmospheric_pressure_pa: 101325   # standard atmosphere\n"
              << sigmaLine("water_density_kg_m3", {}, 1025) << poseLine(topic.T_robot_sensor);
         break;
       case TopicRole::usbl:
         yaml << "usbl:\n"
-             << rateLine(stream) << sigmaLine("position_sigma_m", sigmas_.position, 0.5)
+             << rateLine(pace) << sigmaLine("position_sigma_m", sigmas_.position, 0.5)
              << poseLine(topic.T_robot_sensor);
         break;
       case TopicRole::camera:
         yaml << "camera:\n"
-             << rateLine(stream) << cameraLines(*topic.intrinsics) << poseLine(topic.T_robot_sensor);
+             << rateLine(pace) << cameraLines(*topic.intrinsics) << poseLine(topic.T_robot_sensor);
         break;
       case TopicRole::dvl_beams:
         has_beams = true;
@@ -635,7 +637,7 @@ std::string BagImporter::vehicleYaml() const {
         break;
     }
   }
-  if (has_beams && !streams_.contains(TopicRole::dvl))
+  if (has_beams && !paces_.contains(TopicRole::dvl))
     yaml << "# The recording has DVL_BEAMS, but no DVL: section dvl is left to the engineer.\n";
   return yaml.str();
 }
@@ -646,7 +648,8 @@ ImportedRecording BagImporter::run() {
   if (has_camera && options_.image_folder.empty())
     throw Error(map_.file, "CAMERA", "no folder is given for the images");
 
-  rosbag::Bag bag(bag_, rosbag::bagmode::Read);
+  rosbag::Bag bag;
+  bag.open(bag_, rosbag::bagmode::Read);  // not in the constructor: that leaks when it throws
   checkTopics(bag);
   std::vector<std::string> topics;
   for (const BagTopic& topic : map_.topics) topics.push_back(topic.topic);
@@ -675,7 +678,7 @@ ImportedRecording BagImporter::run() {
 
 }  // namespace
 
-ImportedRecording importBag(const std::filesystem::path& bag, const TopicMap& map, const SampleSink& sink,
+ImportedRecording streamBag(const std::filesystem::path& bag, const TopicMap& map, const SampleSink& sink,
                             const BagOptions& options) {
   const auto unreadable = [&](const std::string& why) {
     return Error(bag.string(), "", "not a ROS 1 bag, or truncated or damaged: " + why);
@@ -697,7 +700,7 @@ ImportedRecording importBag(const std::filesystem::path& bag, const TopicMap& ma
 ImportedRecording importBag(const std::filesystem::path& bag, const TopicMap& map,
                             const BagOptions& options) {
   std::vector<Sample> samples;
-  ImportedRecording recording = importBag(
+  ImportedRecording recording = streamBag(
       bag, map, [&](Sample&& sample) { samples.push_back(std::move(sample)); }, options);
   recording.samples = std::move(samples);
   return recording;

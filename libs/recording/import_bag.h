@@ -32,7 +32,7 @@ using SampleSink = std::function<void(Sample&&)>;
 /// those that are) or has the wrong type; a message with a zero stamp, NaN, or a quaternion that is not of
 /// unit norm; a stamp older than the reorder window; an image of unknown encoding or of another size than its
 /// intrinsics.
-ImportedRecording importBag(const std::filesystem::path& bag, const TopicMap& map, const SampleSink& sink,
+ImportedRecording streamBag(const std::filesystem::path& bag, const TopicMap& map, const SampleSink& sink,
                             const BagOptions& options = {});
 
 /// The same, with all samples in the result.

@@ -56,7 +56,7 @@ class Signal {
   Signal integral() const {
     std::vector<Vector3d> sum{Vector3d::Zero()};
     for (std::size_t k = 1; k < value_.size(); ++k)
-      sum.push_back(sum.back() + 0.5 * (time_[k] - time_[k - 1]) * (value_[k] + value_[k - 1]));
+      sum.emplace_back(sum.back() + 0.5 * (time_[k] - time_[k - 1]) * (value_[k] + value_[k - 1]));
     return {time_, std::move(sum)};
   }
 
@@ -78,6 +78,7 @@ Vector3d median(const std::vector<Vector3d>& values) {
   Vector3d result = Vector3d::Zero();
   for (int i = 0; i < 3; ++i) {
     std::vector<double> column;
+    column.reserve(values.size());
     for (const Vector3d& v : values) column.push_back(v[i]);
     if (column.empty()) continue;
     const auto middle = column.begin() + static_cast<std::ptrdiff_t>(column.size() / 2);
@@ -169,12 +170,12 @@ Alignment alignTurnedAngles(const Signal& turned_imu, const std::vector<double>&
     return count * 2 < angle.size() ? 1e300 : rootMeanSquare(sum, count);
   };
   Alignment best{0.0, residual(0.0)};
-  const auto search = [&](double centre, double reach, double step) {
-    for (double offset = centre - reach; offset <= centre + reach + 0.5 * step; offset += step)
-      if (const double r = residual(offset); r < best.residual_rad) best = {offset, r};
+  const auto search = [&](double centre, int steps, double step) {
+    for (int k = -steps; k <= steps; ++k)
+      if (const double r = residual(centre + k * step); r < best.residual_rad) best = {centre + k * step, r};
   };
-  search(0.0, kLongestDelay, 0.02);
-  search(best.offset_s, 0.02, 0.001);
+  search(0.0, static_cast<int>(kLongestDelay / 0.02), 0.02);
+  search(best.offset_s, 20, 0.001);
   return best;
 }
 

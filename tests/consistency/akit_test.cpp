@@ -67,7 +67,8 @@ Vector3d mean(const Streams& s, const std::vector<Vector3d>& values, double from
   Vector3d sum = Vector3d::Zero();
   double count = 0;
   const auto first = std::lower_bound(s.time_s.begin(), s.time_s.end(), from);
-  for (auto k = static_cast<std::size_t>(first - s.time_s.begin()); k < values.size() && s.time_s[k] < to; ++k)
+  for (auto k = static_cast<std::size_t>(first - s.time_s.begin()); k < values.size() && s.time_s[k] < to;
+       ++k)
     sum += values[k], ++count;
   return sum / count;
 }
@@ -92,8 +93,8 @@ TEST_P(Akit, ImportedInsAgreesWithTheReference) {
     ++count;
   }
   gravity /= count;
-  // Normal gravity; over 400 s the mean acceleration is below 2 * 2 m/s / 400 s = 0.01, accelerometer bias comes
-  // on top.
+  // Normal gravity; over 400 s the mean acceleration is below 2 * 2 m/s / 400 s = 0.01, accelerometer bias
+  // comes on top.
   EXPECT_NEAR(gravity.z(), 9.7955, 0.01);
   EXPECT_LT(gravity.head<2>().norm(), 0.02);
   // Of the angle turned, what is left is Earth's rotation (7e-5 rad) and the sampling.
@@ -102,8 +103,9 @@ TEST_P(Akit, ImportedInsAgreesWithTheReference) {
             << " rad a second of " << std::sqrt(turned / count) << '\n';
 }
 
-/// The sections are 400 s, 660 to 900 m long. Attitude of the reference, velocity of the DVL, nothing corrected:
-/// the lever arm swings the end by up to 2 * 1.9 m, a delay of 1.5 s the path by 1.5 s * 2 m/s at each end.
+/// The sections are 400 s, 660 to 900 m long. Attitude of the reference, velocity of the DVL, nothing
+/// corrected: the lever arm swings the end by up to 2 * 1.9 m, a delay of 1.5 s the path by 1.5 s * 2 m/s at
+/// each end.
 TEST_P(Akit, DeadReckoningWithTheDvlEndsNearTheReference) {
   const auto recording = importSeaTrial(files(), {.undo_stamp_stretch = true});
   const Streams s = streams(recording);

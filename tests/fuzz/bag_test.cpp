@@ -16,8 +16,7 @@ std::string wholeBag(const std::filesystem::path& folder, rosbag::CompressionTyp
   rosbag::Bag bag(file.string(), rosbag::bagmode::Write);
   bag.setCompression(compression);
   bag.setChunkThreshold(4096);
-  for (unsigned k = 1; k <= 60; ++k)
-    bag.write("/imu", test::rosTime(k), test::imuMessage(test::rosTime(k)));
+  for (unsigned k = 1; k <= 60; ++k) bag.write("/imu", test::rosTime(k), test::imuMessage(test::rosTime(k)));
   bag.close();
   return readTextFile(file);
 }
@@ -31,7 +30,7 @@ class Bag : public testing::TestWithParam<rosbag::CompressionType> {
     writeTextFile(folder_ / "part.bag", bytes);
     try {
       std::size_t count = 0;
-      importBag(folder_ / "part.bag", map_, [&](Sample&&) { ++count; });
+      streamBag(folder_ / "part.bag", map_, [&](Sample&&) { ++count; });
       return count;
     } catch (const Error& e) {
       EXPECT_NE(e.file.find("part.bag"), std::string::npos) << e.what();

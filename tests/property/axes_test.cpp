@@ -34,9 +34,7 @@ TEST(Axes, WithoutEvidenceNothingIsChanged) {
   EXPECT_EQ(standing_still.ranking()[0].axes, SignedAxes{});
 }
 
-TEST(Axes, TextNamesSourceAndSign) {
-  EXPECT_EQ((SignedAxes{{1, 0, 2}, {1, -1, 1}}.text()), "(y, -x, z)");
-}
+TEST(Axes, TextNamesSourceAndSign) { EXPECT_EQ((SignedAxes{{1, 0, 2}, {1, -1, 1}}.text()), "(y, -x, z)"); }
 
 RC_GTEST_PROP(Axes, AreRecoveredFromData, (std::uint64_t seed)) {
   const auto all = AxesEvidence{}.ranking();

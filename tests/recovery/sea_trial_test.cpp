@@ -49,8 +49,8 @@ Vector3d specificForceFrd(double t) {
   return attitude(t).transpose() * (acceleration_ned - Vector3d(0, 0, 9.7955));
 }
 
-/// Latitude, longitude (rad) and height (m), moved over the ellipsoid by its radii of curvature: independent of
-/// the importer's conversion. (MRPT 2.5.8's ENUToGeocentric will not do: its up is geocentric.)
+/// Latitude, longitude (rad) and height (m), moved over the ellipsoid by its radii of curvature: independent
+/// of the importer's conversion. (MRPT 2.5.8's ENUToGeocentric will not do: its up is geocentric.)
 struct Geodetic {
   double latitude = kLatitude, longitude = kLongitude, height = -20.0;
   void move(const Vector3d& step_ned) {
@@ -138,9 +138,9 @@ SeaTrialFiles writeSeaTrial(const SeaTrialData& d, const std::filesystem::path& 
     gt.push_back({d.gt_time_s[k], d.longitude_rad[k], d.latitude_rad[k], d.altitude_m[k], v.x(), v.y(), v.z(),
                   a.x(), a.y(), a.z()});
   }
-  writeTable(folder / "IMU_trajectory1.csv",
-             "Time [s],ACC X [m/s^2],ACC Y [m/s^2],ACC Z [m/s^2],GYRO X [rad/s],GYRO Y [rad/s],GYRO Z [rad/s]",
-             imu);
+  writeTable(
+      folder / "IMU_trajectory1.csv",
+      "Time [s],ACC X [m/s^2],ACC Y [m/s^2],ACC Z [m/s^2],GYRO X [rad/s],GYRO Y [rad/s],GYRO Z [rad/s]", imu);
   writeTable(folder / "DVL_trajectory1.csv", "Time [s],DVL X [m/s],DVL Y [m/s],DVL Z [m/s]", dvl);
   writeTable(folder / "GT_trajectory1.csv",
              "Time [s],Longitude [rad],Latitude [rad],Altitude [m],V North [m/s],V East [m/s],V Down [m/s],"
