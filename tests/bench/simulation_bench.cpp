@@ -13,7 +13,7 @@ const fs::path kConfig = fs::path(FATHOM_SOURCE_DIR) / "config";
 void trajectoryAt(benchmark::State& state) {
   const Trajectory dive = readWaypoints(kConfig / "dive_trajectory.yaml");
   double t = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     benchmark::DoNotOptimize(dive.at(t));
     t += 0.01;
     if (t > dive.end_s()) t = 0;
@@ -29,7 +29,7 @@ void trajectoryOf360000Poses(benchmark::State& state) {  // 10 h at 10 Hz
     poses.push_back(
         {expSO3<double>(Vector3d(0.1 * std::sin(0.05 * i), 0, 0.01 * i)), Vector3d(0.01 * i, 0, -4)});
   }
-  for (auto _ : state) benchmark::DoNotOptimize(Trajectory(times_s, poses).end_s());
+  while (state.KeepRunning()) benchmark::DoNotOptimize(Trajectory(times_s, poses).end_s());
 }
 BENCHMARK(trajectoryOf360000Poses)->Unit(benchmark::kMillisecond);
 
@@ -42,7 +42,7 @@ SimulationOptions options() {
 void simulateDiveToNowhere(benchmark::State& state) {
   const Trajectory dive = readWaypoints(kConfig / "dive_trajectory.yaml");
   std::int64_t samples = 0;
-  for (auto _ : state) simulateNavigation(options(), dive, [&](const Sample&) { ++samples; });
+  while (state.KeepRunning()) simulateNavigation(options(), dive, [&](const Sample&) { ++samples; });
   state.SetItemsProcessed(samples);
 }
 BENCHMARK(simulateDiveToNowhere)->Unit(benchmark::kMillisecond);
@@ -50,7 +50,8 @@ BENCHMARK(simulateDiveToNowhere)->Unit(benchmark::kMillisecond);
 void simulateDiveToDisk(benchmark::State& state) {
   const Trajectory dive = readWaypoints(kConfig / "dive_trajectory.yaml");
   const fs::path folder = fs::temp_directory_path() / "fathom-bench";
-  for (auto _ : state) simulateRecording(options(), dive, {folder, "dive", kConfig / "rov.yaml", "", ""});
+  while (state.KeepRunning())
+    simulateRecording(options(), dive, {folder, "dive", kConfig / "rov.yaml", "", ""});
 }
 BENCHMARK(simulateDiveToDisk)->Unit(benchmark::kMillisecond);
 

@@ -53,9 +53,9 @@ TEST(SampleRecording, ForwardModelPredictsItToTheDataSheetsNoise) {
     if (t < trajectory.start_s() + 1 || t > trajectory.end_s() - 1) continue;
     const auto state = trajectory.at(t);
     if (const auto* ins = std::get_if<InsSample>(&sample->reading)) {
-      gyro_error.push_back(*ins->angular_velocity_ins - predictGyro(state, ins->T_robot_ins, nominal));
-      force_error.push_back(*ins->specific_force_ins -
-                            predictSpecificForce(state, world, ins->T_robot_ins, nominal));
+      gyro_error.emplace_back(*ins->angular_velocity_ins - predictGyro(state, ins->T_robot_ins, nominal));
+      force_error.emplace_back(*ins->specific_force_ins -
+                               predictSpecificForce(state, world, ins->T_robot_ins, nominal));
     } else if (const auto* dvl = std::get_if<DvlSample>(&sample->reading)) {
       const Vector3d error = *dvl->velocity_dvl - predictDvlVelocity(state, dvl->T_robot_dvl, nominal);
       velocity_xy.add(error.x(), vehicle.dvl->velocity_sigma_xy_m_s);

@@ -17,7 +17,8 @@ std::vector<Vector3d> rotationVectors(double largest = pi) {
   std::vector<Vector3d> vectors{Vector3d::Zero(), {largest, 0, 0}, {0, largest, 0}, {0, 0, largest}};
   for (const double angle : {1e-300, 1e-12, 1e-8, 1e-6, 1e-5, 0.00999, 0.01, 0.01001, 0.1, 1.0, 1.5, 2.0, 3.0,
                              pi - 1e-2, pi - 1e-4, pi - 1e-6, pi - 1e-8, pi - 1e-12})
-    for (int i = 0; i < 20; ++i) vectors.push_back(std::min(angle, largest) * random.normal3().normalized());
+    for (int i = 0; i < 20; ++i)
+      vectors.emplace_back(std::min(angle, largest) * random.normal3().normalized());
   return vectors;
 }
 

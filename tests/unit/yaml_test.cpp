@@ -139,8 +139,8 @@ TEST(Yaml, AliasesCannotBlowUp) {
   std::string laughs = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n";
   for (int i = 1; i < 12; ++i) {
     const std::string name = "a" + std::to_string(i), before = "*a" + std::to_string(i - 1);
-    laughs += name + ": &" + name + " [" + before;
-    for (int j = 0; j < 9; ++j) laughs += ", " + before;
+    laughs.append(name).append(": &").append(name).append(" [").append(before);
+    for (int j = 0; j < 9; ++j) laughs.append(", ").append(before);
     laughs += "]\n";
   }
   errorIn(laughs);
