@@ -1,7 +1,5 @@
 #include "report/html_report.h"
 
-#include <regex>
-
 #include "core/files.h"
 
 namespace fathom {
@@ -78,8 +76,9 @@ std::string element(const std::string& tag, const std::string& text) {
 
 /// An id may stand only once in a page, and gnuplot gives every plot the same ones.
 std::string withOwnIds(std::string svg, const std::string& prefix) {
-  static const std::regex names(R"((\sid=['"]|href=['"]#|url\(#))");
-  svg = std::regex_replace(svg, names, "$1" + prefix);
+  for (const std::string before : {" id=\"", " id='", "\tid='", "href='#", "href=\"#", "url(#"})
+    for (auto at = svg.find(before); at != std::string::npos; at = svg.find(before, at + 1))
+      svg.insert(at + before.size(), prefix);
   return svg;
 }
 
