@@ -132,7 +132,7 @@ void importRosBag(BagCommandOptions options, const RunContext& context) {
   ImportWriter writer(options.target, map.description);
   BagOptions bag_options;
   bag_options.image_folder = options.target.file("_Images");
-  const ImportedRecording imported = importBag(
+  const ImportedRecording imported = streamBag(
       options.bag, map, [&](Sample&& sample) { writer.write(sample); }, bag_options);
   writer.finish(imported, context);
 }
