@@ -107,7 +107,11 @@ KinematicState<double> survey(const std::vector<std::vector<double>>& rows, doub
 TEST(EkfInputs, SurveyVelocityAndAttitude) {
   FATHOM_NEEDS_SHARED("ekf_inputs");
   double attitude_sum = 0.0, attitude_best = 1e9;
-  const int seeds[] = {1, 3, 20240501};
+#ifdef __SANITIZE_ADDRESS__
+  const std::vector<int> seeds{1};  // the sanitizers look at accesses, not at statistics
+#else
+  const std::vector<int> seeds{1, 3, 20240501};
+#endif
   for (const int seed : seeds) {
     const auto folder = generate("gen_syn.py", seed);
     if (folder.empty()) GTEST_SKIP() << "needs /usr/bin/python3 with numpy";
@@ -123,7 +127,7 @@ TEST(EkfInputs, SurveyVelocityAndAttitude) {
     attitude_best = std::min(attitude_best, errors.attitude_rms_deg);
   }
   EXPECT_LE(attitude_best, 0.09);
-  EXPECT_LE(attitude_sum / 3.0, 0.0906 * 1.03);
+  EXPECT_LE(attitude_sum / static_cast<double>(seeds.size()), 0.0906 * 1.03);
 }
 
 TEST(EkfInputs, BiasesAreCarriedConsistently) {

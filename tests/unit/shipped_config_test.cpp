@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 
+#include "localization/options.h"
 #include "recording/topic_map.h"
 #include "sensors/vehicle.h"
 #include "simulation/read_trajectory.h"
@@ -20,6 +21,10 @@ const fs::path kConfig = fs::path(FATHOM_SOURCE_DIR) / "config";
 const std::map<std::string, std::function<void(const fs::path&)>> kReaders{
     {"rov.yaml", [](const fs::path& file) { readVehicle(file); }},
     {"_trajectory.yaml", [](const fs::path& file) { readTrajectory(file); }},
+    {"TL2.yaml", [](const fs::path& file) { readLocalizationOptions(file); }},
+    {"navigation.yaml", [](const fs::path& file) { readLocalizationOptions(file); }},
+    {"sea_trial.yaml", [](const fs::path& file) { readLocalizationOptions(file); }},
+    {"husky.yaml", [](const fs::path& file) { readLocalizationOptions(file); }},
     {"_topics.yaml", [](const fs::path& file) { readTopicMap(file); }},
 };
 
