@@ -86,7 +86,7 @@ auto ErrorStateFilter<N>::transition(const NavigationState<double>& x, double dt
 template <class B>
 void timesTransitionTransposed(B& columns, const TransitionBlocks& f, const Matrix3d& R, double dt) {
   using Column = Eigen::Matrix<double, B::RowsAtCompileTime, 1>;
-  std::array<Column, 9> moved;
+  std::array<Column, 3> positions, orientations, velocities;
   std::array<Column, 3> way;  // what position gains from velocity and acceleration
   for (int k = 0; k < 3; ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -101,11 +101,17 @@ void timesTransitionTransposed(B& columns, const TransitionBlocks& f, const Matr
       velocity += columns.col(kVelocity + k) * f.back(j, k) + rate * f.rate_to_velocity(j, k) +
                   columns.col(kAcceleration + k) * f.half_back(j, k);
     }
-    moved[static_cast<std::size_t>(kPosition + j)] = position;
-    moved[static_cast<std::size_t>(kOrientation + j)] = orientation;
-    moved[static_cast<std::size_t>(kVelocity + j)] = velocity;
+    const auto i = static_cast<std::size_t>(j);
+    positions[i] = position;
+    orientations[i] = orientation;
+    velocities[i] = velocity;
   }
-  for (int j = 0; j < 9; ++j) columns.col(j) = moved[static_cast<std::size_t>(j)];
+  for (int j = 0; j < 3; ++j) {
+    const auto i = static_cast<std::size_t>(j);
+    columns.col(kPosition + j) = positions[i];
+    columns.col(kOrientation + j) = orientations[i];
+    columns.col(kVelocity + j) = velocities[i];
+  }
 }
 
 template <int N>

@@ -250,8 +250,10 @@ class Run {
     ++summary_.samples;
     const double stamp_s = secondsBetween(setup_.time_zero, sample.time);
     if (!watch_.accept(sample, stamp_s)) return;
-    const double t_s = stamp_s + (std::holds_alternative<DvlSample>(sample.reading) ? dvl_offset_s_ : 0.0);
-    if (summary_.started) return insert(t_s, std::move(sample));
+    if (summary_.started) {
+      const double t_s = validity_s(sample);
+      return insert(t_s, std::move(sample));
+    }
     waiting_.push_back(std::move(sample));
     if (stamp_s - secondsBetween(setup_.time_zero, waiting_.front().time) >= setup_.options.alignment_s)
       start();
@@ -283,6 +285,12 @@ class Run {
     std::vector<Innovation> innovations;
   };
 
+  /// When a reading was valid: its stamp, but for a calibrated latency.
+  double validity_s(const Sample& sample) const {
+    const bool is_dvl = std::holds_alternative<DvlSample>(sample.reading);
+    return secondsBetween(setup_.time_zero, sample.time) + (is_dvl ? dvl_offset_s_ : 0.0);
+  }
+
   void start() {
     const InitialState initial = alignInitially(setup_, waiting_);
     summary_.started = true;
@@ -295,8 +303,8 @@ class Run {
     before_t_s_ = initial.t_s;
     next_output_s_ = initial.t_s;
     for (Sample& sample : std::exchange(waiting_, {})) {
-      const double offset = std::holds_alternative<DvlSample>(sample.reading) ? dvl_offset_s_ : 0.0;
-      insert(secondsBetween(setup_.time_zero, sample.time) + offset, std::move(sample));
+      const double t_s = validity_s(sample);
+      insert(t_s, std::move(sample));
     }
   }
 

@@ -35,7 +35,8 @@ std::vector<Channel> readChannels(const YamlMap& y) {
                                     [&](Channel channel) { return nameOf(channel) == name; });
     if (found == kAllChannels.end()) {
       std::string known;
-      for (const Channel channel : kAllChannels) known += (known.empty() ? "" : ", ") + nameOf(channel);
+      for (const Channel channel : kAllChannels)
+        known.append(known.empty() ? "" : ", ").append(nameOf(channel));
       throw y.error("fuse", "unknown channel `" + name + "` (known: " + known + ")");
     }
     channels.push_back(*found);

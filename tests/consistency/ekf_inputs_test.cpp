@@ -168,7 +168,8 @@ TEST(EkfInputs, PitchLoops) {
     const auto& row = rows.at(static_cast<std::size_t>(std::lround(t / 0.01)));
     KinematicState<double> truth;
     truth.position_odom = {row[1], row[2], row[3]};
-    for (int i = 0; i < 9; ++i) truth.R_odom_robot(i / 3, i % 3) = row[static_cast<std::size_t>(4 + i)];
+    for (std::size_t i = 0; i < 9; ++i)
+      truth.R_odom_robot(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3)) = row[4 + i];
     return truth;
   };
   // The file's covariance of the attitude is stated for angles but made as a rotation vector's (isotropic):
