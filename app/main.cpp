@@ -24,7 +24,7 @@ constexpr const char* kAbout =
 constexpr const char* kMoreHelp =
     "Examples:\n"
     "  fathom info rawlogs/dive/dive.rawlog\n"
-    "  fathom localize rawlogs/dive/dive.rawlog --out out/dive\n"
+    "  fathom localize rawlogs/dive/dive.rawlog --start reference --out out/dive\n"
     "  fathom COMMAND --help\n"
     "  eval \"$(fathom completion bash)\"\n"
     "\n"
