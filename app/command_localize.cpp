@@ -116,6 +116,7 @@ void localizeRecording(const LocalizeOptions& options, const RunContext& context
   LocalizationStory story;
   story.run = {.command_line = context.command_line};
   story.recording = options.rawlog;
+  story.remarks = disagreements(inspectRecording(options.rawlog), setup.vehicle);
   if (!options.reference.empty()) {
     story.reference = readTum(options.reference);
     story.reference_name = fs::path(options.reference).filename().string();

@@ -44,9 +44,9 @@ EffectParameters<double> parseCalibration(const YamlMap& map) {
     forEachEffect([&]<class Effect>() { found = found || readEffect<Effect>(entry, id, result); });
     if (found) continue;
     std::string known;
-    for (const EffectInfo& effect : allEffects())
-      known += (known.empty() ? "" : ", ") + std::string(effect.id);
-    throw entry.error("id", "unknown effect `" + id + "` (known: " + known + ")");
+    for (const EffectInfo& effect : allEffects()) known.append(known.empty() ? "" : ", ").append(effect.id);
+    throw entry.error(
+        "id", std::string("unknown effect `").append(id).append("` (known: ").append(known).append(")"));
   }
   return result;
 }

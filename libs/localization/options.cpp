@@ -37,7 +37,9 @@ std::vector<Channel> readChannels(const YamlMap& y) {
       std::string known;
       for (const Channel channel : kAllChannels)
         known.append(known.empty() ? "" : ", ").append(nameOf(channel));
-      throw y.error("fuse", "unknown channel `" + name + "` (known: " + known + ")");
+      throw y.error(
+          "fuse",
+          std::string("unknown channel `").append(name).append("` (known: ").append(known).append(")"));
     }
     channels.push_back(*found);
   }
