@@ -59,17 +59,17 @@ struct Comparison {
       lines.push_back(label.label + ": " + name + " is " + fixed(in_recording, 6) + " in the recording, " +
                       fixed(in_sheet, 6) + " in the vehicle file");
     };
-    compare("width_px", recorded.ncols, sheet.width_px, 0);
-    compare("height_px", recorded.nrows, sheet.height_px, 0);
-    compare("fx_px", recorded.fx(), sheet.fx_px, kSamePixel_px);
-    compare("fy_px", recorded.fy(), sheet.fy_px, kSamePixel_px);
-    compare("cx_px", recorded.cx(), sheet.cx_px, kSamePixel_px);
-    compare("cy_px", recorded.cy(), sheet.cy_px, kSamePixel_px);
-    compare("k1", recorded.k1(), sheet.k1, kSameDistortion);
-    compare("k2", recorded.k2(), sheet.k2, kSameDistortion);
-    compare("p1", recorded.p1(), sheet.p1, kSameDistortion);
-    compare("p2", recorded.p2(), sheet.p2, kSameDistortion);
-    compare("k3", recorded.k3(), sheet.k3, kSameDistortion);
+    compare("width_px", recorded.ncols, sheet.model.width_px, 0);
+    compare("height_px", recorded.nrows, sheet.model.height_px, 0);
+    compare("fx_px", recorded.fx(), sheet.model.fx_px, kSamePixel_px);
+    compare("fy_px", recorded.fy(), sheet.model.fy_px, kSamePixel_px);
+    compare("cx_px", recorded.cx(), sheet.model.cx_px, kSamePixel_px);
+    compare("cy_px", recorded.cy(), sheet.model.cy_px, kSamePixel_px);
+    compare("k1", recorded.k1(), sheet.model.k1, kSameDistortion);
+    compare("k2", recorded.k2(), sheet.model.k2, kSameDistortion);
+    compare("p1", recorded.p1(), sheet.model.p1, kSameDistortion);
+    compare("p2", recorded.p2(), sheet.model.p2, kSameDistortion);
+    compare("k3", recorded.k3(), sheet.model.k3, kSameDistortion);
   }
 
   void beams(const LabelInfo& label, const DvlSheet& sheet) {

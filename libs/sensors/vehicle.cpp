@@ -57,19 +57,19 @@ UsblSheet readUsbl(const YamlMap& y) {
 CameraSheet readCamera(const YamlMap& y) {
   CameraSheet s;
   s.rate_hz = y.positive("rate_hz");
-  s.width_px = y.integer("width_px");
-  s.height_px = y.integer("height_px");
-  if (s.width_px <= 0 || s.height_px <= 0) throw y.error("width_px", "image size must be greater than zero");
-  s.fx_px = y.positive("fx_px");
-  s.fy_px = y.positive("fy_px");
-  s.cx_px = y.number("cx_px");
-  s.cy_px = y.number("cy_px");
+  s.model.width_px = y.integer("width_px");
+  s.model.height_px = y.integer("height_px");
+  if (s.model.width_px <= 0 || s.model.height_px <= 0) throw y.error("width_px", "image size must be greater than zero");
+  s.model.fx_px = y.positive("fx_px");
+  s.model.fy_px = y.positive("fy_px");
+  s.model.cx_px = y.number("cx_px");
+  s.model.cy_px = y.number("cy_px");
   const YamlMap d = y.map("distortion");
-  s.k1 = d.number("k1");
-  s.k2 = d.number("k2");
-  s.p1 = d.number("p1");
-  s.p2 = d.number("p2");
-  s.k3 = d.number("k3");
+  s.model.k1 = d.number("k1");
+  s.model.k2 = d.number("k2");
+  s.model.p1 = d.number("p1");
+  s.model.p2 = d.number("p2");
+  s.model.k3 = d.number("k3");
   s.exposure_s = y.positive("exposure_s");
   s.gain = y.text("gain");
   if (s.gain != "fixed" && s.gain != "auto") throw y.error("gain", "must be fixed or auto");
@@ -80,6 +80,7 @@ CameraSheet readCamera(const YamlMap& y) {
   s.read_noise_e = y.notNegative("read_noise_e");
   s.corner_sigma_px = y.positive("corner_sigma_px");
   s.T_robot_camera = y.pose("pose");
+  if (y.has("right_pose")) s.T_left_right = y.pose("right_pose");
   return s;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/camera_model.h"
 #include "core/geometry.h"
 
 /// The vehicle file: what an engineer knows of the robot from data sheets and drawings. See config/rov.yaml.
@@ -57,9 +58,7 @@ struct UsblSheet {
 
 struct CameraSheet {
   double rate_hz = 1;
-  int width_px = 640, height_px = 480;
-  double fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
-  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
+  CameraModel model;
   double exposure_s = 0.004;
   std::string gain = "fixed";
   double response_gamma = 1.0;
@@ -68,6 +67,9 @@ struct CameraSheet {
   double read_noise_e = 12;
   double corner_sigma_px = 0.15;
   Pose T_robot_camera;
+  /// Optional key `right_pose`: a second camera of the same kind makes it a stereo pair; the right one's
+  /// frame in the left one's.
+  std::optional<Pose> T_left_right;
 };
 
 struct LampSheet {
