@@ -98,14 +98,14 @@ TEST(Waypoints, ShippedDiveIsADive) {
   EXPECT_GT(sideways, 0.15);
 }
 
-struct Bad {
+struct BadWaypoints {
   const char* what;
   const char* text;
   const char* where;
 };
-void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.what; }
+void PrintTo(const BadWaypoints& bad, std::ostream* out) { *out << bad.what; }
 
-class WaypointsRefuse : public testing::TestWithParam<Bad> {};
+class WaypointsRefuse : public testing::TestWithParam<BadWaypoints> {};
 
 TEST_P(WaypointsRefuse, WithFileKeyAndLine) {
   try {
@@ -120,20 +120,24 @@ TEST_P(WaypointsRefuse, WithFileKeyAndLine) {
 INSTANTIATE_TEST_SUITE_P(
     All, WaypointsRefuse,
     testing::Values(
-        Bad{"NoWaypoints", "waypoints: []", "waypoints (line 1)"},
-        Bad{"UnknownKey", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0, hold: 3}",
-            "waypoints[0].hold (line 2)"},
-        Bad{"MissingUnit", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw: 0}", "waypoints[0].yaw (line 2)"},
-        Bad{"StandingSpeed", "speed_m_s: 0\nwaypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0}",
-            "speed_m_s (line 1)"},
-        Bad{"TooEarly",
+        BadWaypoints{"NoWaypoints", "waypoints: []", "waypoints (line 1)"},
+        BadWaypoints{"UnknownKey", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0, hold: 3}",
+                     "waypoints[0].hold (line 2)"},
+        BadWaypoints{"MissingUnit", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw: 0}",
+                     "waypoints[0].yaw (line 2)"},
+        BadWaypoints{"StandingSpeed", "speed_m_s: 0\nwaypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0}",
+                     "speed_m_s (line 1)"},
+        BadWaypoints{
+            "TooEarly",
             "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0}\n  - {x: 0, y: 1, z: 0, yaw_deg: 0, t_s: 1}",
             "waypoints[1].t_s (line 3)"},
-        Bad{"TimeAndSpeed", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0, t_s: 9, speed_m_s: 1}",
-            "waypoints[0].t_s (line 2)"},
-        Bad{"Axis", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0}\nsway:\n  - {axis: up, period_s: 3}",
-            "sway[0].axis (line 4)"},
-        Bad{"AmplitudeUnit",
+        BadWaypoints{"TimeAndSpeed", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0, t_s: 9, speed_m_s: 1}",
+                     "waypoints[0].t_s (line 2)"},
+        BadWaypoints{"Axis",
+                     "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0}\nsway:\n  - {axis: up, period_s: 3}",
+                     "sway[0].axis (line 4)"},
+        BadWaypoints{
+            "AmplitudeUnit",
             "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0}\nsway:\n  - {axis: roll, amplitude_m: 1, "
             "period_s: 3}",
             "sway[0] (line 4)"}),
