@@ -192,7 +192,7 @@ void showMap(const ShowOptions& options) {
 
   const fs::path base = fs::path(options.folder) / fileName(map.name);
   const fs::path scene_file = base.string() + ".3Dscene", picture_file = base.string() + ".png";
-  writeScene(scene_file, panelScene(map, map.T_odom_panel * eye_panel));
+  writeScene(scene_file, panelScene(map));
   writePicture(picture_file, pictureOf(map, eye_panel));
   std::cout << "wrote " << scene_file.string() << "\nwrote " << picture_file.string() << "\n";
 }

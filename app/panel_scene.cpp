@@ -1,9 +1,8 @@
 #include "panel_scene.h"
 
-#include <mrpt/opengl/CGridPlaneXY.h>
 #include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/opengl/CSetOfTriangles.h>
-#include <mrpt/opengl/CText.h>
+#include <mrpt/opengl/CText3D.h>
 #include <mrpt/opengl/stock_objects.h>
 
 #include <cmath>
@@ -36,17 +35,18 @@ gl::CSetOfTriangles::Ptr triangles(const Surface& surface) {
   return object;
 }
 
-/// Axes with a name beside them.
-void addFrame(gl::CSetOfObjects& parent, const Pose& T_parent_frame, float size_m, const std::string& name) {
-  auto axes = gl::stock_objects::CornerXYZSimple(size_m, 2.0f);
+void addAxes(gl::CSetOfObjects& parent, const Pose& T_parent_frame, double size_m) {
+  auto axes = gl::stock_objects::CornerXYZSimple(static_cast<float>(size_m), 2.0f);
   axes->setPose(T_parent_frame.toMrpt());
   parent.insert(axes);
-  auto label = gl::CText::Create(name);
-  label->setFont("sans", 14);
-  label->setColor_u8(mrpt::img::TColor(0, 0, 0));
-  label->setLocation((T_parent_frame * Vector3d(0, 0, 1.2 * size_m)).cast<float>().x(),
-                     (T_parent_frame * Vector3d(0, 0, 1.2 * size_m)).cast<float>().y(),
-                     (T_parent_frame * Vector3d(0, 0, 1.2 * size_m)).cast<float>().z());
+}
+
+/// Letters in the parent's plane of x and y. The viewer hides labels that always face it behind what they
+/// name.
+void addName(gl::CSetOfObjects& parent, const Vector3d& begin, const std::string& name, double height_m) {
+  auto label = gl::CText3D::Create(name, "sans", static_cast<float>(height_m), gl::FILL);
+  label->setColor_u8(mrpt::img::TColor(200, 0, 120));
+  label->setLocation(begin.x(), begin.y(), begin.z());
   parent.insert(label);
 }
 
@@ -54,35 +54,40 @@ gl::CSetOfObjects::Ptr panelObject(const PanelMap& map) {
   auto panel = gl::CSetOfObjects::Create();
   panel->setName("panel " + map.name);
   panel->insert(triangles(surfaceOf(map)));
-  addFrame(*panel, {}, 0.2f, "panel");
-  for (const Marker& marker : map.markers)
-    addFrame(*panel, marker.T_panel_marker, static_cast<float>(0.4 * marker.size_m),
-             std::to_string(marker.id));
-  for (const Handle& handle : map.handles)
-    addFrame(*panel, handle.T_panel_handle(), static_cast<float>(0.1 + 0.5 * handle.length_m), handle.id);
+  addAxes(*panel, {}, 0.2);
+  addName(*panel, {0.01, 0.01, 0.2}, "panel", 0.04);
+  for (const Marker& marker : map.markers) {
+    addAxes(*panel, marker.T_panel_marker, 0.4 * marker.size_m);
+    addName(*panel, marker.T_panel_marker.position + Vector3d(0.01, 0.01, 0.4 * marker.size_m),
+            std::to_string(marker.id), 0.03);
+  }
+  for (const Handle& handle : map.handles) {
+    addAxes(*panel, handle.T_panel_handle(), handle.length_m);
+    addName(*panel, handle.position_panel + Vector3d(0.01, 0.01, handle.length_m), handle.id, 0.03);
+  }
   panel->setPose(map.T_odom_panel.toMrpt());
   return panel;
 }
 
-void lookAt(gl::CCamera& camera, const Vector3d& centre, const Vector3d& eye) {
-  const Vector3d way = eye - centre;
-  camera.setPointingAt(static_cast<float>(centre.x()), static_cast<float>(centre.y()),
-                       static_cast<float>(centre.z()));
-  camera.setZoomDistance(static_cast<float>(way.norm()));
-  camera.setAzimuthDegrees(static_cast<float>(degrees(std::atan2(way.y(), way.x()))));
-  camera.setElevationDegrees(static_cast<float>(degrees(std::atan2(way.z(), way.head<2>().norm()))));
+/// The panel's centre in the origin, its face towards an azimuth of 45 degrees.
+Pose T_scene_odom(const Pose& T_odom_panel) {
+  const Vector3d face = T_odom_panel.rotation.col(2);
+  const double azimuth = face.head<2>().norm() > 1e-3 ? std::atan2(face.y(), face.x()) : 0.0;
+  const Matrix3d R_scene_odom = rotationFromYawPitchRoll(radians(45) - azimuth, 0, 0);
+  return {R_scene_odom, -(R_scene_odom * T_odom_panel.position)};
 }
 
 }  // namespace
 
-gl::COpenGLScene panelScene(const PanelMap& map, const Vector3d& eye_odom) {
-  gl::COpenGLScene scene;
+gl::COpenGLScene panelScene(const PanelMap& map) {
   auto odom = gl::CSetOfObjects::Create();
   odom->setName("odom");
-  addFrame(*odom, {}, 1.0f, "odom");
+  odom->setPose(T_scene_odom(map.T_odom_panel).toMrpt());
+  addAxes(*odom, {}, 1.0);
+  addName(*odom, {0.05, 0.05, 0.0}, "odom", 0.2);
+  odom->insert(panelObject(map));
+  gl::COpenGLScene scene;
   scene.insert(odom);
-  scene.insert(panelObject(map));
-  lookAt(scene.getViewport()->getCamera(), map.T_odom_panel.position, eye_odom);
   return scene;
 }
 

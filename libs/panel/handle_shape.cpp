@@ -14,7 +14,7 @@ const Vector3f kOrange{0.66f, 0.26f, 0.07f};  // what the hand holds
 const Vector3f kSteel{0.38f, 0.38f, 0.40f};
 const Vector3f kDark{0.10f, 0.10f, 0.11f};
 
-constexpr int kSides = 28;  // of what is round
+constexpr int kSides = 24;  // of what is round
 constexpr int kRimSides = 8;
 
 struct Box {

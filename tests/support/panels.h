@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "core/error.h"
@@ -61,15 +62,21 @@ inline std::string with(std::string text, const std::string& from, const std::st
   return text.replace(at, from.size(), to);
 }
 
+/// Without writeTextFile(): a new file is not flushed to the disk, a replaced one is.
+inline void writeNew(const std::filesystem::path& file, const std::string& text) {
+  std::filesystem::remove(file);
+  std::ofstream(file, std::ios::binary) << text;
+}
+
 /// Files of the board above, or of a changed one.
 struct BoardFiles {
   std::string yaml = kBoardYaml, obj = kBoardObj, mtl = kBoardMtl;
 
   /// Writes them into a folder; the map's path.
   std::filesystem::path write(const std::filesystem::path& folder) const {
-    writeTextFile(folder / "board.obj", obj);
-    writeTextFile(folder / "board.mtl", mtl);
-    writeTextFile(folder / "board.yaml", yaml);
+    writeNew(folder / "board.obj", obj);
+    writeNew(folder / "board.mtl", mtl);
+    writeNew(folder / "board.yaml", yaml);
     return folder / "board.yaml";
   }
   PanelMap read() const { return readPanelMap(write(scratchFolder())); }
