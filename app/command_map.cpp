@@ -80,6 +80,7 @@ void printHandles(const PanelMap& map) {
 
 void checkMaps(const std::vector<std::string>& files) {
   std::vector<PanelMap> maps;
+  maps.reserve(files.size());
   for (const auto& file : files) maps.push_back(readPanelMap(file));
   for (std::size_t i = 0; i < maps.size(); ++i) {
     std::cout << files[i] << ": panel " << maps[i].name << "\n";

@@ -80,7 +80,7 @@ void addRing(double radius_m, double section_m, double middle_z_m, const Vector3
   for (int i = 0; i <= kRimSides; ++i) {
     const double angle = 2.0 * std::numbers::pi * (i % kRimSides) / kRimSides;
     normals.emplace_back(std::cos(angle), std::sin(angle));
-    profile.push_back(Vector2d(radius_m - section_m, middle_z_m) + section_m * normals.back());
+    profile.emplace_back(Vector2d(radius_m - section_m, middle_z_m) + section_m * normals.back());
   }
   addSwept(profile, normals, albedo, surface);
 }

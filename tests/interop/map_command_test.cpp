@@ -112,18 +112,22 @@ TEST(MapCommand, PictureShowsEveryMarkerWhereItIs) {
   cv::aruco::detectMarkers(picture, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_ARUCO_ORIGINAL),
                            corners, ids, parameters);
   EXPECT_EQ(ids.size(), 12U);
+  Vector3d sum_px = Vector3d::Zero();
   for (const Marker& marker : readPanelMap(kMaps + "panel.yaml").markers) {
     const auto found = std::find(ids.begin(), ids.end(), marker.id);
     ASSERT_NE(found, ids.end()) << marker.id;
     for (std::size_t i = 0; i < 4; ++i) {
-      // From 2 m in front of the panel's centre; in a picture without noise a corner is found to 0.2 px.
+      // From 2 m in front of the panel's centre. The screen's curve bends what cornerSubPix() sees of one
+      // corner, but not one way for all.
       const Vector3d corner = marker.corners_panel()[i];
       const double scale = 1150 / (2.0 - corner.z());
       const cv::Point2f& seen = corners[static_cast<std::size_t>(found - ids.begin())][i];
-      EXPECT_NEAR(seen.x, 639.5 + scale * corner.x(), 0.3) << marker.id << " corner " << i;
-      EXPECT_NEAR(seen.y, 479.5 - scale * corner.y(), 0.3) << marker.id << " corner " << i;
+      const Vector3d error_px(seen.x - 639.5 - scale * corner.x(), seen.y - 479.5 + scale * corner.y(), 0);
+      EXPECT_LT(error_px.norm(), 0.7) << marker.id << " corner " << i;
+      sum_px += error_px;
     }
   }
+  EXPECT_LT((sum_px / 48).norm(), 0.1);
 }
 
 TEST(MapCommand, HandlesTurnBeforeTheyAreShownAndBytesRepeat) {
