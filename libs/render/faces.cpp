@@ -61,8 +61,7 @@ std::vector<std::uint32_t> facesOf(const Surface& surface) {
     if (!findPlane(surface, corners, plane)) continue;
     if (isUniform(surface, k - 1)) {
       const Eigen::Vector3f& albedo = surface.vertices[corners[0]].albedo;
-      const PlaneAndAlbedo key{plane[0],   plane[1],   plane[2],  plane[3],
-                               albedo.x(), albedo.y(), albedo.z()};
+      const PlaneAndAlbedo key{plane[0], plane[1], plane[2], plane[3], albedo.x(), albedo.y(), albedo.z()};
       faces.join(k, first_alike.emplace(key, k).first->second);
     }
     for (const std::uint32_t vertex : corners) {

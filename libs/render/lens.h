@@ -17,10 +17,12 @@ struct Lens {
   PixelSquare square(std::size_t pixel) const {
     return {{x[pixel], y[pixel]}, {x_u[pixel], y_u[pixel]}, {x_v[pixel], y_v[pixel]}};
   }
-  /// Covers the image. Its samples are nowhere closer than the pixels, so that the nearest sample to a pixel's
-  /// centre and the eight around it surround the pixel.
+  /// Covers the image, with about as many samples as pixels, and everywhere at least as many.
   Raster raster;
-  std::vector<std::uint32_t> nearest;  ///< of each pixel's centre: row * columns + column in the raster
+  /// The samples on and just around each pixel: a square block of so many columns and rows, beginning at this
+  /// sample (row * columns + column in the raster).
+  int block_side = 0;
+  std::vector<std::uint32_t> block;
 
   /// Throws std::invalid_argument: not a size or focal length, or a distortion without an inverse in the
   /// image.

@@ -39,12 +39,13 @@ void PixelSampler::findFirstHits(const TriangleInPixel& triangle, int number) {
   }
 }
 
-bool PixelSampler::sample(const PixelSquare& pixel, const TriangleInPixel* triangles, int count,
+bool PixelSampler::sample(const PixelSquare& pixel, const std::vector<TriangleInPixel>& triangles,
                           bool nothing_behind, const SeenLighting& lighting, float* radiance,
                           float* range_m) {
   std::fill(nearness_.begin(), nearness_.end(), 0.0f);
   std::fill(hit_.begin(), hit_.end(), -1);
-  for (int i = 0; i < count; ++i) findFirstHits(triangles[i], i);
+  const int count = static_cast<int>(triangles.size());
+  for (int i = 0; i < count; ++i) findFirstHits(triangles[static_cast<std::size_t>(i)], i);
 
   const std::size_t samples = hit_.size() - 1;
   Eigen::Vector3f sum = Eigen::Vector3f::Zero(), light = sum;
@@ -59,17 +60,18 @@ bool PixelSampler::sample(const PixelSquare& pixel, const TriangleInPixel* trian
     }
     if (hits == 0) continue;
     middle = pixel.centre + middle / hits;
-    shade(*triangles[i].triangle, lighting, &middle.x(), &middle.y(), 1, light.data(), range_m);
+    const TriangleInPixel& here = triangles[static_cast<std::size_t>(i)];
+    shade(*here.triangle, lighting, &middle.x(), &middle.y(), 1, light.data(), range_m);
     sum += hits * light;
     all_hits += hits;
-    if (hits > most_hits && hit_.back() < 0 && !nothing_behind) nearness = triangles[i].at_centre.sum();
+    if (hits > most_hits && hit_.back() < 0 && !nothing_behind) nearness = here.at_centre.sum();
     most_hits = std::max(most_hits, hits);
   }
   if (all_hits == 0) return false;
   const float weight = 1.0f / (nothing_behind ? static_cast<float>(samples) : all_hits);
   for (int c = 0; c < 3; ++c) radiance[c] = weight * sum[c];
-  *range_m = nearness > 0 ? pixel.centre.homogeneous().norm() / nearness
-                          : std::numeric_limits<float>::infinity();
+  *range_m =
+      nearness > 0 ? pixel.centre.homogeneous().norm() / nearness : std::numeric_limits<float>::infinity();
   return true;
 }
 

@@ -12,13 +12,12 @@ struct PixelSquare {
   Eigen::Vector2f centre, to_next_column, to_next_row;
 };
 
-/// A triangle seen from around a pixel: its corner shares over z (see SeenTriangle) at the pixel's centre, and
-/// their change to the next column and row.
+/// A triangle seen from around a pixel: its corner shares over z (see SeenTriangle) at the pixel's centre,
+/// and their change to the next column and row.
 struct TriangleInPixel {
-  const SeenTriangle* triangle = nullptr;
+  const SeenTriangle* triangle;
   Eigen::Vector3f at_centre, to_next_column, to_next_row;
 
-  TriangleInPixel() = default;
   TriangleInPixel(const SeenTriangle& seen, const PixelSquare& pixel)
       : triangle(&seen),
         at_centre((seen.corner_shares * pixel.centre.cast<double>().homogeneous()).cast<float>()),
@@ -43,7 +42,7 @@ class PixelSampler {
   /// the pixel's centre. Where no triangle is hit there is nothing if `nothing_behind`, otherwise a triangle
   /// too narrow to be among these: such a sample does not count, and such a centre takes the range of the
   /// plane that most samples hit. Returns whether any sample hit.
-  bool sample(const PixelSquare& pixel, const TriangleInPixel* triangles, int count, bool nothing_behind,
+  bool sample(const PixelSquare& pixel, const std::vector<TriangleInPixel>& triangles, bool nothing_behind,
               const SeenLighting& lighting, float* radiance, float* range_m);
 
  private:

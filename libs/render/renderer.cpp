@@ -1,7 +1,6 @@
 #include "render/renderer.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -45,8 +44,11 @@ struct Renderer::Implementation {
   std::vector<std::optional<SeenTriangle>> seen;  // by triangle, once it is needed
   const std::uint32_t* triangles = nullptr;       // by raster sample
   std::vector<std::uint32_t> faces;               // by raster sample
-  std::vector<std::uint32_t> inner;               // by raster sample: its triangle, or kEdge
-  std::vector<std::uint32_t> row_triangles;       // by pixel of a row: the triangle that fills it
+  std::vector<std::uint32_t> differs;  // by raster sample: whether its block's first row has an edge
+  std::vector<std::uint32_t> inner;    // by a block's first sample: the triangle in its middle, or kEdge
+  std::vector<std::uint32_t> row_triangles;  // by pixel of a row: the triangle that fills it
+  std::vector<std::uint32_t> numbers;        // of the triangles around a pixel …
+  std::vector<TriangleInPixel> in_pixel;     // … and those of them that are in it
 
   Implementation(const CameraModel& camera, const Options& options)
       : lens(camera),
@@ -55,6 +57,7 @@ struct Renderer::Implementation {
         sampler(options.supersampling),
         visibility(lens.raster),
         faces(lens.raster.size()),
+        differs(lens.raster.size()),
         inner(lens.raster.size()),
         row_triangles(static_cast<std::size_t>(width)) {}
 
@@ -69,53 +72,46 @@ struct Renderer::Implementation {
   void renderRow(int row, float* radiance, float* range_m);
 };
 
-/// Sets apart the raster samples that have another face among their eight neighbours.
+/// Sets apart the blocks of raster samples that see more than one face.
 void Renderer::Implementation::findEdges() {
+  const auto side = static_cast<std::size_t>(lens.block_side);
   const auto columns = static_cast<std::size_t>(lens.raster.columns);
-  const auto rows = static_cast<std::size_t>(lens.raster.rows);
   for (std::size_t i = 0; i < faces.size(); ++i) faces[i] = face_of[triangles[i]];
-  for (std::size_t row = 1; row + 1 < rows; ++row) {
-    const std::uint32_t* above = &faces[(row - 1) * columns];
-    const std::uint32_t* here = above + columns;
-    const std::uint32_t* below = here + columns;
-    const std::uint32_t* triangle = triangles + row * columns;
-    std::uint32_t* out = &inner[row * columns];
-    for (std::size_t i = 1; i + 1 < columns; ++i) {
-      const std::uint32_t face = here[i];
-      const std::uint32_t differences =
-          (above[i - 1] ^ face) | (above[i] ^ face) | (above[i + 1] ^ face) | (here[i - 1] ^ face) |
-          (here[i + 1] ^ face) | (below[i - 1] ^ face) | (below[i] ^ face) | (below[i + 1] ^ face);
-      out[i] = differences == 0 ? triangle[i] : kEdge;
-    }
+  std::fill(differs.begin(), differs.end(), 0u);
+  for (std::size_t k = 1; k < side; ++k)
+    for (std::size_t i = 0; i + k < faces.size(); ++i) differs[i] |= faces[i + k] ^ faces[i];
+  const std::size_t middle = side / 2 * (columns + 1), last = (side - 1) * columns;
+  for (std::size_t i = 0; i + last + side <= faces.size(); ++i) {
+    std::uint32_t difference = differs[i];
+    for (std::size_t k = columns; k <= last; k += columns)
+      difference |= differs[i + k] | (faces[i + k] ^ faces[i]);
+    inner[i] = difference == 0 ? triangles[i + middle] : kEdge;
   }
 }
 
 /// Returns the triangle that fills a pixel near an edge, or renders the pixel.
 std::uint32_t Renderer::Implementation::renderIfShared(std::size_t pixel, float* radiance, float* range_m) {
   const PixelSquare square = lens.square(pixel);
-  std::array<std::uint32_t, 9> numbers{};
-  std::array<TriangleInPixel, 9> in_pixel;
-  std::size_t distinct = 0, count = 0;
+  numbers.clear();
+  in_pixel.clear();
   bool nothing_behind = false;
   std::uint32_t filling = kNothing;
-  const std::uint32_t* samples = triangles + lens.nearest[pixel] - lens.raster.columns - 1;
-  for (int row = 0; row < 3; ++row, samples += lens.raster.columns)
-    for (int column = 0; column < 3; ++column) {
+  const std::uint32_t* samples = triangles + lens.block[pixel];
+  for (int row = 0; row < lens.block_side; ++row, samples += lens.raster.columns)
+    for (int column = 0; column < lens.block_side; ++column) {
       const std::uint32_t number = samples[column];
       nothing_behind |= number == kNothing;
-      const auto known = numbers.begin() + static_cast<std::ptrdiff_t>(distinct);
-      if (number == kNothing || std::find(numbers.begin(), known, number) != known) continue;
-      numbers[distinct++] = number;
-      in_pixel[count] = TriangleInPixel(seenTriangle(number), square);
-      if (in_pixel[count].missesPixel()) continue;
-      if (in_pixel[count].fillsPixel()) filling = number;
-      ++count;
+      if (number == kNothing || std::find(numbers.begin(), numbers.end(), number) != numbers.end()) continue;
+      numbers.push_back(number);
+      const TriangleInPixel triangle(seenTriangle(number), square);
+      if (triangle.missesPixel()) continue;
+      if (triangle.fillsPixel()) filling = number;
+      in_pixel.push_back(triangle);
     }
-  if (count == 1 && filling != kNothing) return filling;
-  const bool hit = sampler.sample(square, in_pixel.data(), static_cast<int>(count), nothing_behind, *lighting,
-                                  radiance, range_m);
+  if (in_pixel.size() == 1 && filling != kNothing) return filling;
+  const bool hit = sampler.sample(square, in_pixel, nothing_behind, *lighting, radiance, range_m);
   if (hit) return kRendered;
-  return nothing_behind ? kNothing : triangles[lens.nearest[pixel]];
+  return nothing_behind ? kNothing : numbers.front();
 }
 
 /// Runs of pixels that one triangle fills are shaded together.
@@ -124,7 +120,7 @@ void Renderer::Implementation::renderRow(int row, float* radiance, float* range_
   for (int u = 0; u < width; ++u) {
     const std::size_t pixel = first + static_cast<std::size_t>(u);
     std::uint32_t& triangle = row_triangles[static_cast<std::size_t>(u)];
-    triangle = inner[lens.nearest[pixel]];
+    triangle = inner[lens.block[pixel]];
     if (triangle == kEdge) triangle = renderIfShared(pixel, radiance + 3 * u, range_m + u);
   }
   for (auto begin = row_triangles.begin(), end = begin; begin != row_triangles.end(); begin = end) {

@@ -13,9 +13,9 @@ constexpr int kBlock = 64;  // lines of sight at a time: a handful of arrays tha
 using Values = float[kBlock];
 
 struct Block {
-  Values x, y, z;           // points, camera frame, m
-  Values normal[3];         // unit length
-  Values irradiance[3];     // red, green, blue
+  Values x, y, z;        // points, camera frame, m
+  Values normal[3];      // unit length
+  Values irradiance[3];  // red, green, blue
 };
 
 void placePoints(const Eigen::Vector3f& inverse_depth, const float* x, const float* y, int count, Block& b,

@@ -1,6 +1,6 @@
 // Views a second of a panel of 5000 triangles on the sea floor, 640 x 480, each sent through the water: one
-// Renderer, a Renderer a core, and what the edges' supersampling costs. `ratio` is views a second over those of
-// one Renderer without supersampling, seen in the same run.
+// Renderer, a Renderer a core, and what the edges' supersampling costs. `ratio` is views a second over those
+// of one Renderer without supersampling, seen in the same run.
 #include <benchmark/benchmark.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
@@ -48,8 +48,7 @@ void oneRenderer(benchmark::State& state) {
   Renderer renderer = makeRenderer(static_cast<int>(state.range(0)));
   View image;
   int view = 0;
-  while (state.KeepRunning())
-    renderView(renderer, image, view++, state.range(1) != 0, state.range(2) != 0);
+  while (state.KeepRunning()) renderView(renderer, image, view++, state.range(1) != 0, state.range(2) != 0);
   state.counters["views/s"] = benchmark::Counter(view, benchmark::Counter::kIsRate);
 }
 BENCHMARK(oneRenderer)
@@ -98,7 +97,7 @@ int main(int argc, char** argv) {
     cv::imwrite(argv[1], fathom::toDisplay(v.radiance));
     v = r.render(pose, {});
     cv::imwrite(std::string(argv[1]) + ".ambient.png", fathom::toDisplay(v.radiance));
-    cv::imwrite(std::string(argv[1]) + ".water.png", fathom::toDisplay(water().light(v.radiance,v.range_m)));
+    cv::imwrite(std::string(argv[1]) + ".water.png", fathom::toDisplay(water().light(v.radiance, v.range_m)));
   }
   benchmark::RunSpecifiedBenchmarks();
 }
