@@ -51,7 +51,7 @@ struct View {
 class Renderer {
  public:
   struct Options {
-    int supersampling = 4;  ///< its square is the number of samples in a pixel that an edge crosses; 1 to 16
+    int supersampling = 5;  ///< its square is the number of samples in a pixel that an edge crosses; 1 to 16
   };
   /// Throws std::runtime_error where OSMesa gives no GL 3.3 context or no image of this size,
   /// std::invalid_argument where the camera has no size or focal length, or a distortion without an inverse

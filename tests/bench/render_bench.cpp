@@ -54,10 +54,10 @@ void oneRenderer(benchmark::State& state) {
 BENCHMARK(oneRenderer)
     ->ArgNames({"supersampling", "lamps", "water"})
     ->Args({1, 1, 1})
-    ->Args({4, 1, 1})
+    ->Args({5, 1, 1})
     ->Args({8, 1, 1})
-    ->Args({4, 0, 0})
-    ->Args({4, 1, 0})
+    ->Args({5, 0, 0})
+    ->Args({5, 1, 0})
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime();
 
@@ -80,7 +80,7 @@ void aRendererACore(benchmark::State& state) {
 }
 BENCHMARK(aRendererACore)
     ->ArgNames({"supersampling", "lamps", "water"})
-    ->Args({4, 1, 1})
+    ->Args({5, 1, 1})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 

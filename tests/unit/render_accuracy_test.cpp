@@ -14,7 +14,7 @@ namespace {
 
 const Eigen::Vector3f kWhite = Eigen::Vector3f::Constant(0.85f), kBlack = Eigen::Vector3f::Constant(0.04f);
 
-/// Strong barrel distortion: the image's corners see 9 degrees further than without.
+/// Strong barrel distortion: the image's corners see 6 degrees further than without.
 CameraModel wideCamera() {
   CameraModel camera;
   camera.width_px = 400;
@@ -22,7 +22,7 @@ CameraModel wideCamera() {
   camera.fx_px = camera.fy_px = 250;
   camera.cx_px = 205;
   camera.cy_px = 148;
-  camera.k1 = -0.2;
+  camera.k1 = -0.16;
   camera.k2 = 0.02;
   camera.p1 = 0.002;
   return camera;
@@ -105,7 +105,7 @@ TEST_P(RenderAccuracy, CornersLieWhereTheCameraModelProjectsThem) {
     bool all_seen = true;
     for (std::size_t k = 0; k < 4; ++k) {
       auto points = edgePoints(view.radiance, expected_px[k], expected_px[(k + 1) % 4], middle);
-      all_seen = all_seen && points.size() >= 20;
+      all_seen = all_seen && points.size() >= 30;
       for (auto& point : points) point = camera.idealAt(point);
       if (all_seen) lines[k] = lineThrough(points);
     }
@@ -122,9 +122,8 @@ TEST_P(RenderAccuracy, CornersLieWhereTheCameraModelProjectsThem) {
   EXPECT_LT(std::sqrt(sum_squared / corners), 0.02);
 }
 
-// The share of a pixel that a white rectangle covers, by 32 x 32 rays each. 16 samples on a sheared grid
-// differ from that by up to 1/16 in a pixel that one edge crosses, 1/8 where two do; on average they must not
-// differ.
+// The share of a pixel that a white rectangle covers, by 32 x 32 rays each. 25 samples on a sheared grid
+// differ from that by a few of them in a pixel, but not on average.
 TEST_P(RenderAccuracy, EdgesCoverPixelsByTheirArea) {
   for (int n = 0; n < 3; ++n) {
     const Pose T_camera_rectangle = randomPoseInView(random, 1.5);
@@ -254,8 +253,8 @@ TEST_P(RenderAccuracy, SceneIsTheOneThatRaysHit) {
       wrong_light += !(std::abs(value[0] - expected[0]) <= 2e-3 * expected[0]);
     }
   }
-  // The knobs' sides have triangles narrower than a pixel, which may be missed.
-  EXPECT_LE(wrong_range, pixels / 400);
+  // The knobs' sides, and markers far away, have triangles narrower than a pixel, which may be missed.
+  EXPECT_LE(wrong_range, pixels / 150);
   // Pixels that markers' cells share, or a cone's rim, are mixtures where the ray sees one thing.
   EXPECT_LE(wrong_light, pixels / 6);
 }
