@@ -13,7 +13,7 @@
 
 namespace fathom::test {
 
-/// A board of 1.0 x 0.6 x 0.04 m with its front at z = 0; two quads a line are named in the tests by line.
+/// A board of 1.0 x 0.6 x 0.04 m with its front at z = 0; the tests name its lines.
 inline const std::string kBoardObj =
     "mtllib board.mtl\n"   // 1
     "o board\n"            // 2
@@ -36,24 +36,19 @@ inline const std::string kBoardObj =
 inline const std::string kBoardMtl =
     "newmtl yellow\nKd 0.6 0.5 0.1\n\nnewmtl grey\nKa 0 0 0\nKd 0.2 0.2 0.25\n";
 
-inline const std::
-    string
-        kBoardYaml =
-            "panel: board\n"                                                           // 1
-            "pose: {x: 6, y: 0.5, z: -4, yaw_deg: -90, pitch_deg: 0, roll_deg: 90}\n"  // 2
-            "pose_sigma: {position_m: 0.1, angle_deg: 2}\n"                            // 3
-            "mesh: board.obj\n"                                                        // 4
-            "markers:\n"                                                               // 5
-            "  - {family: DICT_ARUCO_ORIGINAL, id: 7, size_m: 0.16, x: -0.3, y: 0.1, z: 0.001, rotation_deg: "
-            "0}\n"                                                                                        // 6
-            "  - {family: tag36h11, id: 3, size_m: 0.16, x: 0.3, y: -0.1, z: 0.001, rotation_deg: 90}\n"  // 7
-            "handles:\n"                                                                                  // 8
-            "  - {id: C3, kind: lever, x: 0.0, y: 0.1, z: 0.0, radius_m: 0.06, length_m: 0.10, range_deg: "
-            "[0, 90], "
-            "angle_deg: 30}\n"  // 9
-            "  - {id: A1, kind: wheel, x: 0.0, y: -0.1, z: 0.0, radius_m: 0.06, length_m: 0.12, range_deg: "
-            "[-180, 180], "
-            "angle_deg: -45}\n";  // 10
+// clang-format off: the tests name lines
+inline const std::string kBoardYaml = R"(panel: board
+pose: {x: 6, y: 0.5, z: -4, yaw_deg: -90, pitch_deg: 0, roll_deg: 90}
+pose_sigma: {position_m: 0.1, angle_deg: 2}
+mesh: board.obj
+markers:
+  - {family: DICT_ARUCO_ORIGINAL, id: 7, size_m: 0.16, x: -0.3, y: 0.1, z: 0.001, rotation_deg: 0}
+  - {family: tag36h11, id: 3, size_m: 0.16, x: 0.3, y: -0.1, z: 0.001, rotation_deg: 90}
+handles:
+  - {id: C3, kind: lever, x: 0.0, y: 0.1, z: 0.0, radius_m: 0.06, length_m: 0.10, range_deg: [0, 90], angle_deg: 30}
+  - {id: A1, kind: wheel, x: 0.0, y: -0.1, z: 0.0, radius_m: 0.06, length_m: 0.12, range_deg: [-180, 180], angle_deg: -45}
+)";
+// clang-format on
 
 /// `text` with its first `from` replaced by `to`.
 inline std::string with(std::string text, const std::string& from, const std::string& to) {
