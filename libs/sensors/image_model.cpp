@@ -10,17 +10,15 @@
 namespace fathom {
 namespace {
 
-/// exp(-depth) for depth >= 0 or NaN, to 2e-7 relative: 2^n times 2^f, with f in [-0.5, 0.5] by its Taylor series to
-/// the sixth power. Infinite and NaN give e^-87, which is nothing. No branches, so that loops over it are
-/// vectorized.
+/// exp(-depth) for depth >= 0 or NaN, to 2e-7 relative: 2^n times 2^f, with f in [-0.5, 0.5] by its Taylor
+/// series to the sixth power. Infinite and NaN give e^-87, which is nothing. No branches, so that loops over
+/// it are vectorized.
 inline float transmission(float depth) {
   const float power = (depth < 87.0F ? depth : 87.0F) * -1.44269504F;
   const auto whole = static_cast<std::int32_t>(power - 0.5F);
   const float x = (power - static_cast<float>(whole)) * 0.693147181F;
   const float series =
-      1.0F +
-      x * (1.0F +
-           x * (0.5F + x * (1.0F / 6 + x * (1.0F / 24 + x * (1.0F / 120 + x * (1.0F / 720))))));
+      1.0F + x * (1.0F + x * (0.5F + x * (1.0F / 6 + x * (1.0F / 24 + x * (1.0F / 120 + x * (1.0F / 720))))));
   return std::bit_cast<float>((whole + 127) << 23) * series;
 }
 
@@ -129,7 +127,8 @@ cv::Mat ImageModel::light(const cv::Mat& radiance, const cv::Mat& range_m) const
   cv::Mat result(radiance.size(), CV_32FC3);
   const auto row_size = static_cast<std::size_t>(3 * radiance.cols);
   std::vector<float> veil(row_size), passed(row_size);
-  for (std::size_t i = 0; i < row_size; ++i) veil[i] = static_cast<float>(water_.veil[static_cast<int>(i % 3)]);
+  for (std::size_t i = 0; i < row_size; ++i)
+    veil[i] = static_cast<float>(water_.veil[static_cast<int>(i % 3)]);
   for (int v = 0; v < radiance.rows; ++v) {
     const auto *scene = radiance.ptr<float>(v), *range = range_m.ptr<float>(v),
                *cosine = z_per_range_.ptr<float>(v);
@@ -150,8 +149,9 @@ cv::Mat ImageModel::lightWithEffects(const cv::Mat& radiance, const cv::Mat& ran
     for (int u = 0; u < radiance.cols; ++u) {
       const auto& scene = radiance.at<cv::Vec3f>(v, u);
       const double range = range_m.at<float>(v, u);
-      const Vector3d light = predictLight<double>(Vector3d(scene[0], scene[1], scene[2]),
-                                                  range * z_per_range_.at<float>(v, u), range, water_, effects_);
+      const Vector3d light =
+          predictLight<double>(Vector3d(scene[0], scene[1], scene[2]), range * z_per_range_.at<float>(v, u),
+                               range, water_, effects_);
       result.at<cv::Vec3f>(v, u) = cv::Vec3d(light[0], light[1], light[2]);
     }
   return result;
