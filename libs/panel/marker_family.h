@@ -7,8 +7,14 @@
 /// What a fiducial looks like, whichever library detects it.
 namespace fathom {
 
-/// A square of cells, row by row from the top left, seen upright. The black border square spans
-/// `border_cells` cells and is centred; the pattern can reach beyond it (tagStandard41h12 does).
+/// A square of cells, row by row from the top left, seen upright: as the library's own drawing function shows
+/// it (cv::aruco::drawMarker, apriltag_to_image). The border square, whose corners the detectors find, spans
+/// `border_cells` cells and is centred. The pattern can reach beyond it: AprilTag's classic families have a
+/// white ring around their black border; the others (tagCircle…, tagCustom…, tagStandard…) have a white
+/// border with a black ring and data around it.
+///
+/// The tags that both libraries have (tag36h11 is DICT_APRILTAG_36h11, likewise 16h5, 25h9, 36h10) have the
+/// same cells in the border square, but OpenCV's are drawn half a turn from AprilTag's.
 struct MarkerPattern {
   int cells = 0;
   int border_cells = 0;
@@ -19,8 +25,8 @@ struct MarkerPattern {
   }
 };
 
-/// All families: OpenCV's dictionaries (DICT_ARUCO_ORIGINAL, DICT_4X4_50 …) and AprilTag's (tag36h11 …),
-/// sorted.
+/// All families: OpenCV's dictionaries (DICT_ARUCO_ORIGINAL, DICT_4X4_50 …) and AprilTag's (tag36h11,
+/// tagStandard41h12 …), sorted.
 const std::vector<std::string>& markerFamilies();
 bool isMarkerFamily(const std::string& family);
 /// Number of ids; ids count from 0. Throws std::invalid_argument for an unknown family.
