@@ -65,7 +65,6 @@ std::string cameraFingerprint(const Vehicle& vehicle) {
        {1.0 * m.width_px, 1.0 * m.height_px, m.fx_px, m.fy_px, m.cx_px, m.cy_px, m.k1, m.k2, m.p1, m.p2, m.k3,
         sheet.exposure_s, sheet.response_gamma, 1.0 * sheet.bits, sheet.full_well_e, sheet.read_noise_e})
     fingerprint.add(number);
-  fingerprint.add(sheet.gain);
   add(fingerprint, sheet.T_robot_camera);
   if (sheet.T_left_right) add(fingerprint, *sheet.T_left_right);
   for (const LampSheet& lamp : vehicle.lamps) {

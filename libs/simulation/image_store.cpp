@@ -3,7 +3,7 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
+#include <string_view>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 

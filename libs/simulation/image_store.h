@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <string>
-#include <string_view>
 
 namespace fathom {
 
@@ -13,7 +12,6 @@ class Fingerprint {
  public:
   Fingerprint& add(const void* bytes, std::size_t size);
   Fingerprint& add(double number) { return add(&number, sizeof number); }
-  Fingerprint& add(std::string_view text) { return add(text.data(), text.size()).add(text.size() * 1.0); }
   std::string hex() const;
 
  private:

@@ -51,7 +51,7 @@ void simulateDiveToDisk(benchmark::State& state) {
   const Trajectory dive = readTrajectory(kConfig / "dive_trajectory.yaml");
   const fs::path folder = fs::temp_directory_path() / "fathom-bench";
   while (state.KeepRunning())
-    simulateRecording(options(), dive, {folder, "dive", kConfig / "rov.yaml", "", ""});
+    simulateRecording(options(), dive, {folder, "dive", kConfig / "rov.yaml", "", "", {}});
 }
 BENCHMARK(simulateDiveToDisk)->Unit(benchmark::kMillisecond);
 
