@@ -112,8 +112,10 @@ void addSimulate(const RunContext& context) {
       "out/sim");
   const auto options = std::make_shared<SimulateOptions>();
   SimulationOptions& simulation = options->simulation;
-  command->add_option("--trajectory", options->trajectory, 
-                  "The path: waypoints, a station or a survey (.yaml), or poses (TUM text, a rawlog's truth)")
+  command
+      ->add_option(
+          "--trajectory", options->trajectory,
+          "The path: waypoints, a station or a survey (.yaml), or poses (TUM text, a rawlog's truth)")
       ->required()
       ->type_name(values::kFile);
   command->add_option("--vehicle", options->vehicle, "Which sensors there are, how good, and where")

@@ -16,10 +16,9 @@ namespace fathom {
 namespace fs = std::filesystem;
 namespace {
 
-/// Numbers of the images' random streams, beyond those of the navigation sensors: left image k, right image k.
-std::uint64_t noiseStream(std::size_t image, std::size_t eye) {
-  return (eye + 1) << 32 | image;
-}
+/// Numbers of the images' random streams, beyond those of the navigation sensors: left image k, right image
+/// k.
+std::uint64_t noiseStream(std::size_t image, std::size_t eye) { return (eye + 1) << 32 | image; }
 
 /// Everything that one image depends on besides its number.
 struct Studio {
@@ -76,8 +75,9 @@ std::string cameraFingerprint(const Vehicle& vehicle) {
 
 std::string environmentFingerprint(const Environment& environment) {
   Fingerprint fingerprint;
-  for (const Vector3d& colour : {environment.water.attenuation_per_m, environment.water.veil,
-                                 environment.ambient, environment.lamps_irradiance_1m.value_or(Vector3d(-1, -1, -1))})
+  for (const Vector3d& colour :
+       {environment.water.attenuation_per_m, environment.water.veil, environment.ambient,
+        environment.lamps_irradiance_1m.value_or(Vector3d(-1, -1, -1))})
     fingerprint.add(colour.data(), sizeof(double) * 3);
   return fingerprint.hex();
 }
@@ -142,11 +142,12 @@ void simulateImages(const SimulationOptions& options, const Trajectory& trajecto
     const std::scoped_lock lock(progress_mutex);
     progress.update(static_cast<double>(++done) / static_cast<double>(count));
   };
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1),
-                    [&](const auto& range) {
-                      for (std::size_t number = range.begin(); number != range.end(); ++number) make(number);
-                    },
-                    tbb::simple_partitioner());
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, count, 1),
+      [&](const auto& range) {
+        for (std::size_t number = range.begin(); number != range.end(); ++number) make(number);
+      },
+      tbb::simple_partitioner());
 }
 
 }  // namespace fathom

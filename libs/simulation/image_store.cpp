@@ -3,8 +3,8 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <string_view>
 #include <opencv2/imgcodecs.hpp>
+#include <string_view>
 #include <vector>
 
 #include "core/error.h"
@@ -71,14 +71,17 @@ std::string Fingerprint::hex() const {
 
 ImageStore::ImageStore(fs::path folder, const std::string& inputs) : folder_(std::move(folder)) {
   const fs::path inputs_file = folder_ / kInputs;
-  if (fs::exists(inputs_file) && readTextFile(inputs_file) == inputs) return;
+  const bool same = fs::exists(inputs_file) && readTextFile(inputs_file) == inputs;
   std::error_code problem;
-  fs::remove(inputs_file, problem);  // first: images without it belong to nothing
+  if (!same) fs::remove(inputs_file, problem);  // first: images without it belong to nothing
   if (fs::is_directory(folder_))
-    for (const auto& entry : fs::directory_iterator(folder_))
-      if (isOurs(entry.path().filename().string()) && !fs::remove(entry.path(), problem))
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      const bool stale =
+          isOurs(entry.path().filename().string()) && (!same || entry.path().extension() == ".part");
+      if (stale && !fs::remove(entry.path(), problem))
         throw Error(entry.path().string(), "", "cannot be removed: " + problem.message());
-  writeTextFile(inputs_file, inputs);
+    }
+  if (!same) writeTextFile(inputs_file, inputs);
 }
 
 bool ImageStore::has(const std::string& file) const {

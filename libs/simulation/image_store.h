@@ -22,7 +22,8 @@ class Fingerprint {
 class ImageStore {
  public:
   /// `inputs` is a text that differs where images would. Where the folder holds images of other inputs, they
-  /// are removed; files with other names than imageFiles() gives are left alone. Throws Error.
+  /// are removed, and half-written ones always; files with other names than imageFiles() gives are left
+  /// alone. Throws Error.
   ImageStore(std::filesystem::path folder, const std::string& inputs);
 
   /// Whether the file is there as it was written: checks the checksums of its parts.

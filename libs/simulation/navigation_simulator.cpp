@@ -254,14 +254,16 @@ mrpt::img::TCamera intrinsicsOf(const CameraModel& model) {
 class CameraChannel : public Channel {
  public:
   CameraChannel(const Scene& scene, const CameraSheet& sheet)
-      : Channel(scene, sheet.T_left_right ? labels::kStereo : labels::kCamera, sheet.rate_hz), sheet_(sheet) {}
+      : Channel(scene, sheet.T_left_right ? labels::kStereo : labels::kCamera, sheet.rate_hz),
+        sheet_(sheet) {}
 
  private:
   Reading read(double) override {
     const auto files = imageFiles(sheet_, image_++);
     const mrpt::img::TCamera intrinsics = intrinsicsOf(sheet_.model);
     if (!sheet_.T_left_right) return ImageSample{sheet_.T_robot_camera, intrinsics, files[0]};
-    return StereoSample{sheet_.T_robot_camera, *sheet_.T_left_right, intrinsics, intrinsics, files[0], files[1]};
+    return StereoSample{
+        sheet_.T_robot_camera, *sheet_.T_left_right, intrinsics, intrinsics, files[0], files[1]};
   }
 
   const CameraSheet& sheet_;

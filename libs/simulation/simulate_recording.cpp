@@ -43,7 +43,9 @@ void makeRawlog(const SimulationOptions& options, const Trajectory& trajectory, 
   const std::string vehicle_text = readTextFile(target.vehicle_file);
   PendingFile truth(files.truth);
   std::ofstream truth_out(truth.path(), std::ios::binary);
-  const auto named = [&](const fs::path& file) { return file.lexically_relative(target.folder).generic_string(); };
+  const auto named = [&](const fs::path& file) {
+    return file.lexically_relative(target.folder).generic_string();
+  };
   const RecordingHeader header{files.panel_map.empty() ? "" : named(files.panel_map), named(files.vehicle),
                                target.description};
   RawlogWriter rawlog(files.rawlog, header, options.start);

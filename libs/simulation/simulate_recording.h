@@ -12,9 +12,9 @@ namespace fathom {
 /// Where a simulated recording goes, what its first comment says, and what its camera sees.
 struct RecordingTarget {
   std::filesystem::path folder;
-  std::string name;                        ///< NAME.rawlog, NAME_vehicle.yaml, NAME_truth.tum, …
-  std::filesystem::path vehicle_file;      ///< the file options.vehicle was read from; copied beside the rawlog
-  std::filesystem::path panel_map;         ///< copied to NAME_panel/, with its mesh; empty: no panel
+  std::string name;                    ///< NAME.rawlog, NAME_vehicle.yaml, NAME_truth.tum, …
+  std::filesystem::path vehicle_file;  ///< the file options.vehicle was read from; copied beside the rawlog
+  std::filesystem::path panel_map;     ///< copied to NAME_panel/, with its mesh; empty: no panel
   std::string description;
   std::optional<Environment> environment;  ///< with it, a panel map and a camera there are images
 };
@@ -28,7 +28,8 @@ struct RecordingFiles {
 
 /// Simulates a whole recording in the form of the recording convention. Memory does not depend on its
 /// length. Files appear under their names only when whole; the rawlog, last: it tells that all is there.
-/// Images that an interrupted run has made are not made again: see image_simulator.h. Throws Error; Interrupted.
+/// Images that an interrupted run has made are not made again: see image_simulator.h. Throws Error;
+/// Interrupted.
 RecordingFiles simulateRecording(const SimulationOptions& options, const Trajectory& trajectory,
                                  const RecordingTarget& target);
 

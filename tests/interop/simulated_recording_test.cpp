@@ -27,8 +27,8 @@ SimulationOptions options() {
 TEST(SimulatedRecording, ReadsBackAsItWasSimulated) {
   const auto folder = test::scratchFolder();
   const Trajectory trajectory = test::sineTrajectory(20);
-  const auto files =
-      simulateRecording(options(), trajectory, {folder, "dive", shippedVehicle(), shippedPanel(), "a test", {}});
+  const auto files = simulateRecording(options(), trajectory,
+                                       {folder, "dive", shippedVehicle(), shippedPanel(), "a test", {}});
   const auto expected = test::simulated(options(), trajectory);
 
   RawlogReader reader(files.rawlog);
@@ -87,11 +87,12 @@ TEST(SimulatedRecording, FailureLeavesNothingBehind) {
   const auto folder = test::scratchFolder();
   auto too_long = options();
   too_long.duration_s = 100;
-  EXPECT_THROW(simulateRecording(too_long, test::sineTrajectory(5), {folder, "r", shippedVehicle(), "", "", {}}),
-               Error);
   EXPECT_THROW(
-      simulateRecording(options(), test::sineTrajectory(5), {folder, "r", folder / "absent.yaml", "", "", {}}),
+      simulateRecording(too_long, test::sineTrajectory(5), {folder, "r", shippedVehicle(), "", "", {}}),
       Error);
+  EXPECT_THROW(simulateRecording(options(), test::sineTrajectory(5),
+                                 {folder, "r", folder / "absent.yaml", "", "", {}}),
+               Error);
   EXPECT_TRUE(fs::is_empty(folder));
 }
 

@@ -77,7 +77,7 @@ TEST(Station, PhasesComeFromTheSeed) {
 }
 
 const std::string kSurvey =
-    "kind: survey\ntarget: {x: 6, y: 1, z: -4.2}\nheading_deg: 90\ndistances_m: [3, 1.5]\nlength_m: 2\n"
+    "kind: survey\ntarget: {x: 6, y: 1, z: -4.6}\nheading_deg: 90\ndistances_m: [3, 1.5]\nlength_m: 2\n"
     "extent_m: 0.9\nspacing_m: 0.4\nspeed_m_s: 0.25\nturn_rate_deg_s: 12\n";
 
 TEST(Survey, SweepsThePlanesBeforeTheTarget) {
