@@ -66,6 +66,8 @@ class Renderer {
   /// std::invalid_argument: a triangle without its vertices, or a vertex that is not finite.
   void setScene(Surface surface_odom);
   View render(const Pose& T_odom_camera, const Lighting& lighting);
+  /// The same into `view`, whose images are used again where they have the right size.
+  void render(const Pose& T_odom_camera, const Lighting& lighting, View& view);
 
  private:
   struct Implementation;

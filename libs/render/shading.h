@@ -19,9 +19,6 @@ struct SeenTriangle {
   SeenTriangle(const Surface& surface, std::size_t triangle, const Pose& T_camera_odom);
 };
 
-/// Whether a triangle has one normal and one albedo.
-bool isUniform(const Surface& surface, std::size_t triangle);
-
 /// A lamp in the camera frame.
 struct SeenSpot {
   Eigen::Vector3f position, direction, irradiance_1m;
