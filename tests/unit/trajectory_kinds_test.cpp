@@ -1,9 +1,13 @@
 // Station keeping, surveys and recorded poses as kinds of trajectory files.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/files.h"
+#include "panel/panel_map.h"
 #include "recording/rawlog.h"
+#include "sensors/vehicle.h"
 #include "simulation/read_trajectory.h"
 #include "support/motions.h"
 #include "support/shared_data.h"
@@ -182,20 +186,36 @@ TEST(TrajectoryKinds, MistakesAreNamed) {
       std::string::npos);
 }
 
-// The shipped examples fly where the panel of maps/dexrov can be seen: it stands at x = 6 and faces -x.
+/// Markers whose corners all lie in the image.
+int markersInView(const PanelMap& map, const CameraSheet& camera, const Pose& T_odom_robot) {
+  const Pose T_camera_panel = (T_odom_robot * camera.T_robot_camera).inverse() * map.T_odom_panel;
+  return static_cast<int>(std::count_if(map.markers.begin(), map.markers.end(), [&](const Marker& marker) {
+    const auto corners = marker.corners_panel();
+    return std::all_of(corners.begin(), corners.end(), [&](const Vector3d& corner) {
+      const Vector3d point = T_camera_panel * corner;
+      return point.z() > 0 && camera.model.contains(camera.model.project(point));
+    });
+  }));
+}
+
+// The shipped examples fly where the shipped vehicle's camera sees the shipped panel.
 TEST(TrajectoryKinds, ShippedOnesLookAtThePanel) {
+  const PanelMap map = readPanelMap(fs::path(FATHOM_SOURCE_DIR) / "maps/dexrov/panel.yaml");
+  const CameraSheet camera = readVehicle(kConfig / "rov.yaml").camera.value();
   for (const char* name : {"trajectory_station.yaml", "trajectory_survey.yaml"}) {
     const Trajectory trajectory = readTrajectory(kConfig / name);
     expectContinuous(trajectory, 0.45);
+    int seen = 0, all = 0;
     for (const double t : test::timesBetween(trajectory.start_s(), trajectory.end_s(), 0.5)) {
       const auto state = trajectory.at(t);
-      const double range_m = 6 - (state.position_odom + 0.35 * state.R_odom_robot.col(0)).x();
-      EXPECT_GT(range_m, 1.15) << name;
-      EXPECT_LT(range_m, 4.0) << name;
-      const Vector3d panel_robot =
-          state.R_odom_robot.transpose() * (Vector3d(6, 0, -4.2) - state.position_odom);
-      EXPECT_LT(std::abs(panel_robot.y() / panel_robot.x()), std::tan(radians(10))) << name << t;
+      const Pose T_odom_robot{state.R_odom_robot, state.position_odom};
+      const Pose T_panel_camera = map.T_odom_panel.inverse() * T_odom_robot * camera.T_robot_camera;
+      EXPECT_GT(T_panel_camera.position.z(), 1.15) << name;  // distance to the face
+      EXPECT_LT(T_panel_camera.position.z(), 4.0) << name;
+      seen += markersInView(map, camera, T_odom_robot) >= 4 ? 1 : 0;
+      ++all;
     }
+    EXPECT_GT(seen, 0.95 * all) << name;
   }
 }
 
