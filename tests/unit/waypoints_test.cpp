@@ -1,9 +1,8 @@
-#include "simulation/waypoints.h"
-
 #include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "core/files.h"
+#include "simulation/read_trajectory.h"
 #include "support/motions.h"
 #include "support/shared_data.h"
 
@@ -13,7 +12,7 @@ namespace {
 Trajectory fromText(const std::string& text) {
   const auto file = test::scratchFolder() / "way.yaml";
   writeTextFile(file, text);
-  return readWaypoints(file);
+  return readTrajectory(file);
 }
 
 void expectAt(const Trajectory& trajectory, double time_s, const Vector3d& position, double yaw_deg) {
@@ -76,7 +75,7 @@ sway:
 
 TEST(Waypoints, ShippedDiveIsADive) {
   const Trajectory dive =
-      readWaypoints(std::filesystem::path(FATHOM_SOURCE_DIR) / "config/dive_trajectory.yaml");
+      readTrajectory(std::filesystem::path(FATHOM_SOURCE_DIR) / "config/dive_trajectory.yaml");
   EXPECT_NEAR(dive.end_s(), 300, 30);
   Vector3d low = Vector3d::Constant(1e9), high = -low;
   double speed = 0, rate = 0, sideways = 0;
