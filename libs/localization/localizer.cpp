@@ -282,7 +282,8 @@ class Run {
 
   /// When a reading was valid: its stamp, but for a calibrated latency.
   double validity_s(const Sample& sample) const {
-    const bool is_dvl = std::holds_alternative<DvlSample>(sample.reading);
+    const bool is_dvl = std::holds_alternative<DvlSample>(sample.reading) ||
+                        std::holds_alternative<DvlBeamsSample>(sample.reading);  // one ping for both
     return secondsBetween(setup_.time_zero, sample.time) + (is_dvl ? dvl_offset_s_ : 0.0);
   }
 

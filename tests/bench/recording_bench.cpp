@@ -1,13 +1,10 @@
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <string>
 
+#include "bench/child.h"
 #include "core/random.h"
 #include "recording/rawlog.h"
 
@@ -18,6 +15,7 @@
 namespace {
 
 using namespace fathom;
+using namespace fathom::test;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kInsPerSecond = 100;
@@ -29,18 +27,6 @@ struct Figures {
   double file_mb = 0;
   std::uint64_t entries = 0;
 };
-
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-double peakMegabytes() {
-  std::ifstream status("/proc/self/status");
-  double kilobytes = 0;
-  for (std::string word; status >> word;)
-    if (word == "VmHWM:") status >> kilobytes;
-  return kilobytes / 1024.0;
-}
 
 void writeRecording(const std::filesystem::path& file, int minutes, Figures& figures) {
   const auto begin = Clock::now();
@@ -65,26 +51,6 @@ void readRecording(const std::filesystem::path& file, Figures& figures) {
   figures.read_s = secondsSince(begin);
   figures.read_peak_mb = peakMegabytes();
   if (reader.loss()) std::abort();
-}
-
-/// Runs `work` in a child and brings its figures back by a pipe.
-template <class Work>
-bool inChild(Figures& figures, Work work) {
-  int ends[2];
-  if (pipe(ends) != 0) return false;
-  const pid_t child = fork();
-  if (child < 0) return false;
-  if (child == 0) {
-    work(figures);
-    const bool sent = write(ends[1], &figures, sizeof figures) == static_cast<ssize_t>(sizeof figures);
-    _exit(sent ? 0 : 1);
-  }
-  close(ends[1]);
-  const bool received = read(ends[0], &figures, sizeof figures) == static_cast<ssize_t>(sizeof figures);
-  close(ends[0]);
-  int status = 0;
-  waitpid(child, &status, 0);
-  return received && status == 0;
 }
 
 }  // namespace
