@@ -41,13 +41,13 @@ void renderView(Renderer& renderer, View& image, int view, bool lamps, bool in_w
   if (in_water) benchmark::DoNotOptimize(water().light(image.radiance, image.range_m).data);
 }
 
-/// Counts views a second, and their ratio to those of the first benchmark.
+/// Counts views a second, and their ratio to those of the reference (0 where it was filtered out).
 void report(benchmark::State& state, int views, double seconds) {
-  static double first = 0;
+  static double reference = 0;
   const double rate = views / seconds;
-  if (first == 0) first = rate;
+  if (state.range(0) == 1) reference = rate;
   state.counters["views/s"] = rate;
-  state.counters["ratio"] = rate / first;
+  state.counters["ratio"] = reference > 0 ? rate / reference : 0;
 }
 
 double now_s() {
