@@ -18,7 +18,7 @@ void checkCamera(const CameraModel& camera) {
 
 /// idealAt(), checked: past the distortion's turning point there is no inverse, or one on the wrong branch.
 Vector2d checkedIdealAt(const CameraModel& camera, const Vector2d& pixel) {
-  const Vector2d ideal = camera.idealAt(pixel);
+  Vector2d ideal = camera.idealAt(pixel);
   const Vector2d back = camera.project<double>(ideal.homogeneous());
   if (!((back - pixel).norm() < 1e-6))
     throw std::invalid_argument("the camera's distortion has no inverse at pixel (" +

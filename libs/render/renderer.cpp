@@ -117,9 +117,9 @@ std::uint32_t Renderer::Implementation::renderIfShared(std::size_t pixel, float*
 /// Runs of pixels that one triangle fills are shaded together.
 void Renderer::Implementation::renderRow(int row, float* radiance, float* range_m) {
   const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
-  for (int u = 0; u < width; ++u) {
-    const std::size_t pixel = first + static_cast<std::size_t>(u);
-    std::uint32_t& triangle = row_triangles[static_cast<std::size_t>(u)];
+  for (std::size_t u = 0; u < row_triangles.size(); ++u) {
+    const std::size_t pixel = first + u;
+    std::uint32_t& triangle = row_triangles[u];
     triangle = inner[lens.block[pixel]];
     if (triangle == kEdge) triangle = renderIfShared(pixel, radiance + 3 * u, range_m + u);
   }

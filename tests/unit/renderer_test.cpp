@@ -143,6 +143,7 @@ TEST(Renderer, TheSameBytesInEveryContextAndThread) {
   first.setScene(panelOnSeaFloor());
   second.setScene(panelOnSeaFloor());
   std::vector<View> expected;
+  expected.reserve(4);
   for (int n = 0; n < 4; ++n) expected.push_back(viewOfPanel(first, n));
   EXPECT_FALSE(sameBytes(expected[0], expected[1]));
   for (int n = 0; n < 4; ++n)
