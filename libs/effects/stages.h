@@ -45,4 +45,23 @@ struct PressureReading {
   T pressure_pa = T(0);
 };
 
+/// One pixel's light on its way from the scene to the camera. A depth is optical: attenuation times way, one a
+/// colour channel (red, green, blue). Both start as the base model has them, attenuation times z.
+template <class T>
+struct WaterRay {
+  T z_m = T(0);                                ///< way along the optical axis
+  T range_m = T(0);                            ///< way along the line of sight
+  Vector3<T> signal_depth = Vector3<T>::Zero();  ///< through which the scene's light comes
+  Vector3<T> veil_depth = Vector3<T>::Zero();    ///< which builds up the veil
+};
+
+/// How one pixel answers to the light that reaches it: DN = full scale * (gain * radiance) ^ exponent. Starts
+/// as the vehicle file has it, with a gain of 1.
+template <class T>
+struct PixelResponse {
+  T image_radius = T(0);  ///< tangent of the line of sight's angle to the optical axis
+  T gain = T(1);
+  T exponent = T(1);
+};
+
 }  // namespace fathom

@@ -10,11 +10,14 @@
 namespace fathom {
 namespace {
 
-/// What least squares does not see: curvature, neighbouring cells, the pixel's square shape. Measured on
-/// noise-free synthetic images.
-constexpr double kModelSigma_px = 0.01;
+/// What least squares does not see: the pixel's square shape, and with much blur the cells beyond the border.
+/// Both measured on synthetic images with little noise, see tests/unit/corner_refinement_test.cpp.
+double modelSigma_px(double cell_px, double blur_sigma_px) {
+  return 0.01 + 1.0 * blur_sigma_px * std::exp(-0.9 * cell_px / blur_sigma_px);
+}
+
 constexpr int kLargestColumnCount = 128;
-constexpr double kFinalReach_px = 3.5;
+constexpr double kShortestReach_px = 1.3, kFinalReach_px = 3.5;
 constexpr double kLargestEdgeSigma_px = 1.0;
 
 /// erf and its derivative, tabulated: the fit spends its time here. Linear interpolation errs by 1e-5.
@@ -193,7 +196,9 @@ std::optional<FittedSide> fitSide(const cv::Mat& gray, const Vector2d& first, co
   side = Side(first + rough.position(-1.0) * side.across, second + rough.position(1.0) * side.across);
   side.sag = sag;
   result.fit.p[EdgeFit::offset] = result.fit.p[EdgeFit::turn] = 0;
-  const double reach = std::clamp(cell_px - 1.2, 1.6, kFinalReach_px);
+  // Blur carries the next cells over; 1.8 sigma away they have lost all but a thirtieth.
+  const double reach =
+      std::clamp(cell_px - 1.8 * std::exp(rough.p[EdgeFit::log_sigma]), kShortestReach_px, kFinalReach_px);
   gatherPixels(gray, side, reach, pixels);
   if (!fitEdge(pixels, reach, 8, result.fit)) return std::nullopt;
   if (std::sqrt(result.fit.covariance.trace()) > kLargestEdgeSigma_px) return std::nullopt;
@@ -268,7 +273,8 @@ std::optional<RefinedCorners> refineCorners(const cv::Mat& gray, const std::arra
     result.contrast += 0.25 * std::abs(2.0 * after.fit.p[EdgeFit::step0]);
     result.blur_sigma_px += 0.25 * std::exp(after.fit.p[EdgeFit::log_sigma]);
   }
-  result.covariance_px2 = J * edges * J.transpose() + kModelSigma_px * kModelSigma_px * Matrix8d::Identity();
+  const double model_sigma_px = modelSigma_px(cell_px, result.blur_sigma_px);
+  result.covariance_px2 = J * edges * J.transpose() + model_sigma_px * model_sigma_px * Matrix8d::Identity();
   return result;
 }
 

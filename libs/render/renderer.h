@@ -7,7 +7,8 @@
 #include "core/camera_model.h"
 #include "panel/surface.h"
 
-/// What a camera would see if there were no water: OSMesa, GL 3.3 core, one context a Renderer.
+/// What a camera would see if there were no water. OSMesa says which triangle each pixel's surroundings see;
+/// lens, light and the pixels' edges are computed from the triangles themselves.
 namespace fathom {
 
 /// A spot light: uniform inside its cone, falling with the square of the distance.
@@ -17,8 +18,9 @@ struct Spot {
   Eigen::Vector3f irradiance_1m{1.0f, 1.0f, 1.0f};  ///< on the axis at 1 m, in units of full ambient light
 };
 
-/// Light at the scene. A matt surface of albedo A has radiance A * (ambient + sum over spots of irradiance *
-/// cos(incidence)): a white of albedo 0.85 under ambient light 1 has 0.85, and 1 is the camera's full scale.
+/// Light at the scene. A matt surface of albedo A has radiance A * (ambient + sum over spots of irradiance_1m *
+/// cos(incidence) / distance²): a white of albedo 0.85 under ambient light 1 has 0.85, and 1 is the camera's
+/// full scale. Nothing casts a shadow.
 struct Lighting {
   Eigen::Vector3f ambient{1.0f, 1.0f, 1.0f};
   std::vector<Spot> spots;
@@ -31,25 +33,43 @@ struct View {
                      ///< is hit
 };
 
+/// Renders a scene from anywhere with one camera; a stereo pair is two Renderers, or two cameras at once.
+///
+/// Distortion is exact (to 0.01 px): every pixel has its own line of sight, and range and light are those of
+/// the triangle's own plane there. Where triangles meet, a pixel is the mean over its samples; edges lie right
+/// to 1/(2 supersampling²) px. A triangle narrower than a pixel can be missed. Triangles nearer than 1 cm (along
+/// the optical axis) are cut off, both sides of a triangle are seen, and a side turned away from a spot is lit by
+/// the ambient light alone.
+///
+/// Deterministic: the same scene, pose and light give the same bytes, whichever Renderer and thread makes them.
+/// Use a Renderer from one thread at a time; to use all cores, one a thread:
+///
+///     tbb::enumerable_thread_specific<Renderer> renderers([&] { … Renderer with its scene … });
+///     tbb::parallel_for(0, count, [&](int i) { views[i] = renderers.local().render(pose(i), lighting); });
+///
+/// See also visibility.h about Mesa's own threads.
 class Renderer {
  public:
   struct Options {
-    int supersampling = 4;  ///< samples along each side of a pixel
+    int supersampling = 4;  ///< its square is the number of samples in a pixel that an edge crosses; 1 to 16
   };
-  /// Throws std::runtime_error where OSMesa gives no GL 3.3 context.
+  /// Throws std::runtime_error where OSMesa gives no GL 3.3 context or no image of this size,
+  /// std::invalid_argument where the camera has no size or focal length, or a distortion without an inverse in
+  /// the image, or supersampling is out of range.
   explicit Renderer(const CameraModel& camera, const Options& options);
   explicit Renderer(const CameraModel& camera) : Renderer(camera, Options{}) {}
   ~Renderer();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
 
-  /// Replaces the scene; odom frame.
-  void setScene(const Surface& surface_odom);
+  /// Replaces the scene; odom frame. A tenth of a frame's time, so handles can turn between frames. Throws
+  /// std::invalid_argument: a triangle without its vertices, or a vertex that is not finite.
+  void setScene(Surface surface_odom);
   View render(const Pose& T_odom_camera, const Lighting& lighting);
 
  private:
-  struct Context;
-  std::unique_ptr<Context> context_;
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
 };
 
 }  // namespace fathom

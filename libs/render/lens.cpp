@@ -1,0 +1,83 @@
+#include "render/lens.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace fathom {
+namespace {
+
+constexpr int kMargin = 2;  // raster samples beyond the outermost pixels' centres, so that all have neighbours
+
+void checkCamera(const CameraModel& camera) {
+  if (camera.width_px <= 0 || camera.height_px <= 0)
+    throw std::invalid_argument("a camera needs a positive width and height");
+  if (!(camera.fx_px > 0) || !(camera.fy_px > 0) || !std::isfinite(camera.fx_px * camera.fy_px))
+    throw std::invalid_argument("a camera needs positive focal lengths");
+}
+
+/// idealAt(), checked: past the distortion's turning point there is no inverse, or one on the wrong branch.
+Vector2d checkedIdealAt(const CameraModel& camera, const Vector2d& pixel) {
+  const Vector2d ideal = camera.idealAt(pixel);
+  const Vector2d back = camera.project<double>(ideal.homogeneous());
+  if (!((back - pixel).norm() < 1e-6))
+    throw std::invalid_argument("the camera's distortion has no inverse at pixel (" +
+                                std::to_string(pixel.x()) + ", " + std::to_string(pixel.y()) + ")");
+  return ideal;
+}
+
+struct Sight {
+  Vector2d ideal, along_u, along_v;
+};
+
+/// The inverse's derivative is the inverse of the derivative, which central differences give to 1e-9.
+Sight sightAt(const CameraModel& camera, const Vector2d& pixel) {
+  const Vector2d ideal = checkedIdealAt(camera, pixel);
+  constexpr double h = 1e-5;
+  Eigen::Matrix2d pixel_per_ideal;
+  for (int k = 0; k < 2; ++k) {
+    const Vector2d step = h * Vector2d::Unit(k);
+    const Vector2d ahead = ideal + step, behind = ideal - step;
+    pixel_per_ideal.col(k) = (camera.project<double>(ahead.homogeneous()) -
+                              camera.project<double>(behind.homogeneous())) /
+                             (2 * h);
+  }
+  if (!(pixel_per_ideal.determinant() > 0))
+    throw std::invalid_argument("the camera's distortion folds the image over at pixel (" +
+                                std::to_string(pixel.x()) + ", " + std::to_string(pixel.y()) + ")");
+  const Eigen::Matrix2d ideal_per_pixel = pixel_per_ideal.inverse();
+  return {ideal, ideal_per_pixel.col(0), ideal_per_pixel.col(1)};
+}
+
+}  // namespace
+
+Lens::Lens(const CameraModel& camera) {
+  checkCamera(camera);
+  Vector2d smallest(1e9, 1e9), largest(-1e9, -1e9), step(0, 0);
+  for (int v = 0; v < camera.height_px; ++v)
+    for (int u = 0; u < camera.width_px; ++u) {
+      const Sight sight = sightAt(camera, Vector2d(u, v));
+      x.push_back(static_cast<float>(sight.ideal.x()));
+      y.push_back(static_cast<float>(sight.ideal.y()));
+      x_u.push_back(static_cast<float>(sight.along_u.x()));
+      y_u.push_back(static_cast<float>(sight.along_u.y()));
+      x_v.push_back(static_cast<float>(sight.along_v.x()));
+      y_v.push_back(static_cast<float>(sight.along_v.y()));
+      smallest = smallest.cwiseMin(sight.ideal);
+      largest = largest.cwiseMax(sight.ideal);
+      step = step.cwiseMax(sight.along_u.cwiseAbs() + sight.along_v.cwiseAbs());
+    }
+  const auto samples = [&](int k) {
+    return static_cast<int>(std::ceil((largest[k] - smallest[k]) / step[k])) + 2 * kMargin + 1;
+  };
+  raster = {samples(0), samples(1), smallest.x() - kMargin * step.x(), smallest.y() - kMargin * step.y(),
+            step.x(),   step.y()};
+  nearest.reserve(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const auto column = std::lround((static_cast<double>(x[i]) - raster.x0) / raster.step_x);
+    const auto row = std::lround((static_cast<double>(y[i]) - raster.y0) / raster.step_y);
+    nearest.push_back(static_cast<std::uint32_t>(row * raster.columns + column));
+  }
+}
+
+}  // namespace fathom

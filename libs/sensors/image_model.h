@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "core/random.h"
+#include "effects/registry.h"
+#include "sensors/vehicle.h"
+#include "sensors/water.h"
+
+/// The camera's forward model after the clean rendering: light at the scene -> through the water -> exposure ->
+/// the sensor's numbers. The scalar functions are the model; ImageModel runs it over whole images.
+///
+/// Radiances are linear red, green, blue, and 1 is the camera's full scale.
+namespace fathom {
+
+/// Radiance at the camera of a scene point of radiance `scene`, z_m away along the optical axis and range_m
+/// along the line of sight. Both infinite where nothing is hit: then it is the veil.
+template <class T>
+Vector3<T> predictLight(const Vector3<T>& scene, const T& z_m, const T& range_m, const WaterColumn<T>& water,
+                        const EffectParameters<T>& effects) {
+  using std::exp, std::isfinite;
+  if (!isfinite(z_m)) return water.veil;
+  const Vector3<T> depth = water.attenuation_per_m * z_m;
+  WaterRay<T> ray{z_m, range_m, depth, depth};
+  applyEffects(effects, ray);
+  Vector3<T> light;
+  for (int c = 0; c < 3; ++c)
+    light[c] = scene[c] * exp(-ray.signal_depth[c]) + (1.0 - exp(-ray.veil_depth[c])) * water.veil[c];
+  return light;
+}
+
+/// The reading as a share of full scale, from 0 to 1, of a radiance (0 or more) at a pixel.
+template <class T>
+T predictReading(const T& radiance, const PixelResponse<T>& response) {
+  using std::pow;
+  const T exposed = response.gain * radiance;
+  if (exposed <= T(0)) return T(0);
+  return exposed >= T(1) ? T(1) : T(pow(exposed, response.exponent));
+}
+
+/// Sigma of a radiance as the sensor sees it, before the response: electrons count with the variance of
+/// Poisson's law, plus read noise.
+inline double radianceSigma(double radiance, const CameraSheet& sheet) {
+  return std::sqrt(radiance * sheet.full_well_e + sheet.read_noise_e * sheet.read_noise_e) /
+         sheet.full_well_e;
+}
+
+/// The radiance that a number in an image stands for; the inverse of the response without noise or effects.
+double radianceOf(int number, const CameraSheet& sheet);
+/// The same for an image as cv::imread() gives it (blue, green, red): CV_32FC3, red, green, blue.
+cv::Mat radianceOf(const cv::Mat& image_bgr, const CameraSheet& sheet);
+
+/// The model over whole images. Const and without hidden state, so threads may share one; an image is the same
+/// whoever makes it.
+class ImageModel {
+ public:
+  explicit ImageModel(const CameraSheet& sheet, const Water& water,
+                      const EffectParameters<double>& effects = {});
+
+  /// Through the water. `radiance` (CV_32FC3) and `range_m` (CV_32FC1, infinite where nothing is hit) are a
+  /// View, see render/renderer.h. Without effects exp() is approximated to 3e-7 of the light.
+  cv::Mat light(const cv::Mat& radiance, const cv::Mat& range_m) const;
+
+  /// The sensor: shot and read noise, clipping, response, rounding to the sheet's bits. Blue, green, red, as
+  /// cv::imwrite() wants it; CV_8UC3, or CV_16UC3 where there are more than 8 bits. Poisson's law is taken as
+  /// a normal one of the same variance: good where electrons are many, and read noise hides the rest. The
+  /// normal numbers come from a table of 65536 and so end at 4.3 sigma. Without `noise`: none.
+  cv::Mat expose(const cv::Mat& light, Random* noise) const;
+
+ private:
+  cv::Mat lightWithEffects(const cv::Mat& radiance, const cv::Mat& range_m) const;
+  void respondAlong(int row, std::vector<float>& gain, std::vector<float>& exponent) const;
+
+  CameraSheet sheet_;
+  Water water_;
+  EffectParameters<double> effects_;
+  cv::Mat z_per_range_;  ///< CV_32FC1: cosine of the line of sight's angle to the optical axis
+};
+
+}  // namespace fathom

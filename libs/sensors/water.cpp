@@ -1,0 +1,34 @@
+#include "sensors/water.h"
+
+#include "core/yaml.h"
+
+namespace fathom {
+namespace {
+
+/// Three numbers, none below zero.
+Vector3d readColour(const YamlMap& y, const std::string& key) {
+  const Vector3d colour = y.vector3(key);
+  if (colour.minCoeff() < 0) throw y.error(key, "must not be below zero");
+  return colour;
+}
+
+Water readWater(const YamlMap& y) {
+  Water water{readColour(y, "attenuation_per_m"), readColour(y, "veil")};
+  if (water.veil.maxCoeff() > 1) throw y.error("veil", "must not be above 1, the camera's full scale");
+  return water;
+}
+
+}  // namespace
+
+Environment readEnvironment(const std::filesystem::path& file) {
+  const YamlFile yaml(file);
+  const YamlMap& y = yaml.root();
+  Environment environment;
+  environment.water = readWater(y.map("water"));
+  environment.ambient = readColour(y, "ambient");
+  if (y.has("lamps_irradiance_1m")) environment.lamps_irradiance_1m = readColour(y, "lamps_irradiance_1m");
+  yaml.rejectUnknownKeys();
+  return environment;
+}
+
+}  // namespace fathom

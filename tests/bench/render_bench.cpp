@@ -1,0 +1,102 @@
+// Views a second of a panel of 5000 triangles on the sea floor, 640 x 480, each sent through the water: one
+// Renderer, a Renderer a core, and what the edges' supersampling costs. `ratio` is views a second over those of
+// one Renderer without supersampling, seen in the same run.
+#include <benchmark/benchmark.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <chrono>
+#include <opencv2/imgcodecs.hpp>
+
+#include "render/images.h"
+#include "sensors/image_model.h"
+#include "support/render_scenes.h"
+
+namespace fathom::test {
+namespace {
+
+constexpr int kViews = 32;
+
+Pose poseOf(int view) {
+  return lookingAt(kPanelPosition_odom + Vector3d(-1.6, -0.5 + 0.03 * view, 0.2), kPanelPosition_odom);
+}
+
+const ImageModel& water() {
+  static const ImageModel model = [] {
+    CameraSheet sheet;
+    sheet.model = rovCamera();
+    return ImageModel(sheet, Water{.attenuation_per_m = {0.6, 0.15, 0.1}, .veil = {0.02, 0.1, 0.12}});
+  }();
+  return model;
+}
+
+Renderer makeRenderer(int supersampling) {
+  Renderer renderer(rovCamera(), Renderer::Options{supersampling});
+  renderer.setScene(panelOnSeaFloor());
+  return renderer;
+}
+
+void renderView(Renderer& renderer, int view, bool lamps, bool in_water) {
+  const Pose pose = poseOf(view % kViews);
+  const Lighting lighting = lamps ? lampsBeside(pose, 0.2f, 1.0f) : Lighting{};
+  const View image = renderer.render(pose, lighting);
+  if (in_water) benchmark::DoNotOptimize(water().light(image.radiance, image.range_m).data);
+}
+
+/// Arguments: supersampling, lamps, water.
+void oneRenderer(benchmark::State& state) {
+  Renderer renderer = makeRenderer(static_cast<int>(state.range(0)));
+  int view = 0;
+  while (state.KeepRunning())
+    renderView(renderer, view++, state.range(1) != 0, state.range(2) != 0);
+  state.counters["views/s"] = benchmark::Counter(view, benchmark::Counter::kIsRate);
+}
+BENCHMARK(oneRenderer)
+    ->ArgNames({"supersampling", "lamps", "water"})
+    ->Args({1, 1, 1})
+    ->Args({4, 1, 1})
+    ->Args({8, 1, 1})
+    ->Args({4, 0, 0})
+    ->Args({4, 1, 0})
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime();
+
+void aRendererACore(benchmark::State& state) {
+  tbb::enumerable_thread_specific<Renderer> renderers(
+      [&] { return makeRenderer(static_cast<int>(state.range(0))); });
+  const auto renderAll = [&] {
+    tbb::parallel_for(0, kViews, [&](int view) {
+      renderView(renderers.local(), view, state.range(1) != 0, state.range(2) != 0);
+    });
+  };
+  renderAll();
+  int views = 0;
+  while (state.KeepRunning()) {
+    renderAll();
+    views += kViews;
+  }
+  state.counters["views/s"] = benchmark::Counter(views, benchmark::Counter::kIsRate);
+}
+BENCHMARK(aRendererACore)
+    ->ArgNames({"supersampling", "lamps", "water"})
+    ->Args({4, 1, 1})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+}  // namespace
+}  // namespace fathom::test
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (argc > 1) {
+    using namespace fathom::test;
+    auto r = makeRenderer(4);
+    const auto pose = poseOf(3);
+    auto v = r.render(pose, lampsBeside(pose, 0.2f, 1.0f));
+    cv::imwrite(argv[1], fathom::toDisplay(v.radiance));
+    v = r.render(pose, {});
+    cv::imwrite(std::string(argv[1]) + ".ambient.png", fathom::toDisplay(v.radiance));
+    cv::imwrite(std::string(argv[1]) + ".water.png", fathom::toDisplay(water().light(v.radiance,v.range_m)));
+  }
+  benchmark::RunSpecifiedBenchmarks();
+}
