@@ -49,14 +49,15 @@ inline cv::Rect boundingBox(const Marker& marker, double cell_m, const CameraMod
   const double half = 0.5 * marker.size_m + 3.5 * cell_m;
   for (int i = 0; i <= 8; ++i)
     for (int j = 0; j <= 8; ++j) {
-      const Vector3d point = T_camera_panel * (marker.T_panel_marker *
-                                               Vector3d(half * (i / 4.0 - 1), half * (j / 4.0 - 1), 0));
+      const Vector3d point =
+          T_camera_panel * (marker.T_panel_marker * Vector3d(half * (i / 4.0 - 1), half * (j / 4.0 - 1), 0));
       const Vector2d pixel = camera.project(point);
       low_x = std::min(low_x, pixel.x()), high_x = std::max(high_x, pixel.x());
       low_y = std::min(low_y, pixel.y()), high_y = std::max(high_y, pixel.y());
     }
-  const cv::Rect box(cv::Point(static_cast<int>(std::floor(low_x)) - 1, static_cast<int>(std::floor(low_y)) - 1),
-                     cv::Point(static_cast<int>(std::ceil(high_x)) + 2, static_cast<int>(std::ceil(high_y)) + 2));
+  const cv::Rect box(
+      cv::Point(static_cast<int>(std::floor(low_x)) - 1, static_cast<int>(std::floor(low_y)) - 1),
+      cv::Point(static_cast<int>(std::ceil(high_x)) + 2, static_cast<int>(std::ceil(high_y)) + 2));
   return box & cv::Rect(0, 0, camera.width_px, camera.height_px);
 }
 }  // namespace detail
@@ -81,12 +82,13 @@ inline cv::Mat drawMarkers(const std::vector<Marker>& markers, const CameraModel
         double sum = 0;
         for (int i = 0; i < n; ++i)
           for (int j = 0; j < n; ++j) {
-            const Vector2d p = ideal + 2.0 * ((i + 0.5) / n - 0.5) * by_column + 2.0 * ((j + 0.5) / n - 0.5) * by_row;
+            const Vector2d p =
+                ideal + 2.0 * ((i + 0.5) / n - 0.5) * by_column + 2.0 * ((j + 0.5) / n - 0.5) * by_row;
             const Vector3d ray = p.homogeneous();
             const Vector3d point = ray * (distance / normal.dot(ray));
-            const Vector3d in_marker = T_camera_marker.rotation.transpose() * (point - T_camera_marker.position);
-            sum += drawn.at(in_marker.x(), in_marker.y(), look)
-                       .value_or(image.at<float>(row, column));
+            const Vector3d in_marker =
+                T_camera_marker.rotation.transpose() * (point - T_camera_marker.position);
+            sum += drawn.at(in_marker.x(), in_marker.y(), look).value_or(image.at<float>(row, column));
           }
         image.at<float>(row, column) = static_cast<float>(sum / (n * n));
       }
