@@ -11,6 +11,8 @@ namespace {
 
 /// OpenCV's error correction rate: the share of the correctable bits that it forgives.
 constexpr double kCorrectionRate = 0.6;
+/// Of a corner coordinate: whole pixels of a contour, which lies inside the edge.
+constexpr double kSigma_px = 0.7;
 
 /// The family's code words as OpenCV keeps them. Made from the patterns, so that ids and what is upright are
 /// the panel's, whatever either library thinks.
@@ -65,6 +67,7 @@ class ArucoReader : public MarkerReader {
     Detection result;
     result.family = family;
     result.id = id;
+    result.covariance_px2 *= kSigma_px * kSigma_px;
     for (std::size_t k = 0; k < 4; ++k) result.corners_px[k] = {corners[k].x, corners[k].y};
     return result;
   }

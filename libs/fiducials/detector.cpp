@@ -14,7 +14,6 @@ namespace {
 
 /// A cell this wide is read safely; larger ones are scaled down to it.
 constexpr double kReadableCell_px = 5.0;
-constexpr double kUnrefinedSigma_px = 0.7;
 
 int borderCells(const std::string& family) { return markerPattern(family, 0).border_cells; }
 
@@ -97,7 +96,7 @@ class ReaderDetector : public Detector {
     for (Detection& detection : detections) {
       for (Vector2d& corner : detection.corners_px)
         corner = ((corner.array() + 0.5) * scale - 0.5).matrix() + Vector2d(area.x, area.y);
-      detection.covariance_px2 *= kUnrefinedSigma_px * kUnrefinedSigma_px * scale * scale;
+      detection.covariance_px2 *= scale * scale;
     }
     return detections;
   }

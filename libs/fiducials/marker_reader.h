@@ -14,8 +14,8 @@ namespace fathom {
 class MarkerReader {
  public:
   virtual ~MarkerReader() = default;
-  /// Markers in a CV_8UC1 image, corners in our order and pixel convention, not refined. `smallest_side_px`
-  /// is 0 where it is not known.
+  /// Markers in a CV_8UC1 image, corners in our order and pixel convention, not refined, with a guess of
+  /// their covariance. `smallest_side_px` is 0 where it is not known.
   virtual std::vector<Detection> read(const cv::Mat& gray, double smallest_side_px) = 0;
 };
 
