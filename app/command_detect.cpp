@@ -145,6 +145,7 @@ void addDetect(const RunContext& context) {
       ->required()
       ->delimiter(',')
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all();
   command->add_option("--backend", options->backend, "Library that searches: aruco or apriltag")
       ->check(CLI::IsMember({"aruco", "apriltag"}))

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <opencv2/imgproc.hpp>
 
 #include "fiducials/marker_reader.h"
 #include "panel/marker_family.h"
@@ -25,6 +26,7 @@ using TagFamily = std::unique_ptr<apriltag_family_t, std::function<void(apriltag
 constexpr double kLargestTable = 4e6;
 /// Of a corner coordinate, seen on synthetic images (0.05 to 0.15 px) with some caution.
 constexpr double kSigma_px = 0.2;
+constexpr double kLargestBorderErrorRate = 0.35;  ///< as OpenCV's
 
 struct NativeFamily {
   apriltag_family_t* (*create)();
@@ -126,6 +128,40 @@ std::array<Vector2d, 4> ourCorners(const apriltag_detection_t& tag) {
   return corners;
 }
 
+/// What of the border square is not as it must be: share of its cells that do not differ from the cell
+/// outside them as most do. AprilTag reads any quadrangle; where codes are many, chance makes words of some.
+double borderErrorRate(const cv::Mat& gray, const std::array<Vector2d, 4>& corners, int border_cells) {
+  const auto n = static_cast<float>(border_cells);
+  const std::array<cv::Point2f, 4> square{cv::Point2f(0, 0), {n, 0}, {n, n}, {0, n}};
+  std::array<cv::Point2f, 4> seen;
+  for (std::size_t k = 0; k < 4; ++k)
+    seen[k] = {static_cast<float>(corners[k].x()), static_cast<float>(corners[k].y())};
+  const cv::Matx33d H = cv::getPerspectiveTransform(square.data(), seen.data());
+  const auto valueAt = [&](double x, double y) {
+    const cv::Vec3d p = H * cv::Vec3d(x, y, 1);
+    const int column = std::clamp(cvRound(p[0] / p[2]), 0, gray.cols - 1);
+    const int row = std::clamp(cvRound(p[1] / p[2]), 0, gray.rows - 1);
+    return static_cast<double>(gray.at<std::uint8_t>(row, column));
+  };
+  std::vector<double> steps;
+  double mean = 0;
+  for (int i = 0; i < border_cells; ++i) {
+    const double along = i + 0.5, outside = -0.5, inside = 0.5;
+    const double far_outside = border_cells + 0.5, far_inside = border_cells - 0.5;
+    for (const double step : {valueAt(along, outside) - valueAt(along, inside),
+                              valueAt(along, far_outside) - valueAt(along, far_inside),
+                              valueAt(outside, along) - valueAt(inside, along),
+                              valueAt(far_outside, along) - valueAt(far_inside, along)}) {
+      steps.push_back(step);
+      mean += step;
+    }
+  }
+  mean /= static_cast<double>(steps.size());
+  const auto wrong = std::count_if(steps.begin(), steps.end(),
+                                   [&](double step) { return step * mean < 0.25 * mean * mean; });
+  return static_cast<double>(wrong) / static_cast<double>(steps.size());
+}
+
 class AprilTagReader : public MarkerReader {
  public:
   AprilTagReader(const std::vector<std::string>& families, int largest_corrected_bits)
@@ -159,7 +195,8 @@ class AprilTagReader : public MarkerReader {
       detection.covariance_px2 *= kSigma_px * kSigma_px;
       detection.corrected_bits = tag->hamming;
       detection.decision_margin = tag->decision_margin;
-      detections.push_back(detection);
+      if (borderErrorRate(gray, detection.corners_px, tag->family->width_at_border) < kLargestBorderErrorRate)
+        detections.push_back(detection);
     }
     return detections;
   }

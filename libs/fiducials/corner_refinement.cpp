@@ -19,8 +19,9 @@ double modelSigma_px(double cell_px, double blur_sigma_px) {
 constexpr int kLargestColumnCount = 128;
 constexpr double kShortestReach_px = 1.3, kFinalReach_px = 3.5;
 constexpr double kLargestEdgeSigma_px = 1.0;
+constexpr double kSmallestStep = 0.5;  ///< half a digital number on each side of the mean
 
-/// erf and its derivative, tabulated: the fit spends its time here. Linear interpolation errs by 1e-5.
+/// erf, tabulated with its derivative: the fit spends its time here. Linear interpolation errs by 1e-5.
 class ErrorFunction {
  public:
   ErrorFunction() {
@@ -31,13 +32,15 @@ class ErrorFunction {
     }
   }
   struct Sample {
-    double value, slope;
+    double value, slope, integral;
   };
   Sample at(double u) const {
     const double position = (std::clamp(u, -kLimit, kLimit) + kLimit) / kStep;
     const auto i = std::min(static_cast<std::size_t>(position), static_cast<std::size_t>(kSteps - 1));
     const double f = position - static_cast<double>(i);
-    return {value_[i] + f * (value_[i + 1] - value_[i]), slope_[i] + f * (slope_[i + 1] - slope_[i])};
+    const double value = value_[i] + f * (value_[i + 1] - value_[i]);
+    const double slope = slope_[i] + f * (slope_[i + 1] - slope_[i]);
+    return {value, slope, u * value + 0.5 * slope};
   }
 
  private:
@@ -50,7 +53,8 @@ class ErrorFunction {
 struct Side {
   Vector2d middle, along, across;
   double half_length = 0;
-  double sag = 0;  ///< how far its middle bulges outward from the chord, px
+  /// How far it bulges outward from the chord at s, px: (1 - s²) (bulge[0] + bulge[1] s + bulge[2] s²).
+  Vector3d bulge = Vector3d::Zero();
 
   Side(const Vector2d& first, const Vector2d& second) {
     middle = 0.5 * (first + second);
@@ -58,17 +62,27 @@ struct Side {
     along = (second - first) / (2.0 * half_length);
     across = {along.y(), -along.x()};  // corners run clockwise in an image whose y points down
   }
+
+  double bulgeAt(double s) const { return (1.0 - s * s) * (bulge[0] + s * (bulge[1] + s * bulge[2])); }
+  /// Of the pixel's square, projected on `across`: a box of this width, somewhat rounded.
+  double boxWidth() const { return std::max(std::abs(across.x()), std::abs(across.y())); }
 };
 
-/// The chord's middle against the image of the straight line's middle.
-double sagOf(const Vector2d& first, const Vector2d& second, const Side& side, const CameraModel& camera) {
-  const Vector2d ideal = 0.5 * (camera.idealAt(first) + camera.idealAt(second));
-  return side.across.dot(camera.project<double>(ideal.homogeneous()) - side.middle);
+/// The chord against the image of the straight line, at three points.
+Vector3d bulgeOf(const Vector2d& first, const Vector2d& second, const Side& side, const CameraModel& camera) {
+  const Vector2d ideal_first = camera.idealAt(first), ideal_second = camera.idealAt(second);
+  const auto outward = [&](double s) {
+    const Vector2d ideal = 0.5 * ((1.0 - s) * ideal_first + (1.0 + s) * ideal_second);
+    const Vector3d ray = ideal.homogeneous();
+    return side.across.dot(camera.project(ray) - side.middle);
+  };
+  const double before = outward(-0.5), middle = outward(0.0), after = outward(0.5);
+  return {middle, (after - before) / 0.75, 4.0 * ((after + before) / 1.5 - middle)};
 }
 
 struct Pixel {
   double s;  ///< along the side, -1 to 1 between the corners
-  double d;  ///< outward from the side as drawn, sag taken off
+  double d;  ///< outward from the side as drawn, bulge taken off
   double value;
 };
 
@@ -82,7 +96,7 @@ void gatherPixels(const cv::Mat& gray, const Side& side, double reach, std::vect
   const int limit_u = steep ? gray.rows : gray.cols, limit_v = steep ? gray.cols : gray.rows;
 
   const double extent_u = std::abs(side.along[u]) * side.half_length + reach * std::abs(side.across[u]);
-  const double half_column = (reach + std::abs(side.sag)) / std::abs(side.across[v]);
+  const double half_column = (reach + std::abs(side.bulge[0])) / std::abs(side.across[v]);
   const int first_u = std::max(0, static_cast<int>(std::ceil(side.middle[u] - extent_u)));
   const int last_u = std::min(limit_u - 1, static_cast<int>(std::floor(side.middle[u] + extent_u)));
   const int stride = std::max(1, (last_u - first_u + 1) / kLargestColumnCount);
@@ -93,7 +107,7 @@ void gatherPixels(const cv::Mat& gray, const Side& side, double reach, std::vect
     for (int j = first_v; j <= last_v; ++j) {
       const Vector2d p = steep ? Vector2d(j, i) : Vector2d(i, j);
       const double s = side.along.dot(p - side.middle) / side.half_length;
-      const double d = side.across.dot(p - side.middle) - side.sag * (1.0 - s * s);
+      const double d = side.across.dot(p - side.middle) - side.bulgeAt(s);
       if (std::abs(s) > largest_s || std::abs(d) > reach) continue;
       pixels.push_back(
           {s, d, static_cast<double>(steep ? gray.at<std::uint8_t>(i, j) : gray.at<std::uint8_t>(j, i))});
@@ -101,7 +115,8 @@ void gatherPixels(const cv::Mat& gray, const Side& side, double reach, std::vect
   }
 }
 
-/// value = level0 + level1 s + (step0 + step1 s) erf((d - offset - turn s) / (sqrt2 sigma)).
+/// value = level0 + level1 s + (step0 + step1 s) E(d - offset - turn s), where E is erf(x / (sqrt2 sigma))
+/// averaged over the pixel's width.
 struct EdgeFit {
   enum Parameter { offset, turn, level0, level1, step0, step1, log_sigma, kCount };
   using Vector = Eigen::Matrix<double, kCount, 1>;
@@ -127,7 +142,7 @@ void startLevels(const std::vector<Pixel>& pixels, EdgeFit& fit) {
 }
 
 /// Gauss-Newton with bounded steps. False where the normal equations are singular or the fit runs away.
-bool fitEdge(const std::vector<Pixel>& pixels, double reach, int iterations, EdgeFit& fit) {
+bool fitEdge(const std::vector<Pixel>& pixels, double width, double reach, int iterations, EdgeFit& fit) {
   static const ErrorFunction kErf;
   if (pixels.size() < 4 * EdgeFit::kCount) return false;
   for (int iteration = 0; iteration < iterations; ++iteration) {
@@ -136,30 +151,33 @@ bool fitEdge(const std::vector<Pixel>& pixels, double reach, int iterations, Edg
     double squares = 0;
     const double scale = 1.0 / (std::numbers::sqrt2 * std::exp(fit.p[EdgeFit::log_sigma]));
     for (const Pixel& pixel : pixels) {
-      const double u = scale * (pixel.d - fit.p[EdgeFit::offset] - fit.p[EdgeFit::turn] * pixel.s);
-      const auto [value, slope] = kErf.at(u);
+      const double d = pixel.d - fit.p[EdgeFit::offset] - fit.p[EdgeFit::turn] * pixel.s;
+      const auto near = kErf.at(scale * (d - 0.5 * width)), far = kErf.at(scale * (d + 0.5 * width));
+      const double value = (far.integral - near.integral) / (width * scale);
       const double step = fit.p[EdgeFit::step0] + fit.p[EdgeFit::step1] * pixel.s;
       const double residual =
           pixel.value - (fit.p[EdgeFit::level0] + fit.p[EdgeFit::level1] * pixel.s + step * value);
-      const double shift = -step * slope * scale;
+      const double by_offset = -step * (far.value - near.value) / width;
+      const double by_log_sigma = step * 0.5 * (far.slope - near.slope) / (width * scale);
       EdgeFit::Vector j;
-      j << shift, shift * pixel.s, 1.0, pixel.s, value, value * pixel.s, -step * slope * u;
+      j << by_offset, by_offset * pixel.s, 1.0, pixel.s, value, value * pixel.s, by_log_sigma;
       H.noalias() += j * j.transpose();
       g += residual * j;
       squares += residual * residual;
     }
+    if (std::abs(fit.p[EdgeFit::step0]) < kSmallestStep) return false;
     H.diagonal() *= 1.0 + 1e-9;
+    H(EdgeFit::log_sigma, EdgeFit::log_sigma) += 1e-3 * H(EdgeFit::step0, EdgeFit::step0);  // sigma near 0
     const Eigen::LDLT<EdgeFit::Matrix> solver(H);
-    EdgeFit::Vector step = solver.solve(g);
+    const EdgeFit::Vector step = solver.solve(g);
     if (solver.info() != Eigen::Success || !step.allFinite()) return false;
     const double largest = std::max({std::abs(step[EdgeFit::offset]) / (0.5 * reach),
                                      std::abs(step[EdgeFit::turn]) / (0.5 * reach),
                                      std::abs(step[EdgeFit::log_sigma]) / 0.5, 1.0});
     fit.p += step / largest;
     if (std::abs(fit.p[EdgeFit::offset]) + std::abs(fit.p[EdgeFit::turn]) > 1.5 * reach) return false;
-    fit.p[EdgeFit::log_sigma] = std::clamp(fit.p[EdgeFit::log_sigma], std::log(0.25), std::log(reach));
-    const bool settled =
-        step.head<2>().cwiseAbs().maxCoeff() < 2e-3 && std::abs(step[EdgeFit::log_sigma]) < 0.02;
+    fit.p[EdgeFit::log_sigma] = std::clamp(fit.p[EdgeFit::log_sigma], std::log(0.08), std::log(reach));
+    const bool settled = step.head<2>().cwiseAbs().maxCoeff() < 2e-3;
     if (settled || iteration + 1 == iterations) {
       // Rounding to whole numbers alone has a variance of 1/12.
       const double noise =
@@ -183,29 +201,29 @@ std::optional<FittedSide> fitSide(const cv::Mat& gray, const Vector2d& first, co
   FittedSide result{Side(first, second), {}};
   Side& side = result.side;
   if (side.half_length < 3.0) return std::nullopt;
-  if (camera != nullptr) side.sag = sagOf(first, second, side, *camera);
+  if (camera != nullptr) side.bulge = bulgeOf(first, second, side, *camera);
 
   const double wide_reach = std::max(0.65 * cell_px, std::min(2.2, cell_px));
   gatherPixels(gray, side, wide_reach, pixels);
   result.fit.p[EdgeFit::log_sigma] = std::log(0.4 * wide_reach);
   startLevels(pixels, result.fit);
-  if (!fitEdge(pixels, wide_reach, 12, result.fit)) return std::nullopt;
+  if (!fitEdge(pixels, side.boxWidth(), wide_reach, 12, result.fit)) return std::nullopt;
 
   const EdgeFit rough = result.fit;
-  const double sag = side.sag;
+  const Vector3d bulge = side.bulge;
   side = Side(first + rough.position(-1.0) * side.across, second + rough.position(1.0) * side.across);
-  side.sag = sag;
+  side.bulge = bulge;
   result.fit.p[EdgeFit::offset] = result.fit.p[EdgeFit::turn] = 0;
   // Blur carries the next cells over; 1.8 sigma away they have lost all but a thirtieth.
   const double reach =
       std::clamp(cell_px - 1.8 * std::exp(rough.p[EdgeFit::log_sigma]), kShortestReach_px, kFinalReach_px);
   gatherPixels(gray, side, reach, pixels);
-  if (!fitEdge(pixels, reach, 8, result.fit)) return std::nullopt;
+  if (!fitEdge(pixels, side.boxWidth(), reach, 8, result.fit)) return std::nullopt;
   if (std::sqrt(result.fit.covariance.trace()) > kLargestEdgeSigma_px) return std::nullopt;
   return result;
 }
 
-/// A straight line across . p = distance through the fitted side's ends (where the sag is zero).
+/// A straight line across . p = distance through the fitted side's ends, where the bulge is zero.
 struct Line {
   Vector2d across;
   double distance;
@@ -218,7 +236,7 @@ Line lineOf(const FittedSide& fitted) {
   return {line.across, line.across.dot(first)};
 }
 
-/// The fitted ends of the two sides lie near the corner, so there the sag is small; it is taken off all the
+/// The fitted ends of the two sides lie near the corner, so there the bulge is small; it is added all the
 /// same.
 Vector2d intersect(const FittedSide& a, const FittedSide& b) {
   const Line line_a = lineOf(a), line_b = lineOf(b);
@@ -227,8 +245,7 @@ Vector2d intersect(const FittedSide& a, const FittedSide& b) {
   const Eigen::Matrix2d inverse = N.inverse();
   const Vector2d corner = inverse * Vector2d(line_a.distance, line_b.distance);
   const auto bulge = [&](const FittedSide& f) {
-    const double s = f.side.along.dot(corner - f.side.middle) / f.side.half_length;
-    return f.side.sag * (1.0 - s * s);
+    return f.side.bulgeAt(f.side.along.dot(corner - f.side.middle) / f.side.half_length);
   };
   return corner + inverse * Vector2d(bulge(a), bulge(b));
 }

@@ -11,7 +11,7 @@ struct RefinedCorners {
   std::array<Vector2d, 4> corners_px;
   Matrix8d covariance_px2;
   double contrast;       ///< mean of the four edges, digital numbers
-  double blur_sigma_px;  ///< mean of the four edges, the pixel's own width included
+  double blur_sigma_px;  ///< mean of the four edges, the pixel's own width left out
 };
 
 /// Corners as the intersections of the border square's edges. An edge is fitted to all pixels near it: a step

@@ -82,8 +82,10 @@ inline cv::Mat drawMarkers(const std::vector<Marker>& markers, const CameraModel
         double sum = 0;
         for (int i = 0; i < n; ++i)
           for (int j = 0; j < n; ++j) {
-            const Vector2d p =
-                ideal + 2.0 * ((i + 0.5) / n - 0.5) * by_column + 2.0 * ((j + 0.5) / n - 0.5) * by_row;
+            // Sheared, so that no two samples share a row or a column: edges along them are as smooth as
+            // others.
+            const double x = (i + (j + 0.5) / n) / n - 0.5, y = (j + (i + 0.5) / n) / n - 0.5;
+            const Vector2d p = ideal + 2.0 * x * by_column + 2.0 * y * by_row;
             const Vector3d ray = p.homogeneous();
             const Vector3d point = ray * (distance / normal.dot(ray));
             const Vector3d in_marker =
