@@ -26,7 +26,9 @@ using TagFamily = std::unique_ptr<apriltag_family_t, std::function<void(apriltag
 constexpr double kLargestTable = 4e6;
 /// Of a corner coordinate, seen on synthetic images (0.05 to 0.15 px) with some caution.
 constexpr double kSigma_px = 0.2;
-constexpr double kLargestBorderErrorRate = 0.35;  ///< as OpenCV's
+/// Chance makes code words of flat noise too, by a digital number or less.
+constexpr double kSmallestMargin = 2.0;
+constexpr double kLargestBorderErrorRate = 0.25;
 
 struct NativeFamily {
   apriltag_family_t* (*create)();
@@ -162,6 +164,11 @@ double borderErrorRate(const cv::Mat& gray, const std::array<Vector2d, 4>& corne
   return static_cast<double>(wrong) / static_cast<double>(steps.size());
 }
 
+bool isBelievable(const cv::Mat& gray, const apriltag_detection_t& tag, const Detection& detection) {
+  return detection.decision_margin >= kSmallestMargin &&
+         borderErrorRate(gray, detection.corners_px, tag.family->width_at_border) <= kLargestBorderErrorRate;
+}
+
 class AprilTagReader : public MarkerReader {
  public:
   AprilTagReader(const std::vector<std::string>& families, int largest_corrected_bits)
@@ -195,8 +202,7 @@ class AprilTagReader : public MarkerReader {
       detection.covariance_px2 *= kSigma_px * kSigma_px;
       detection.corrected_bits = tag->hamming;
       detection.decision_margin = tag->decision_margin;
-      if (borderErrorRate(gray, detection.corners_px, tag->family->width_at_border) < kLargestBorderErrorRate)
-        detections.push_back(detection);
+      if (isBelievable(gray, *tag, detection)) detections.push_back(detection);
     }
     return detections;
   }

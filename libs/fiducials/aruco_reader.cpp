@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <opencv2/aruco.hpp>
@@ -13,6 +14,26 @@ namespace {
 constexpr double kCorrectionRate = 0.6;
 /// Of a corner coordinate: whole pixels of a contour, which lies inside the edge.
 constexpr double kSigma_px = 0.7;
+
+/// How likely a random word is taken for a code: a square of something else should not often be.
+constexpr double kLargestChance = 0.01;
+
+/// Cells that carry the code; tag families name their number.
+int codeBits(const std::string& family) {
+  if (family.starts_with("tag")) {
+    const auto first = family.find_first_of("0123456789");
+    return std::stoi(family.substr(first, family.find('h') - first));
+  }
+  const int side = markerPattern(family, 0).border_cells - 2;
+  return side * side;
+}
+
+double chanceOfCode(const std::string& family, int corrected_bits) {
+  const double n = codeBits(family);
+  double neighbours = 1, words = 1;
+  for (int k = 1; k <= corrected_bits; ++k) words += neighbours *= (n - k + 1) / k;
+  return 4.0 * markerCount(family) * words * std::exp2(-n);
+}
 
 /// The family's code words as OpenCV keeps them. Made from the patterns, so that ids and what is upright are
 /// the panel's, whatever either library thinks.
@@ -56,6 +77,8 @@ class ArucoReader : public MarkerReader {
     auto parameters = cv::aruco::DetectorParameters::create();
     parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
     parameters->errorCorrectionRate = 1.0;  // the caution is in correctableBits()
+    // The default takes the outline of a narrow quiet zone for the marker's own, and the larger one wins.
+    parameters->minMarkerDistanceRate = 0.02;
     const double largest_side = std::max(gray.cols, gray.rows);
     const double smallest_perimeter = smallest_side_px > 0 ? 4.0 * 0.5 * smallest_side_px : 40.0;
     parameters->minMarkerPerimeterRate = smallest_perimeter / largest_side;
@@ -102,7 +125,9 @@ int hammingDistance(const std::string& family) {
 
 int correctableBits(const std::string& family, int largest) {
   const int unambiguous = (hammingDistance(family) - 1) / 2;
-  return std::clamp(static_cast<int>(kCorrectionRate * unambiguous), 0, largest);
+  int bits = std::clamp(static_cast<int>(kCorrectionRate * unambiguous), 0, largest);
+  while (bits > 0 && chanceOfCode(family, bits) > kLargestChance) --bits;
+  return bits;
 }
 
 }  // namespace fathom

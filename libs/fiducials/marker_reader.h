@@ -29,7 +29,8 @@ std::unique_ptr<MarkerReader> makeAprilTagReader(const std::vector<std::string>&
 bool hasPlainBorder(const std::string& family);
 /// The smallest Hamming distance of two codes, as the family's library states it: 11 for tag36h11.
 int hammingDistance(const std::string& family);
-/// How many wrong bits may be forgiven without taking one code for another, times OpenCV's caution of 0.6.
+/// How many wrong bits may be forgiven: without taking one code for another, times OpenCV's caution of 0.6;
+/// and so that under one in a hundred random words is taken for a code.
 int correctableBits(const std::string& family, int largest);
 
 }  // namespace fathom

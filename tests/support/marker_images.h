@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
+#include <numbers>
+#include <opencv2/core.hpp>
 #include <optional>
+#include <vector>
 
 #include "core/camera_model.h"
 #include "core/random.h"
@@ -17,7 +19,7 @@ struct Look {
   double black = 30, white = 200, background = 120;  ///< digital numbers
   double blur_sigma_px = 0.6;                        ///< of the lens; the pixel's square adds to it
   double noise_sigma = 1.0;                          ///< digital numbers, white
-  int supersampling = 6;                             ///< along each side of a pixel
+  int supersampling = 6;                             ///< squared: samples a pixel
 };
 
 namespace detail {
@@ -62,29 +64,58 @@ inline cv::Rect boundingBox(const Marker& marker, double cell_m, const CameraMod
 }
 }  // namespace detail
 
+namespace detail {
+/// `count` equally likely offsets from a pixel's centre, px: the pixel's box blurred by a Gaussian. (Blurring
+/// the image instead would make a point spread of steps.)
+inline std::vector<double> sampleOffsets(double blur_sigma_px, int count) {
+  const double sigma = std::max(blur_sigma_px, 1e-6);
+  const auto integral = [](double z) {  // of the normal's cumulative distribution
+    return z * 0.5 * std::erfc(-z / std::numbers::sqrt2) +
+           std::exp(-0.5 * z * z) * std::numbers::inv_sqrtpi / std::numbers::sqrt2;
+  };
+  const auto share_below = [&](double t) {
+    return sigma * (integral((t + 0.5) / sigma) - integral((t - 0.5) / sigma));
+  };
+  std::vector<double> offsets;
+  for (int k = 0; k < count; ++k) {
+    double low = -1 - 6 * sigma, high = 1 + 6 * sigma;
+    for (int i = 0; i < 50; ++i) {
+      const double middle = 0.5 * (low + high);
+      (share_below(middle) < (k + 0.5) / count ? low : high) = middle;
+    }
+    offsets.push_back(0.5 * (low + high));
+  }
+  return offsets;
+}
+}  // namespace detail
+
 /// All markers of the map must be in front of the camera. CV_8UC1.
 inline cv::Mat drawMarkers(const std::vector<Marker>& markers, const CameraModel& camera,
                            const Pose& T_camera_panel, const Look& look, Random& random) {
   cv::Mat image(camera.height_px, camera.width_px, CV_32FC1, cv::Scalar(look.background));
+  constexpr int kShifts = 16;  // each pixel takes its own sixteenth of the offsets: noise instead of steps
+  const int n = look.supersampling;
+  const std::vector<double> offsets = detail::sampleOffsets(look.blur_sigma_px, kShifts * n * n);
   for (const Marker& marker : markers) {
     const detail::DrawnMarker drawn(marker);
     const Pose T_camera_marker = T_camera_panel * marker.T_panel_marker;
     const Vector3d normal = T_camera_marker.rotation.col(2);
     const double distance = normal.dot(T_camera_marker.position);
     const cv::Rect box = detail::boundingBox(marker, drawn.cell_m, camera, T_camera_panel);
-    const int n = look.supersampling;
     for (int row = box.y; row < box.y + box.height; ++row)
       for (int column = box.x; column < box.x + box.width; ++column) {
         // The lens's distortion is linear within a pixel.
         const Vector2d ideal = camera.idealAt({column, row});
         const Vector2d by_column = camera.idealAt({column + 0.5, row}) - ideal;
         const Vector2d by_row = camera.idealAt({column, row + 0.5}) - ideal;
+        const int shift_x = static_cast<int>(random.uniform(0, kShifts));
+        const int shift_y = static_cast<int>(random.uniform(0, kShifts));
         double sum = 0;
         for (int i = 0; i < n; ++i)
           for (int j = 0; j < n; ++j) {
-            // Sheared, so that no two samples share a row or a column: edges along them are as smooth as
-            // others.
-            const double x = (i + (j + 0.5) / n) / n - 0.5, y = (j + (i + 0.5) / n) / n - 0.5;
+            // No two samples share a row or a column: edges along them are as smooth as others.
+            const double x = offsets[static_cast<std::size_t>(kShifts * (i * n + j) + shift_x)];
+            const double y = offsets[static_cast<std::size_t>(kShifts * (j * n + i) + shift_y)];
             const Vector2d p = ideal + 2.0 * x * by_column + 2.0 * y * by_row;
             const Vector3d ray = p.homogeneous();
             const Vector3d point = ray * (distance / normal.dot(ray));
@@ -95,7 +126,6 @@ inline cv::Mat drawMarkers(const std::vector<Marker>& markers, const CameraModel
         image.at<float>(row, column) = static_cast<float>(sum / (n * n));
       }
   }
-  if (look.blur_sigma_px > 0) cv::GaussianBlur(image, image, {}, look.blur_sigma_px);
   cv::Mat result(image.size(), CV_8UC1);
   for (int row = 0; row < image.rows; ++row)
     for (int column = 0; column < image.cols; ++column)

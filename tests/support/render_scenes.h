@@ -42,8 +42,7 @@ inline Surface tube(double radius, double length, const Eigen::Vector3f& albedo,
     const Eigen::Vector3f normal(std::cos(angle), std::sin(angle), 0);
     const Eigen::Vector3f rim = static_cast<float>(radius) * normal;
     surface.vertices.push_back({rim, normal, albedo});
-    surface.vertices.push_back(
-        {rim + static_cast<float>(length) * Eigen::Vector3f::UnitZ(), normal, albedo});
+    surface.vertices.push_back({rim + static_cast<float>(length) * Eigen::Vector3f::UnitZ(), normal, albedo});
     const std::uint32_t a = 2 * k, b = 2 * ((k + 1) % sides);
     surface.triangles.push_back({a, b, b + 1});
     surface.triangles.push_back({a, b + 1, a + 1});
@@ -118,8 +117,8 @@ inline Lighting lampsBeside(const Pose& T_odom_camera, float ambient, float irra
   for (const double side : {-1.0, 1.0}) {
     const Matrix3d inwards = expSO3<double>(Vector3d(0, -0.1 * side, 0));
     const Pose T_camera_lamp{inwards * R_camera_lamp, Vector3d(0.28 * side, -0.1, 0.0)};
-    lighting.spots.push_back({T_odom_camera * T_camera_lamp, radians(32),
-                              irradiance_1m * Eigen::Vector3f(1.0f, 0.95f, 0.9f)});
+    lighting.spots.push_back(
+        {T_odom_camera * T_camera_lamp, radians(32), irradiance_1m * Eigen::Vector3f(1.0f, 0.95f, 0.9f)});
   }
   return lighting;
 }

@@ -39,7 +39,7 @@ TEST_P(EveryFamily, IsReadByEveryBackendThatCan) {
   const Pose T_camera_panel = lookingAtPanel(1.0, radians(20), radians(30), radians(10));
   Random random(1);
   Look look;
-  look.supersampling = 4;
+  look.supersampling = 8;
   const cv::Mat image = drawMarkers(markers, kCamera, T_camera_panel, look, random);
   for (const Backend backend : {Backend::aruco, Backend::apriltag}) {
     if (!canRead(backend, family)) continue;
@@ -51,7 +51,7 @@ TEST_P(EveryFamily, IsReadByEveryBackendThatCan) {
       EXPECT_TRUE(detections[i].refined);
       const auto truth = trueCorners(markers[i], kCamera, T_camera_panel);
       for (std::size_t k = 0; k < 4; ++k)
-        EXPECT_LT((detections[i].corners_px[k] - truth[k]).norm(), 0.07)
+        EXPECT_LT((detections[i].corners_px[k] - truth[k]).norm(), 0.05)
             << nameOf(backend) << " id " << detections[i].id << " corner " << k;
     }
   }
