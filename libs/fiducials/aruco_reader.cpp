@@ -82,7 +82,8 @@ class ArucoReader : public MarkerReader {
     const double largest_side = std::max(gray.cols, gray.rows);
     const double smallest_perimeter = smallest_side_px > 0 ? 4.0 * 0.5 * smallest_side_px : 40.0;
     parameters->minMarkerPerimeterRate = smallest_perimeter / largest_side;
-    if (smallest_side_px > 0) parameters->adaptiveThreshWinSizeMin = 13;
+    if (smallest_side_px > 0)
+      parameters->adaptiveThreshWinSizeMin = parameters->adaptiveThreshWinSizeMax = 15;
     return parameters;
   }
 

@@ -16,9 +16,11 @@ double modelSigma_px(double cell_px, double blur_sigma_px) {
   return 0.01 + 1.0 * blur_sigma_px * std::exp(-0.9 * cell_px / blur_sigma_px);
 }
 
-constexpr int kLargestColumnCount = 128;
+constexpr int kRoughColumns = 20, kFinalColumns = 64;        ///< at least, where there are as many
+constexpr double kRoughStep_px = 0.1, kFinalStep_px = 0.02;  ///< settled; the next step is about its square
 constexpr double kShortestReach_px = 1.3, kFinalReach_px = 3.5;
 constexpr double kLargestEdgeSigma_px = 1.0;
+constexpr int kLargestIterationCount = 12;
 constexpr double kSmallestStep = 0.5;  ///< half a digital number on each side of the mean
 
 /// erf, tabulated with its derivative: the fit spends its time here. Linear interpolation errs by 1e-5.
@@ -87,7 +89,8 @@ struct Pixel {
 };
 
 /// Pixels within `reach` of the side, its ends left out: there the neighbouring sides show.
-void gatherPixels(const cv::Mat& gray, const Side& side, double reach, std::vector<Pixel>& pixels) {
+void gatherPixels(const cv::Mat& gray, const Side& side, double reach, int columns,
+                  std::vector<Pixel>& pixels) {
   pixels.clear();
   const double largest_s =
       1.0 - std::min(std::min(reach, kFinalReach_px) + 0.5, 0.4 * side.half_length) / side.half_length;
@@ -99,7 +102,7 @@ void gatherPixels(const cv::Mat& gray, const Side& side, double reach, std::vect
   const double half_column = (reach + std::abs(side.bulge[0])) / std::abs(side.across[v]);
   const int first_u = std::max(0, static_cast<int>(std::ceil(side.middle[u] - extent_u)));
   const int last_u = std::min(limit_u - 1, static_cast<int>(std::floor(side.middle[u] + extent_u)));
-  const int stride = std::max(1, (last_u - first_u + 1) / kLargestColumnCount);
+  const int stride = std::max(1, (last_u - first_u + 1) / columns);
   for (int i = first_u; i <= last_u; i += stride) {
     const double centre_v = side.middle[v] + (i - side.middle[u]) * side.along[v] / side.along[u];
     const int first_v = std::max(0, static_cast<int>(std::ceil(centre_v - half_column)));
@@ -142,10 +145,10 @@ void startLevels(const std::vector<Pixel>& pixels, EdgeFit& fit) {
 }
 
 /// Gauss-Newton with bounded steps. False where the normal equations are singular or the fit runs away.
-bool fitEdge(const std::vector<Pixel>& pixels, double width, double reach, int iterations, EdgeFit& fit) {
+bool fitEdge(const std::vector<Pixel>& pixels, double width, double reach, double settled_px, EdgeFit& fit) {
   static const ErrorFunction kErf;
   if (pixels.size() < 4 * EdgeFit::kCount) return false;
-  for (int iteration = 0; iteration < iterations; ++iteration) {
+  for (int iteration = 0; iteration < kLargestIterationCount; ++iteration) {
     EdgeFit::Matrix H = EdgeFit::Matrix::Zero();
     EdgeFit::Vector g = EdgeFit::Vector::Zero();
     double squares = 0;
@@ -177,8 +180,8 @@ bool fitEdge(const std::vector<Pixel>& pixels, double width, double reach, int i
     fit.p += step / largest;
     if (std::abs(fit.p[EdgeFit::offset]) + std::abs(fit.p[EdgeFit::turn]) > 1.5 * reach) return false;
     fit.p[EdgeFit::log_sigma] = std::clamp(fit.p[EdgeFit::log_sigma], std::log(0.08), std::log(reach));
-    const bool settled = step.head<2>().cwiseAbs().maxCoeff() < 2e-3;
-    if (settled || iteration + 1 == iterations) {
+    const bool settled = step.head<2>().cwiseAbs().maxCoeff() < settled_px;
+    if (settled || iteration + 1 == kLargestIterationCount) {
       // Rounding to whole numbers alone has a variance of 1/12.
       const double noise =
           std::max(1.0 / 12.0, squares / static_cast<double>(pixels.size() - EdgeFit::kCount));
@@ -204,10 +207,10 @@ std::optional<FittedSide> fitSide(const cv::Mat& gray, const Vector2d& first, co
   if (camera != nullptr) side.bulge = bulgeOf(first, second, side, *camera);
 
   const double wide_reach = std::max(0.65 * cell_px, std::min(2.2, cell_px));
-  gatherPixels(gray, side, wide_reach, pixels);
+  gatherPixels(gray, side, wide_reach, kRoughColumns, pixels);
   result.fit.p[EdgeFit::log_sigma] = std::log(0.4 * wide_reach);
   startLevels(pixels, result.fit);
-  if (!fitEdge(pixels, side.boxWidth(), wide_reach, 12, result.fit)) return std::nullopt;
+  if (!fitEdge(pixels, side.boxWidth(), wide_reach, kRoughStep_px, result.fit)) return std::nullopt;
 
   const EdgeFit rough = result.fit;
   const Vector3d bulge = side.bulge;
@@ -217,8 +220,8 @@ std::optional<FittedSide> fitSide(const cv::Mat& gray, const Vector2d& first, co
   // Blur carries the next cells over; 1.8 sigma away they have lost all but a thirtieth.
   const double reach =
       std::clamp(cell_px - 1.8 * std::exp(rough.p[EdgeFit::log_sigma]), kShortestReach_px, kFinalReach_px);
-  gatherPixels(gray, side, reach, pixels);
-  if (!fitEdge(pixels, side.boxWidth(), reach, 8, result.fit)) return std::nullopt;
+  gatherPixels(gray, side, reach, kFinalColumns, pixels);
+  if (!fitEdge(pixels, side.boxWidth(), reach, kFinalStep_px, result.fit)) return std::nullopt;
   if (std::sqrt(result.fit.covariance.trace()) > kLargestEdgeSigma_px) return std::nullopt;
   return result;
 }

@@ -13,7 +13,7 @@ namespace fathom {
 namespace {
 
 /// A cell this wide is read safely; larger ones are scaled down to it.
-constexpr double kReadableCell_px = 5.0;
+constexpr double kReadableCell_px = 4.0;
 
 int borderCells(const std::string& family) { return markerPattern(family, 0).border_cells; }
 

@@ -45,7 +45,7 @@ class Detector {
   /// All markers in the image, CV_8UC1 or CV_8UC3 (BGR), sorted by family, id and place. The same image
   /// gives the same detections. Throws std::invalid_argument for another type of image or an empty one.
   std::vector<Detection> detect(const cv::Mat& image);
-  /// The same within regions, which should not overlap.
+  /// The same within regions; they may overlap.
   virtual std::vector<Detection> detect(const cv::Mat& image, const std::vector<SearchRegion>& regions) = 0;
 };
 

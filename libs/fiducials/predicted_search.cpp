@@ -89,14 +89,14 @@ std::vector<SearchRegion> searchRegions(const std::vector<PredictedMarker>& mark
   std::vector<SearchRegion> regions;
   for (const PredictedMarker& marker : markers) {
     SearchRegion joined{marker.area, marker.side_px};
-    // Joining may make a region overlap another that it did not before: look again from the start.
+    // Joining may make a region worth joining with another that was not before: look again from the start.
     for (std::size_t i = 0; i < regions.size();) {
-      if ((regions[i].area & joined.area).empty()) {
+      const cv::Rect both = regions[i].area | joined.area;
+      if (both.area() > regions[i].area.area() + joined.area.area()) {
         ++i;
         continue;
       }
-      joined = {regions[i].area | joined.area,
-                std::min(regions[i].smallest_side_px, joined.smallest_side_px)};
+      joined = {both, std::min(regions[i].smallest_side_px, joined.smallest_side_px)};
       regions.erase(regions.begin() + static_cast<std::ptrdiff_t>(i));
       i = 0;
     }

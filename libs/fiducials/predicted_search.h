@@ -30,7 +30,7 @@ struct PredictedMarker {
 std::vector<PredictedMarker> predictMarkers(const PanelMap& map, const CameraModel& camera,
                                             const PanelPrediction& prediction);
 
-/// The areas, those that overlap joined.
+/// The areas, those joined that are no larger together than apart.
 std::vector<SearchRegion> searchRegions(const std::vector<PredictedMarker>& markers);
 
 /// Searches only where markers must be, and keeps only what the map has there. Sorted as Detector does.

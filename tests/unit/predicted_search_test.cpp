@@ -105,14 +105,14 @@ TEST(PredictedSearch, LeavesOutWhatCannotBeSeen) {
   EXPECT_TRUE(predictMarkers(map, kCamera, aside).empty());
 }
 
-TEST(PredictedSearch, RegionsDoNotOverlap) {
+TEST(PredictedSearch, RegionsAreJoinedWhereThatSavesPixels) {
   std::vector<PredictedMarker> markers;
-  for (const cv::Rect& area :
-       {cv::Rect(0, 0, 10, 10), cv::Rect(30, 0, 10, 10), cv::Rect(100, 100, 9, 9), cv::Rect(8, 5, 25, 10)})
+  for (const cv::Rect& area : {cv::Rect(0, 0, 10, 10), cv::Rect(30, 0, 10, 10), cv::Rect(100, 100, 9, 9),
+                               cv::Rect(8, 0, 25, 10), cv::Rect(108, 108, 9, 9)})
     markers.push_back({nullptr, area, static_cast<double>(area.width)});
   const auto regions = searchRegions(markers);
-  ASSERT_EQ(regions.size(), 2U);
-  EXPECT_EQ(regions[1].area, cv::Rect(0, 0, 40, 15));
+  ASSERT_EQ(regions.size(), 3U);
+  EXPECT_EQ(regions[1].area, cv::Rect(0, 0, 40, 10));
   EXPECT_EQ(regions[1].smallest_side_px, 10);
 }
 
