@@ -16,11 +16,13 @@ double modelSigma_px(double cell_px, double blur_sigma_px) {
   return 0.01 + 1.0 * blur_sigma_px * std::exp(-0.9 * cell_px / blur_sigma_px);
 }
 
+constexpr std::size_t kFewestPixels = 28;                    ///< four times the parameters
 constexpr int kRoughColumns = 20, kFinalColumns = 64;        ///< at least, where there are as many
 constexpr double kRoughStep_px = 0.1, kFinalStep_px = 0.02;  ///< settled; the next step is about its square
 constexpr double kShortestReach_px = 1.3, kFinalReach_px = 3.5;
 constexpr double kLargestEdgeSigma_px = 1.0;
 constexpr int kLargestIterationCount = 12;
+constexpr double kSettledLogSigma = 0.1;
 constexpr double kSmallestStep = 0.5;  ///< half a digital number on each side of the mean
 
 /// erf, tabulated with its derivative: the fit spends its time here. Linear interpolation errs by 1e-5.
@@ -102,12 +104,13 @@ void gatherPixels(const cv::Mat& gray, const Side& side, double reach, int colum
   const double half_column = (reach + std::abs(side.bulge[0])) / std::abs(side.across[v]);
   const int first_u = std::max(0, static_cast<int>(std::ceil(side.middle[u] - extent_u)));
   const int last_u = std::min(limit_u - 1, static_cast<int>(std::floor(side.middle[u] + extent_u)));
-  const int stride = std::max(1, (last_u - first_u + 1) / columns);
+  const int stride = std::max(1, (last_u - first_u + columns) / columns);
+  const int stride_v = std::max(1, static_cast<int>(reach / kFinalReach_px));
   for (int i = first_u; i <= last_u; i += stride) {
     const double centre_v = side.middle[v] + (i - side.middle[u]) * side.along[v] / side.along[u];
     const int first_v = std::max(0, static_cast<int>(std::ceil(centre_v - half_column)));
     const int last_v = std::min(limit_v - 1, static_cast<int>(std::floor(centre_v + half_column)));
-    for (int j = first_v; j <= last_v; ++j) {
+    for (int j = first_v; j <= last_v; j += stride_v) {
       const Vector2d p = steep ? Vector2d(j, i) : Vector2d(i, j);
       const double s = side.along.dot(p - side.middle) / side.half_length;
       const double d = side.across.dot(p - side.middle) - side.bulgeAt(s);
@@ -147,27 +150,28 @@ void startLevels(const std::vector<Pixel>& pixels, EdgeFit& fit) {
 /// Gauss-Newton with bounded steps. False where the normal equations are singular or the fit runs away.
 bool fitEdge(const std::vector<Pixel>& pixels, double width, double reach, double settled_px, EdgeFit& fit) {
   static const ErrorFunction kErf;
-  if (pixels.size() < 4 * EdgeFit::kCount) return false;
+  if (pixels.size() < kFewestPixels) return false;
   for (int iteration = 0; iteration < kLargestIterationCount; ++iteration) {
-    EdgeFit::Matrix H = EdgeFit::Matrix::Zero();
-    EdgeFit::Vector g = EdgeFit::Vector::Zero();
-    double squares = 0;
+    Matrix8d normal = Matrix8d::Zero();  // of the derivatives and, last, the residual
     const double scale = 1.0 / (std::numbers::sqrt2 * std::exp(fit.p[EdgeFit::log_sigma]));
+    const double average = 1.0 / (width * scale), half_width = 0.5 * width * scale,
+                 inverse_width = 1.0 / width;
     for (const Pixel& pixel : pixels) {
       const double d = pixel.d - fit.p[EdgeFit::offset] - fit.p[EdgeFit::turn] * pixel.s;
-      const auto near = kErf.at(scale * (d - 0.5 * width)), far = kErf.at(scale * (d + 0.5 * width));
-      const double value = (far.integral - near.integral) / (width * scale);
+      const auto near = kErf.at(scale * d - half_width), far = kErf.at(scale * d + half_width);
+      const double value = (far.integral - near.integral) * average;
       const double step = fit.p[EdgeFit::step0] + fit.p[EdgeFit::step1] * pixel.s;
       const double residual =
           pixel.value - (fit.p[EdgeFit::level0] + fit.p[EdgeFit::level1] * pixel.s + step * value);
-      const double by_offset = -step * (far.value - near.value) / width;
-      const double by_log_sigma = step * 0.5 * (far.slope - near.slope) / (width * scale);
-      EdgeFit::Vector j;
-      j << by_offset, by_offset * pixel.s, 1.0, pixel.s, value, value * pixel.s, by_log_sigma;
-      H.noalias() += j * j.transpose();
-      g += residual * j;
-      squares += residual * residual;
+      const double by_offset = -step * (far.value - near.value) * inverse_width;
+      const double by_log_sigma = step * 0.5 * (far.slope - near.slope) * average;
+      Vector8d row;
+      row << by_offset, by_offset * pixel.s, 1.0, pixel.s, value, value * pixel.s, by_log_sigma, residual;
+      normal.noalias() += row * row.transpose();
     }
+    EdgeFit::Matrix H = normal.topLeftCorner<EdgeFit::kCount, EdgeFit::kCount>();
+    const EdgeFit::Vector g = normal.topRightCorner<EdgeFit::kCount, 1>();
+    const double squares = normal(EdgeFit::kCount, EdgeFit::kCount);
     if (std::abs(fit.p[EdgeFit::step0]) < kSmallestStep) return false;
     H.diagonal() *= 1.0 + 1e-9;
     H(EdgeFit::log_sigma, EdgeFit::log_sigma) += 1e-3 * H(EdgeFit::step0, EdgeFit::step0);  // sigma near 0
@@ -179,8 +183,10 @@ bool fitEdge(const std::vector<Pixel>& pixels, double width, double reach, doubl
                                      std::abs(step[EdgeFit::log_sigma]) / 0.5, 1.0});
     fit.p += step / largest;
     if (std::abs(fit.p[EdgeFit::offset]) + std::abs(fit.p[EdgeFit::turn]) > 1.5 * reach) return false;
+    const double log_sigma = fit.p[EdgeFit::log_sigma] - step[EdgeFit::log_sigma] / largest;
     fit.p[EdgeFit::log_sigma] = std::clamp(fit.p[EdgeFit::log_sigma], std::log(0.08), std::log(reach));
-    const bool settled = step.head<2>().cwiseAbs().maxCoeff() < settled_px;
+    const bool settled = step.head<2>().cwiseAbs().maxCoeff() < settled_px &&
+                         std::abs(fit.p[EdgeFit::log_sigma] - log_sigma) < kSettledLogSigma;
     if (settled || iteration + 1 == kLargestIterationCount) {
       // Rounding to whole numbers alone has a variance of 1/12.
       const double noise =

@@ -28,12 +28,7 @@ bool isSameMarker(const Detection& a, const Detection& b) {
 }
 
 void sortByPlace(std::vector<Detection>& detections) {
-  std::sort(detections.begin(), detections.end(), [](const Detection& a, const Detection& b) {
-    const auto key = [](const Detection& d) {
-      return std::tuple(d.family, d.id, d.corners_px[0].x(), d.corners_px[0].y());
-    };
-    return key(a) < key(b);
-  });
+  std::sort(detections.begin(), detections.end(), comesBefore);
 }
 
 /// Those of `more` that are not among `detections` yet.
@@ -56,11 +51,13 @@ class ReaderDetector : public Detector {
   using Detector::detect;
   std::vector<Detection> detect(const cv::Mat& image, const std::vector<SearchRegion>& regions) override {
     const cv::Mat gray = toGray(image);
+    const GrayRange* range = options_.expected_range ? &*options_.expected_range : nullptr;
+    const cv::Mat searched = regions.empty() ? gray : preprocessed(gray, options_.preprocess, range);
     std::vector<Detection> detections;
     for (const SearchRegion& region : regions) {
       const cv::Rect area = region.area & cv::Rect(0, 0, gray.cols, gray.rows);
       if (area.width < kSmallestArea_px || area.height < kSmallestArea_px) continue;
-      addNew(search(gray, area, region.smallest_side_px), detections);
+      addNew(search(searched, area, region.smallest_side_px), detections);
     }
     if (options_.refine)
       for (Detection& detection : detections) refine(gray, detection);
@@ -85,14 +82,12 @@ class ReaderDetector : public Detector {
   }
 
   /// Not refined.
-  std::vector<Detection> search(const cv::Mat& gray, const cv::Rect& area, double smallest_side_px) {
+  std::vector<Detection> search(const cv::Mat& image, const cv::Rect& area, double smallest_side_px) {
     const int scale = scaleFor(smallest_side_px);
     const cv::Rect divisible(area.x, area.y, area.width / scale * scale, area.height / scale * scale);
-    cv::Mat searched = gray(divisible);
-    if (scale > 1) cv::resize(gray(divisible), searched, divisible.size() / scale, 0, 0, cv::INTER_AREA);
-    const GrayRange* range = options_.expected_range ? &*options_.expected_range : nullptr;
-    searched = preprocessed(searched, options_.preprocess, range);
-    std::vector<Detection> detections = reader_->read(searched, smallest_side_px / scale);
+    cv::Mat part = image(divisible);
+    if (scale > 1) cv::resize(image(divisible), part, divisible.size() / scale, 0, 0, cv::INTER_AREA);
+    std::vector<Detection> detections = reader_->read(part, smallest_side_px / scale);
     for (Detection& detection : detections) {
       for (Vector2d& corner : detection.corners_px)
         corner = ((corner.array() + 0.5) * scale - 0.5).matrix() + Vector2d(area.x, area.y);
@@ -119,6 +114,13 @@ class ReaderDetector : public Detector {
 };
 
 }  // namespace
+
+bool comesBefore(const Detection& a, const Detection& b) {
+  const auto key = [](const Detection& d) {
+    return std::tuple(std::string_view(d.family), d.id, d.corners_px[0].x(), d.corners_px[0].y());
+  };
+  return key(a) < key(b);
+}
 
 std::string_view nameOf(Backend backend) { return backend == Backend::aruco ? "aruco" : "apriltag"; }
 

@@ -32,6 +32,9 @@ struct DetectorOptions {
   int largest_corrected_bits = 2;
 };
 
+/// The order of detections: by family, id, then place.
+bool comesBefore(const Detection& a, const Detection& b);
+
 /// Part of an image to search.
 struct SearchRegion {
   cv::Rect area;

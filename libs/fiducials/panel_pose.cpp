@@ -82,6 +82,7 @@ double chiSquareOf(const Sighting& sighting, const Pose& pose, const CameraModel
 std::vector<double> chiSquaresOf(const std::vector<Sighting>& sightings, const Pose& pose,
                                  const CameraModel& camera) {
   std::vector<double> values;
+  values.reserve(sightings.size());
   for (const Sighting& sighting : sightings) values.push_back(chiSquareOf(sighting, pose, camera));
   return values;
 }

@@ -75,6 +75,21 @@ std::optional<PredictedMarker> predictMarker(const Marker& marker, const CameraM
   return PredictedMarker{&marker, area, *shortest};
 }
 
+bool isThere(const Detection& detection, const PredictedMarker& expected) {
+  const Vector2d centre = detection.centre_px();
+  return expected.marker->family == detection.family && expected.marker->id == detection.id &&
+         expected.area.contains(cv::Point(static_cast<int>(centre.x()), static_cast<int>(centre.y())));
+}
+
+std::vector<Detection> expectedOnly(std::vector<Detection> detections,
+                                    const std::vector<PredictedMarker>& markers) {
+  std::erase_if(detections, [&](const Detection& detection) {
+    return std::none_of(markers.begin(), markers.end(),
+                        [&](const PredictedMarker& marker) { return isThere(detection, marker); });
+  });
+  return detections;
+}
+
 }  // namespace
 
 std::vector<PredictedMarker> predictMarkers(const PanelMap& map, const CameraModel& camera,
@@ -108,14 +123,18 @@ std::vector<SearchRegion> searchRegions(const std::vector<PredictedMarker>& mark
 std::vector<Detection> detectPredicted(Detector& detector, const cv::Mat& image, const PanelMap& map,
                                        const CameraModel& camera, const PanelPrediction& prediction) {
   const auto markers = predictMarkers(map, camera, prediction);
-  std::vector<Detection> detections = detector.detect(image, searchRegions(markers));
-  std::erase_if(detections, [&](const Detection& detection) {
-    const Vector2d centre = detection.centre_px();
-    return std::none_of(markers.begin(), markers.end(), [&](const PredictedMarker& expected) {
-      return expected.marker->family == detection.family && expected.marker->id == detection.id &&
-             expected.area.contains(cv::Point(static_cast<int>(centre.x()), static_cast<int>(centre.y())));
-    });
-  });
+  std::vector<Detection> detections = expectedOnly(detector.detect(image, searchRegions(markers)), markers);
+
+  std::vector<PredictedMarker> missed;
+  for (const PredictedMarker& marker : markers)
+    if (std::none_of(detections.begin(), detections.end(),
+                     [&](const Detection& detection) { return isThere(detection, marker); }))
+      missed.push_back(marker);
+  std::vector<SearchRegion> again = searchRegions(missed);
+  for (SearchRegion& region : again) region.smallest_side_px = 0;  // with all the whole image would get
+  for (const Detection& detection : expectedOnly(detector.detect(image, again), missed))
+    detections.push_back(detection);
+  std::sort(detections.begin(), detections.end(), comesBefore);
   return detections;
 }
 

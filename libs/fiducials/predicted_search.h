@@ -33,7 +33,8 @@ std::vector<PredictedMarker> predictMarkers(const PanelMap& map, const CameraMod
 /// The areas, those joined that are no larger together than apart.
 std::vector<SearchRegion> searchRegions(const std::vector<PredictedMarker>& markers);
 
-/// Searches only where markers must be, and keeps only what the map has there. Sorted as Detector does.
+/// Searches only where markers must be, and keeps only what the map has there: first at the scale that the
+/// predicted size allows, then, for markers missed so, as the whole image would be. Sorted as Detector does.
 std::vector<Detection> detectPredicted(Detector& detector, const cv::Mat& image, const PanelMap& map,
                                        const CameraModel& camera, const PanelPrediction& prediction);
 

@@ -63,6 +63,7 @@ std::vector<MarkerPose> poseOfMarker(const Detection& detection, double size_m, 
 std::vector<Pose> poseOfPlane(const std::vector<Vector2d>& points_m, const std::vector<Vector2d>& pixels,
                               const CameraModel& camera) {
   std::vector<cv::Point3d> points;
+  points.reserve(points_m.size());
   for (const Vector2d& point : points_m) points.emplace_back(point.x(), point.y(), 0);
   return solve(points, pixels, camera, cv::SOLVEPNP_IPPE);
 }

@@ -12,7 +12,7 @@ using namespace fathom;
 
 namespace {
 
-constexpr int kViews = 12, kRounds = 5;
+constexpr int kViews = 12, kRounds = 9;
 
 struct Tally {
   double seconds = 0;
@@ -72,6 +72,7 @@ void compare(Backend backend, Preprocess preprocess, double noise_sigma, const P
 }  // namespace
 
 int main() {
+  cv::setNumThreads(1);  // images, not parts of one, go to threads
   const PanelMap map = readPanelMap(std::string(FATHOM_SOURCE_DIR) + "/maps/dexrov/panel.yaml");
   for (const Backend backend : {Backend::aruco, Backend::apriltag})
     for (const Preprocess preprocess : {Preprocess::none, Preprocess::clahe})
