@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct SimulateOptions {
-  std::string trajectory, vehicle, calibration, map, folder, name;
+  std::string trajectory, vehicle, calibration, map, water, folder, name;
   std::vector<std::string> without;
   bool no_noise = false;
   SimulationOptions simulation;
@@ -26,7 +26,28 @@ void leaveOut(const std::vector<std::string>& sensors, Vehicle& vehicle) {
     if (sensor == "dvl") vehicle.dvl.reset();
     if (sensor == "depth") vehicle.depth.reset();
     if (sensor == "usbl") vehicle.usbl.reset();
+    if (sensor == "camera") vehicle.camera.reset();
   }
+}
+
+/// Why there are no images, though something that is for images was given.
+std::string lackingForImages(const SimulateOptions& options) {
+  const bool camera = options.simulation.vehicle.camera.has_value();
+  if (options.water.empty() && options.map.empty() && !camera) return "";
+  if (!camera) return "the vehicle has no camera";
+  if (options.map.empty() && options.water.empty()) return "they need --map and --water";
+  if (options.map.empty()) return "they need --map, what there is to see";
+  return options.water.empty() ? "they need --water, e.g. config/water_clear.yaml" : "";
+}
+
+nlohmann::ordered_json toJson(const Environment& environment) {
+  const auto colour = [](const Vector3d& c) { return nlohmann::ordered_json{c[0], c[1], c[2]}; };
+  nlohmann::ordered_json json;
+  json["attenuation_per_m"] = colour(environment.water.attenuation_per_m);
+  json["veil"] = colour(environment.water.veil);
+  json["ambient"] = colour(environment.ambient);
+  if (environment.lamps_irradiance_1m) json["lamps_irradiance_1m"] = colour(*environment.lamps_irradiance_1m);
+  return json;
 }
 
 void simulate(SimulateOptions options, const RunContext& context) {
@@ -38,9 +59,8 @@ void simulate(SimulateOptions options, const RunContext& context) {
   const Trajectory trajectory = readTrajectory(options.trajectory);
 
   const std::string name = options.name.empty() ? fs::path(options.trajectory).stem().string() : options.name;
-  const std::string map =
-      options.map.empty() ? "" : fs::relative(options.map, options.folder).generic_string();
-  const RecordingTarget target{options.folder, name, options.vehicle, map, "simulated by fathom"};
+  RecordingTarget target{options.folder, name, options.vehicle, options.map, "simulated by fathom", {}};
+  if (!options.water.empty()) target.environment = readEnvironment(options.water);
   const RecordingFiles files = simulateRecording(simulation, trajectory, target);
 
   const double duration_s = simulatedDuration_s(simulation, trajectory);
@@ -49,6 +69,12 @@ void simulate(SimulateOptions options, const RunContext& context) {
   json["rawlog"] = files.rawlog.filename().string();
   json["vehicle"] = files.vehicle.filename().string();
   json["truth"] = files.truth.filename().string();
+  if (!files.panel_map.empty()) json["panel_map"] = fs::relative(files.panel_map, options.folder);
+  if (!files.images.empty()) {
+    json["images"] = files.images.filename().string();
+    json["image_entries"] = files.image_entries;
+    json["environment"] = toJson(*target.environment);
+  }
   json["duration_s"] = duration_s;
   json["sea_floor_z_m"] = simulation.sea_floor_z_m;
   json["noise"] = simulation.noise;
@@ -56,8 +82,10 @@ void simulate(SimulateOptions options, const RunContext& context) {
   const fs::path summary = fs::path(options.folder) / (name + "_simulation.json");
   writeJson(summary, json);
   std::cout << "simulated " << fixed(duration_s, 1) << " s with seed " << simulation.seed << "\n";
-  for (const auto& file : {files.rawlog, files.vehicle, files.truth, summary})
-    std::cout << "wrote " << file.string() << "\n";
+  for (const auto& file : {files.rawlog, files.vehicle, files.truth, files.panel_map, files.images, summary})
+    if (!file.empty()) std::cout << "wrote " << file.string() << "\n";
+  if (const std::string lacking = lackingForImages(options); !lacking.empty())
+    std::cout << "no images: " << lacking << "\n";
 }
 
 }  // namespace
@@ -72,13 +100,22 @@ void addSimulate(const RunContext& context) {
       "file. Writes NAME.rawlog, NAME_vehicle.yaml, NAME_truth.tum and NAME_simulation.json. The same seed\n"
       "gives the same bytes.\n"
       "\n"
+      "With --map and --water the vehicle's camera sees the panel on the sea floor through that water: "
+      "NAME_Images\n"
+      "and NAME_panel too. Interrupted and started again, the same command keeps the images it has made.\n"
+      "\n"
       "Examples:\n"
       "  fathom simulate --trajectory config/dive_trajectory.yaml --vehicle config/rov.yaml --out out/sim\n"
+      "  fathom simulate --trajectory config/trajectory_survey.yaml --vehicle config/rov.yaml\n"
+      "      --map maps/dexrov/panel.yaml --water config/water_turbid.yaml --out out/survey\n"
       "  fathom simulate --trajectory truth.tum --vehicle rov.yaml --calibration cal.yaml --seed 7 --out "
       "out/sim");
   const auto options = std::make_shared<SimulateOptions>();
   SimulationOptions& simulation = options->simulation;
-  command->add_option("--trajectory", options->trajectory, "The path: waypoints (.yaml) or poses (TUM text)")
+  command
+      ->add_option(
+          "--trajectory", options->trajectory,
+          "The path: waypoints, a station or a survey (.yaml), or poses (TUM text, a rawlog's truth)")
       ->required()
       ->type_name(values::kFile);
   command->add_option("--vehicle", options->vehicle, "Which sensors there are, how good, and where")
@@ -91,7 +128,9 @@ void addSimulate(const RunContext& context) {
   command->add_option("--seed", simulation.seed, "Of all randomness")->capture_default_str();
   command->add_option("--calibration", options->calibration, "Effects to switch on")
       ->type_name(values::kYaml);
-  command->add_option("--map", options->map, "Panel map that the recording is to name")
+  command->add_option("--map", options->map, "Panel on the sea floor; copied to NAME_panel")
+      ->type_name(values::kYaml);
+  command->add_option("--water", options->water, "Water and light that the camera sees through")
       ->type_name(values::kYaml);
   command->add_option("--sea-floor-z", simulation.sea_floor_z_m, "Height of the flat sea floor in odom, m")
       ->capture_default_str();
@@ -99,7 +138,7 @@ void addSimulate(const RunContext& context) {
       ->capture_default_str();
   command->add_option("--duration", simulation.duration_s, "How long, s (default: to the end)");
   command->add_option("--without", options->without, "A sensor to leave out; may be repeated")
-      ->check(CLI::IsMember({"ins", "dvl", "depth", "usbl"}))
+      ->check(CLI::IsMember({"ins", "dvl", "depth", "usbl", "camera"}))
       ->expected(1)
       ->take_all();
   command->add_flag("--no-noise", options->no_noise, "No white noise, no random biases");

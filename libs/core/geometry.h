@@ -42,9 +42,9 @@ struct RotationCoefficients {
     using std::cos, std::sin, std::sqrt;
     if (angle_squared < 1e-4) {
       const T& q = angle_squared;
-      sine = 1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0));
-      cosine = 0.5 * (1.0 - q / 12.0 * (1.0 - q / 30.0 * (1.0 - q / 56.0)));
-      cubic = (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0))) / 6.0;
+      sine = 1.0 - q * (1.0 / 6.0) * (1.0 - q * (1.0 / 20.0) * (1.0 - q * (1.0 / 42.0)));
+      cosine = 0.5 * (1.0 - q * (1.0 / 12.0) * (1.0 - q * (1.0 / 30.0) * (1.0 - q * (1.0 / 56.0))));
+      cubic = (1.0 - q * (1.0 / 20.0) * (1.0 - q * (1.0 / 42.0) * (1.0 - q * (1.0 / 72.0)))) * (1.0 / 6.0);
     } else {
       const T angle = sqrt(angle_squared);
       sine = sin(angle) / angle;

@@ -7,8 +7,9 @@
 
 namespace fathom {
 
-/// The DVL's time stamp is not the time its velocity was valid.
+/// The DVL's time stamp is not the time its readings were valid.
 ///   time of validity = time stamp - latency_s
+/// of the velocity and of the beams' ranges alike: one ping gives both.
 /// Parameter: latency_s = stamp - true time, usually 0 to 0.5 s (ping travel, averaging, serial line).
 /// Source: definition.
 /// Confused with: dvl-lever-arm (turn rate), accelerometer-bias; invisible at constant velocity.

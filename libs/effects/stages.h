@@ -45,12 +45,12 @@ struct PressureReading {
   T pressure_pa = T(0);
 };
 
-/// One pixel's light on its way from the scene to the camera. A depth is optical: attenuation times way, one a
-/// colour channel (red, green, blue). Both start as the base model has them, attenuation times z.
+/// One pixel's light on its way from the scene to the camera. A depth is optical: attenuation times way, one
+/// a colour channel (red, green, blue). Both start as the base model has them, attenuation times z.
 template <class T>
 struct WaterRay {
-  T z_m = T(0);                                ///< way along the optical axis
-  T range_m = T(0);                            ///< way along the line of sight
+  T z_m = T(0);                                  ///< way along the optical axis
+  T range_m = T(0);                              ///< way along the line of sight
   Vector3<T> signal_depth = Vector3<T>::Zero();  ///< through which the scene's light comes
   Vector3<T> veil_depth = Vector3<T>::Zero();    ///< which builds up the veil
 };

@@ -5,6 +5,7 @@ namespace {
 
 /// The blocks of the transition Jacobian that are neither zero nor identity.
 struct TransitionBlocks {
+  Matrix3d half_turn;             ///< Exp(omega dt/2), of which the others are made
   Matrix3d back;                  ///< Exp(omega dt)^T: orientation, velocity
   Matrix3d half_back;             ///< Exp(omega dt/2)^T dt: acceleration to velocity
   Matrix3d position_orientation;  ///< -R [v dt + a dt²/2]x
@@ -15,16 +16,32 @@ struct TransitionBlocks {
 TransitionBlocks transitionBlocks(const KinematicState<double>& m, double dt) {
   const Vector3d turn = m.angular_velocity_robot * dt;
   const Vector3d way = m.velocity_robot * dt + m.acceleration_robot * (0.5 * dt * dt);
-  const Matrix3d half = expSO3<double>(-0.5 * turn);
   TransitionBlocks b;
-  b.back = half * half;
-  b.half_back = half * dt;
+  b.half_turn = expSO3<double>(0.5 * turn);
+  b.back = b.half_turn.transpose() * b.half_turn.transpose();
+  b.half_back = b.half_turn.transpose() * dt;
   b.position_orientation = -m.R_odom_robot * crossMatrix<double>(way);
   b.rate_to_angle = rightJacobianSO3<double>(turn) * dt;
   b.rate_to_velocity = crossMatrix<double>(b.back * m.velocity_robot) * b.rate_to_angle +
                        crossMatrix<double>(b.half_back * m.acceleration_robot) *
                            rightJacobianSO3<double>(0.5 * turn) * (0.5 * dt);
   return b;
+}
+
+/// The motion over a step; half_turn = Exp(omega dt/2).
+void moveBy(KinematicState<double>& m, const Matrix3d& half_turn, double dt) {
+  m.position_odom += m.R_odom_robot * (m.velocity_robot * dt + m.acceleration_robot * (0.5 * dt * dt));
+  m.velocity_robot =
+      half_turn.transpose() * (half_turn.transpose() * m.velocity_robot + m.acceleration_robot * dt);
+  m.R_odom_robot = m.R_odom_robot * half_turn * half_turn;
+}
+
+/// What is left of a bias after a step.
+double biasDecay(double dt, const ProcessNoise& noise) { return std::exp(-dt / noise.bias_time_constant_s); }
+
+void decayBiases(NavigationState<double>& x, double decay) {
+  x.gyro_bias_rad_s *= decay;
+  x.accelerometer_bias_m_s2 *= decay;
 }
 
 }  // namespace
@@ -49,17 +66,8 @@ auto ErrorStateFilter<N>::noiseDensity(const ProcessNoise& noise) -> Vector {
 
 template <int N>
 void ErrorStateFilter<N>::move(NavigationState<double>& x, double dt, const ProcessNoise& noise) {
-  KinematicState<double>& m = x.motion;
-  const Matrix3d half_turn = expSO3<double>(m.angular_velocity_robot * (0.5 * dt));
-  m.position_odom += m.R_odom_robot * (m.velocity_robot * dt + m.acceleration_robot * (0.5 * dt * dt));
-  m.velocity_robot =
-      half_turn.transpose() * (half_turn.transpose() * m.velocity_robot + m.acceleration_robot * dt);
-  m.R_odom_robot = m.R_odom_robot * half_turn * half_turn;
-  if constexpr (N == kFullSize) {
-    const double decay = std::exp(-dt / noise.bias_time_constant_s);
-    x.gyro_bias_rad_s *= decay;
-    x.accelerometer_bias_m_s2 *= decay;
-  }
+  moveBy(x.motion, expSO3<double>(x.motion.angular_velocity_robot * (0.5 * dt)), dt);
+  if constexpr (N == kFullSize) decayBiases(x, biasDecay(dt, noise));
 }
 
 template <int N>
@@ -76,8 +84,7 @@ auto ErrorStateFilter<N>::transition(const NavigationState<double>& x, double dt
   F.template block<3, 3>(kVelocity, kVelocity) = b.back;
   F.template block<3, 3>(kVelocity, kAngularVelocity) = b.rate_to_velocity;
   F.template block<3, 3>(kVelocity, kAcceleration) = b.half_back;
-  if constexpr (N == kFullSize)
-    F.template block<6, 6>(kGyroBias, kGyroBias) *= std::exp(-dt / noise.bias_time_constant_s);
+  if constexpr (N == kFullSize) F.template block<6, 6>(kGyroBias, kGyroBias) *= biasDecay(dt, noise);
   return F;
 }
 
@@ -120,7 +127,8 @@ void ErrorStateFilter<N>::step(double dt, const ProcessNoise& noise) {
   const Vector half_noise = (0.5 * dt) * noiseDensity(noise);
   P.diagonal() += half_noise;
   if constexpr (N == kFullSize) {
-    const double decay = std::exp(-dt / noise.bias_time_constant_s);
+    const double decay = biasDecay(dt, noise);
+    decayBiases(x, decay);
     P.template middleCols<6>(kGyroBias) *= decay;
     P.template middleRows<6>(kGyroBias) *= decay;
   }
@@ -133,26 +141,24 @@ void ErrorStateFilter<N>::step(double dt, const ProcessNoise& noise) {
   for (int j = 0; j < 9; ++j)
     for (int i = j + 1; i < 9; ++i) P(i, j) = P(j, i);
   P.diagonal() += half_noise;
-  move(x, dt, noise);
+  moveBy(x.motion, f.half_turn, dt);
 }
 
 template <int N>
-void ErrorStateFilter<N>::correct(const Vector& delta) {
+void ErrorStateFilter<N>::correctFromLower(const Vector& delta) {
   retract<N>(x, delta);
-  // The error is from now on measured in the tangent space at the corrected attitude (Sola 2017, eq. 287).
+  // The error is from now on measured in the tangent space at the corrected attitude (Sola 2017, eq. 287):
+  // P = G P G^T, G the identity but for the orientation's block.
   const Matrix3d reset = rightJacobianSO3<double>(delta.template segment<3>(kOrientation));
-  Eigen::Matrix<double, N, 3> columns = Eigen::Matrix<double, N, 3>::Zero();
-  for (int j = 0; j < 3; ++j)
-    for (int k = 0; k < 3; ++k) columns.col(j) += P.col(kOrientation + k) * reset(j, k);
-  columns.template middleRows<3>(kOrientation) =
-      (reset * columns.template middleRows<3>(kOrientation)).eval();
-  P.template middleCols<3>(kOrientation) = columns;
-  P.template middleRows<3>(kOrientation).template leftCols<kOrientation>() =
-      (reset * P.template middleRows<3>(kOrientation).template leftCols<kOrientation>()).eval();
-  P.template middleRows<3>(kOrientation).template rightCols<N - kOrientation - 3>() =
-      (reset * P.template middleRows<3>(kOrientation).template rightCols<N - kOrientation - 3>()).eval();
-  for (int j = 0; j < N; ++j)
-    for (int i = j + 1; i < N; ++i) P(j, i) = P(i, j);
+  constexpr int kBefore = kOrientation, kAfter = N - kOrientation - 3;
+  auto left = P.template block<3, kBefore>(kOrientation, 0);
+  auto diagonal = P.template block<3, 3>(kOrientation, kOrientation);
+  auto below = P.template block<kAfter, 3>(kOrientation + 3, kOrientation);
+  left = reset.lazyProduct(left).eval();
+  const Matrix3d orientation = diagonal.template selfadjointView<Eigen::Lower>();
+  diagonal = reset * orientation * reset.transpose();
+  below = below.lazyProduct(reset.transpose()).eval();
+  detail::mirrorLower(P);
 }
 
 template <int N>

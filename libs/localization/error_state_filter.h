@@ -1,8 +1,8 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 #include "localization/navigation_state.h"
 
@@ -77,7 +77,8 @@ class ErrorStateFilter {
 
  private:
   void step(double dt_s, const ProcessNoise& noise);
-  void correct(const Vector& delta);
+  /// Moves the state by delta; P comes with its lower triangle only and is whole after.
+  void correctFromLower(const Vector& delta);
 };
 
 // ---------------------------------------------------------------------------------------------------------------
@@ -86,6 +87,13 @@ namespace detail {
 
 // Products written as sums of columns: the compiler turns them into straight vector code, where Eigen would
 // pack the matrices for its large-product kernel.
+
+/// Calls f.template operator()<j>() for j = 0 … N-1.
+template <int N, class F>
+void unrolled(F&& f) {
+  [&]<int... j>(std::integer_sequence<int, j...>) { (f.template operator()<j>(), ...); }
+  (std::make_integer_sequence<int, N>());
+}
 
 /// P H^T, for H against the listed columns.
 template <class Cols, int N, int M>
@@ -99,29 +107,58 @@ Eigen::Matrix<double, N, M> timesTransposed(const Eigen::Matrix<double, N, N>& P
   return product;
 }
 
-/// P -= A B^T.
-template <int N, int M>
-void subtractOuter(Eigen::Matrix<double, N, N>& P, const Eigen::Matrix<double, N, M>& A,
-                   const Eigen::Matrix<double, N, M>& B) {
-  for (int j = 0; j < N; ++j) {
-    Eigen::Matrix<double, N, 1> column = P.col(j);
-    for (int i = 0; i < M; ++i) column -= A.col(i) * B(j, i);
-    P.col(j) = column;
-  }
+/// The upper triangle becomes the lower one's mirror image.
+template <int N>
+void mirrorLower(Eigen::Matrix<double, N, N>& P) {
+  for (int j = 0; j < N; ++j)
+    for (int i = j + 1; i < N; ++i) P(j, i) = P(i, j);
 }
 
-/// X S^-1, in place, by the Cholesky factor of S: forward, then backward substitution over whole columns.
+/// P -= A B^T in the lower triangle, the first N rows of A and B counting; what is above it is left
+/// undefined.
+template <int N, int M, int NA, int NB>
+void subtractLower(Eigen::Matrix<double, N, N>& P, const Eigen::Matrix<double, NA, M>& A,
+                   const Eigen::Matrix<double, NB, M>& B) {
+  constexpr int kBlock = 4;
+  unrolled<(N + kBlock - 1) / kBlock>([&]<int block>() {
+    constexpr int kFirst = block * kBlock, kRows = N - kFirst;
+    for (int j = kFirst; j < std::min(kFirst + kBlock, N); ++j) {
+      Eigen::Matrix<double, kRows, 1> below = P.col(j).template tail<kRows>();
+      for (int i = 0; i < M; ++i) below -= A.col(i).template segment<kRows>(kFirst) * B(j, i);
+      P.col(j).template tail<kRows>() = below;
+    }
+  });
+}
+
+/// S = L D L^T, L unit lower triangular: the Cholesky factorization without square roots.
+template <int M>
+struct Factors {
+  Eigen::Matrix<double, M, M> L;           ///< below the diagonal
+  Eigen::Matrix<double, M, 1> reciprocal;  ///< 1 / D
+  bool positive = true;
+
+  explicit Factors(const Eigen::Matrix<double, M, M>& S) : L(S) {
+    unrolled<M>([&]<int j>() {
+      positive = positive && L(j, j) > 0.0;
+      reciprocal[j] = 1.0 / L(j, j);
+      if constexpr (j + 1 < M) {
+        constexpr int kRest = M - j - 1;
+        const Eigen::Matrix<double, kRest, 1> column = L.col(j).template tail<kRest>();
+        L.col(j).template tail<kRest>() *= reciprocal[j];
+        for (int k = 0; k < kRest; ++k) L.col(j + 1 + k).template tail<kRest>() -= column * L(j + 1 + k, j);
+      }
+    });
+  }
+};
+
+/// X S^-1, in place: forward, then backward substitution over whole columns.
 template <int N, int M>
-void solveInPlace(const Eigen::Matrix<double, M, M>& L, Eigen::Matrix<double, N, M>& X) {
-  const Eigen::Matrix<double, M, 1> reciprocal = L.diagonal().cwiseInverse();
-  for (int j = 0; j < M; ++j) {
-    for (int k = 0; k < j; ++k) X.col(j) -= X.col(k) * L(j, k);
-    X.col(j) *= reciprocal[j];
-  }
-  for (int j = M - 1; j >= 0; --j) {
-    for (int k = j + 1; k < M; ++k) X.col(j) -= X.col(k) * L(k, j);
-    X.col(j) *= reciprocal[j];
-  }
+void solveInPlace(const Factors<M>& S, Eigen::Matrix<double, N, M>& X) {
+  for (int j = 1; j < M; ++j)
+    for (int k = 0; k < j; ++k) X.col(j) -= X.col(k) * S.L(j, k);
+  X *= S.reciprocal.asDiagonal();
+  for (int j = M - 2; j >= 0; --j)
+    for (int k = j + 1; k < M; ++k) X.col(j) -= X.col(k) * S.L(k, j);
 }
 
 }  // namespace detail
@@ -145,14 +182,17 @@ double ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
       for (int i = 0; i < M; ++i) S.col(i) += m.H.col(k) * PHt(column(k), i);
   }
 
-  const Eigen::LLT<Eigen::Matrix<double, M, M>> llt(S);
-  const Eigen::Matrix<double, M, 1> white = llt.matrixL().solve(m.residual);
-  const double nis = white.squaredNorm();
-  if (llt.info() != Eigen::Success || !(nis <= gate)) return nis;
+  // The residual rides along as one more row: one solve gives gain and NIS.
+  Eigen::Matrix<double, N + 1, M> gain_and_weighted;
+  gain_and_weighted << PHt, m.residual.transpose();
+  const detail::Factors<M> factors(S);
+  detail::solveInPlace(factors, gain_and_weighted);
+  const auto gain = gain_and_weighted.template topRows<N>();
+  const double nis = gain_and_weighted.row(N).dot(m.residual);
+  if (!factors.positive || !(nis <= gate)) return nis;
 
-  Eigen::Matrix<double, N, M> gain = PHt;
-  detail::solveInPlace<N, M>(llt.matrixLLT(), gain);
-  detail::subtractOuter<N, M>(P, gain, PHt);
+  detail::subtractLower(P, gain_and_weighted, PHt);
+  detail::mirrorLower(P);
   Eigen::Matrix<double, N, M> excess;  // A H^T - K R, zero but for rounding
   if constexpr (kSelects) {
     for (int k = 0; k < M; ++k) excess.col(k) = P.col(column(k));
@@ -160,9 +200,10 @@ double ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
     excess = detail::timesTransposed<Cols, N, M>(P, m.H);
   }
   for (int i = 0; i < M; ++i)
-    for (int k = 0; k < M; ++k) excess.col(i) -= gain.col(k) * m.R(k, i);
-  detail::subtractOuter<N, M>(P, excess, gain);
-  correct(gain * m.residual);
+    for (int k = 0; k < M; ++k)
+      if (m.R(k, i) != 0.0) excess.col(i) -= gain.col(k) * m.R(k, i);  // R is mostly diagonal
+  detail::subtractLower(P, excess, gain_and_weighted);
+  correctFromLower(gain * m.residual);
   return nis;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "core/text.h"
 #include "localization/alignment.h"
 #include "localization/chi_square.h"
 #include "localization/measurements.h"
@@ -12,12 +13,6 @@
 
 namespace fathom {
 namespace {
-
-std::string formatted(const char* pattern, double value) {
-  char text[128];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
 
 bool isFinite(const Sample& sample) {
   struct Visitor {
@@ -195,13 +190,13 @@ class InputWatch {
       return false;
     }
     if (!first && t_s - it->second > options_.gap_s && isLongFor(sample.label, t_s - it->second))
-      report_(t_s, "silent", sample.label + formatted(" was silent for %.3f s", t_s - it->second));
+      report_(t_s, "silent", sample.label + print(" was silent for %.3f s", t_s - it->second));
     if (!first && t_s > it->second) noteInterval(sample.label, t_s - it->second);
     it->second = std::max(it->second, t_s);
     if (any_ && t_s - newest_ > options_.gap_s)
-      report_(t_s, "gap", formatted("no sensor for %.3f s; bridged by the motion model", t_s - newest_));
+      report_(t_s, "gap", print("no sensor for %.3f s; bridged by the motion model", t_s - newest_));
     if (any_ && newest_ - t_s > options_.history_s)
-      report_(t_s, "time-jump", formatted("time jumps back by %.3f s", newest_ - t_s));
+      report_(t_s, "time-jump", print("time jumps back by %.3f s", newest_ - t_s));
     newest_ = any_ ? std::max(newest_, t_s) : t_s;
     any_ = true;
     return true;
@@ -310,9 +305,8 @@ class Run {
 
   void insert(double t_s, Sample sample) {
     if (t_s < before_t_s_) {
-      report(
-          t_s, "too-late",
-          sample.label + formatted(" is %.3f s older than the history reaches; left out", before_t_s_ - t_s));
+      report(t_s, "too-late",
+             sample.label + print(" is %.3f s older than the history reaches; left out", before_t_s_ - t_s));
       return;
     }
     const auto later = std::upper_bound(entries_.begin(), entries_.end(), t_s,

@@ -14,7 +14,7 @@ const Vector3f kOrange{0.66f, 0.26f, 0.07f};  // what the hand holds
 const Vector3f kSteel{0.38f, 0.38f, 0.40f};
 const Vector3f kDark{0.10f, 0.10f, 0.11f};
 
-constexpr int kSides = 28;  // of what is round
+constexpr int kSides = 24;  // of what is round
 constexpr int kRimSides = 8;
 
 struct Box {
@@ -80,7 +80,7 @@ void addRing(double radius_m, double section_m, double middle_z_m, const Vector3
   for (int i = 0; i <= kRimSides; ++i) {
     const double angle = 2.0 * std::numbers::pi * (i % kRimSides) / kRimSides;
     normals.emplace_back(std::cos(angle), std::sin(angle));
-    profile.push_back(Vector2d(radius_m - section_m, middle_z_m) + section_m * normals.back());
+    profile.emplace_back(Vector2d(radius_m - section_m, middle_z_m) + section_m * normals.back());
   }
   addSwept(profile, normals, albedo, surface);
 }

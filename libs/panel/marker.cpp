@@ -8,27 +8,26 @@ namespace {
 /// A marker printed on nothing is lifted so much, lest it fight with the face for the pixels.
 constexpr double kInk_m = 0.0002;
 
-void addCells(const Vector3d& top_left, const Vector3d& right, const Vector3d& down,
-              const Eigen::Vector3f& albedo, Surface& surface) {
+void addCell(const Vector3d& top_left, double side_m, float albedo, Surface& surface) {
   const auto first = static_cast<std::uint32_t>(surface.vertices.size());
-  const Vector3d corners[] = {top_left, top_left + down, top_left + down + right, top_left + right};
-  for (const auto& corner : corners)
-    surface.vertices.push_back({corner.cast<float>(), Eigen::Vector3f::UnitZ(), albedo});
+  for (const auto& [right, down] : {std::pair(0, 0), std::pair(0, 1), std::pair(1, 1), std::pair(1, 0)}) {
+    const Vector3d corner = top_left + side_m * Vector3d(right, -down, 0);
+    surface.vertices.push_back(
+        {corner.cast<float>(), Eigen::Vector3f::UnitZ(), Eigen::Vector3f::Constant(albedo)});
+  }
   surface.triangles.push_back({first, first + 1, first + 2});
   surface.triangles.push_back({first, first + 2, first + 3});
 }
 
-/// Marker frame. Equal cells of a row are one piece.
+/// Marker frame. Every cell is a square of its own: joined to bars they would be fewer triangles, but
+/// slivers, whose corners a renderer loses, and with corners on each other's edges, which leak.
 Surface cellsOf(const MarkerPattern& pattern, double border_m, float white_albedo, float black_albedo) {
   const double cell_m = border_m / pattern.border_cells, half_m = cell_m * pattern.cells / 2;
   Surface surface;
   for (int row = 0; row < pattern.cells; ++row)
-    for (int begin = 0, end = 0; begin < pattern.cells; begin = end) {
-      const bool white = pattern.whiteAt(row, begin);
-      for (end = begin + 1; end < pattern.cells && pattern.whiteAt(row, end) == white;) ++end;
-      addCells({begin * cell_m - half_m, half_m - row * cell_m, 0}, {(end - begin) * cell_m, 0, 0},
-               {0, -cell_m, 0}, Eigen::Vector3f::Constant(white ? white_albedo : black_albedo), surface);
-    }
+    for (int column = 0; column < pattern.cells; ++column)
+      addCell({column * cell_m - half_m, half_m - row * cell_m, 0}, cell_m,
+              pattern.whiteAt(row, column) ? white_albedo : black_albedo, surface);
   return surface;
 }
 

@@ -73,11 +73,12 @@ void requireId(const std::string& family, int id, int count) {
 }
 
 MarkerPattern blackPattern(int cells, int border_cells) {
-  return {cells, border_cells, std::vector<std::uint8_t>(static_cast<std::size_t>(cells * cells), 0)};
+  const auto side = static_cast<std::size_t>(cells);
+  return {cells, border_cells, std::vector<std::uint8_t>(side * side, 0)};
 }
 
 void setWhite(MarkerPattern& pattern, int row, int column) {
-  pattern.white.at(static_cast<std::size_t>(row * pattern.cells + column)) = 1;
+  pattern.white.at(pattern.index(row, column)) = 1;
 }
 
 /// The bits inside a black border of one cell.
@@ -124,6 +125,7 @@ void requireFamily(const std::string& family) {
 const std::vector<std::string>& markerFamilies() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
+    all.reserve(kDictionaries.size() + kTags.size());
     for (const auto& entry : kDictionaries) all.push_back(entry.first);
     for (const auto& entry : kTags) all.push_back(entry.first);
     return all;  // "DICT_…" before "tag…": sorted

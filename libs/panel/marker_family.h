@@ -20,8 +20,9 @@ struct MarkerPattern {
   int border_cells = 0;
   std::vector<std::uint8_t> white;  ///< cells * cells entries: 1 white, 0 black
 
-  bool whiteAt(int row, int column) const {
-    return white[static_cast<std::size_t>(row * cells + column)] != 0;
+  bool whiteAt(int row, int column) const { return white[index(row, column)] != 0; }
+  std::size_t index(int row, int column) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(cells) + static_cast<std::size_t>(column);
   }
 };
 

@@ -99,7 +99,7 @@ std::string whyNotManifold(const ObjOutline& outline, std::size_t face) {
     int sharing = 0, same_way_line = 0;
     for (const ObjFace& other : outline.faces) {
       const bool same_way = uses(other, from, to);
-      if (same_way && other.line != outline.faces[face].line) same_way_line = other.line;
+      if (same_way && other.line < outline.faces[face].line) same_way_line = other.line;
       sharing += same_way || uses(other, to, from) ? 1 : 0;
     }
     const std::string edge = "edge " + std::to_string(from + 1) + " " + std::to_string(to + 1);

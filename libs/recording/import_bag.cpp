@@ -14,6 +14,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "core/text.h"
 #include "recording/axes.h"
 #include "recording/bag_check.h"
 #include "recording/ros_messages.h"
@@ -250,12 +251,6 @@ class MountingChecks {
 
  private:
   Vector3d up() const { return {0, 0, gravity_}; }
-
-  static std::string print(const char* format, auto... values) {
-    char text[300];
-    std::snprintf(text, sizeof text, format, values...);
-    return text;
-  }
 
   Conclusion gravityConclusion() const {
     const Vector3d mean = total_force_robot_ / static_cast<double>(total_forces_);

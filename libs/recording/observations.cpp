@@ -28,7 +28,7 @@ constexpr const char* kComment = "mrpt::obs::CObservationComment";
 constexpr const char* kImu = "mrpt::obs::CObservationIMU";
 constexpr const char* kRange = "mrpt::obs::CObservationRange";
 constexpr const char* kRobotPose = "mrpt::obs::CObservationRobotPose";
-constexpr const char* kImage = "mrpt::obs::CObservationImage";
+constexpr const char* kImageClass = "mrpt::obs::CObservationImage";
 constexpr const char* kStereoImages = "mrpt::obs::CObservationStereoImages";
 
 struct LabelledClass {
@@ -40,7 +40,7 @@ constexpr std::array<LabelledClass, 8> kConvention{{{labels::kIns, kImu},
                                                     {labels::kDvlBeams, kRange},
                                                     {labels::kDepth, kImu},
                                                     {labels::kUsbl, kRobotPose},
-                                                    {labels::kCamera, kImage},
+                                                    {labels::kCamera, kImageClass},
                                                     {labels::kStereo, kStereoImages},
                                                     {labels::kTruth, kRobotPose}}};
 

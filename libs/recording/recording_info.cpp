@@ -5,6 +5,7 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include "core/text.h"
 #include "recording/fields.h"
 #include "recording/time_text.h"
 
@@ -126,15 +127,6 @@ class LabelAccumulator {
   std::vector<std::int64_t> times_;
   std::vector<std::optional<double>> values_;
 };
-
-__attribute__((format(printf, 1, 2))) std::string print(const char* format, ...) {
-  char text[512];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
 
 std::string entries(std::uint64_t count) {
   return std::to_string(count) + (count == 1 ? " entry" : " entries");

@@ -4,9 +4,9 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
 #include <stdexcept>
+
+#include "core/text.h"
 
 namespace fathom {
 namespace {
@@ -17,21 +17,11 @@ constexpr double kLongestDelay = 3.0;       // s, searched on both sides
 
 // ---- small helpers ----
 
-__attribute__((format(printf, 1, 2))) std::string print(const char* format, ...) {
-  char text[400];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
-
-std::string print(const char* number_format, const Vector3d& v) {
+std::string printVector(const char* number_format, const Vector3d& v) {
   std::string text = "(";
   for (int i = 0; i < 3; ++i) {
-    char number[40];
-    std::snprintf(number, sizeof number, number_format, v[i]);
-    text += (i > 0 ? ", " : "") + std::string(number);
+    if (i > 0) text += ", ";
+    text += print(number_format, v[i]);
   }
   return text + ")";
 }
@@ -339,12 +329,12 @@ void settleAttitude(const std::vector<AttitudeHypothesis>& ranked, SeaTrialConve
            other.accelerometer[0].axes.text() + ", DVL " + other.dvl[0].axes.text(),
        residualRatio(best.log_likelihood(), other.log_likelihood(), best.gyro_rows),
        "gyro, accelerometer and DVL together, each with the axes that suit it best: RMS " +
-           print("%.2g", best.gyro[0].residual_rms) + " rad/s, " +
-           print("%.2g", best.accelerometer[0].residual_rms) + " m/s2, " +
-           print("%.2g", best.dvl[0].residual_rms) + " m/s against " +
-           print("%.2g", other.gyro[0].residual_rms) + ", " +
-           print("%.2g", other.accelerometer[0].residual_rms) + ", " +
-           print("%.2g", other.dvl[0].residual_rms)});
+           printVector("%.2g", best.gyro[0].residual_rms) + " rad/s, " +
+           printVector("%.2g", best.accelerometer[0].residual_rms) + " m/s2, " +
+           printVector("%.2g", best.dvl[0].residual_rms) + " m/s against " +
+           printVector("%.2g", other.gyro[0].residual_rms) + ", " +
+           printVector("%.2g", other.accelerometer[0].residual_rms) + ", " +
+           printVector("%.2g", other.dvl[0].residual_rms)});
 }
 
 std::string axesText(const SignedAxes& axes) {
@@ -363,8 +353,8 @@ SignedAxes settleAxes(const std::string& what, const std::vector<AxesScore>& ran
   const AxesScore& other = best.axes == ranked[0].axes ? ranked[1] : ranked[0];
   c.conclusions.push_back({what, axesText(best.axes), other.axes.text(),
                            residualRatio(best.log_likelihood, other.log_likelihood, rows),
-                           compared + ", RMS " + print("%.2g", best.residual_rms) + " " + unit + " against " +
-                               print("%.2g", other.residual_rms)});
+                           compared + ", RMS " + printVector("%.2g", best.residual_rms) + " " + unit +
+                               " against " + printVector("%.2g", other.residual_rms)});
   return best.axes;
 }
 
@@ -452,13 +442,14 @@ void reportDvl(const AlignedStreams& s, SeaTrialConventions& c) {
   c.conclusions.push_back(
       {"DVL against the navigation solution",
        print("scale error %+.4f +- %.4f", r.scale_error, r.scale_error_sigma) + ", rotation " +
-           print("%+.2f", r.rotation_rad * degrees(1.0)) + " +- " +
-           print("%.2f", r.rotation_sigma_rad * degrees(1.0)) + " deg, lever arm " +
-           print("%+.2f", r.lever_arm_m) + " +- " + print("%.2f", r.lever_arm_sigma_m) + " m" +
+           printVector("%+.2f", r.rotation_rad * degrees(1.0)) + " +- " +
+           printVector("%.2f", r.rotation_sigma_rad * degrees(1.0)) + " deg, lever arm " +
+           printVector("%+.2f", r.lever_arm_m) + " +- " + printVector("%.2f", r.lever_arm_sigma_m) + " m" +
            print(", valid %+.2f s after its stamp on the IMU's clock (not corrected)", r.delay_s),
        "", 0.0,
-       "least squares, robot axes (x forward, y left, z up): RMS " + print("%.3f", r.residual_before_m_s) +
-           " m/s before, " + print("%.3f", r.residual_m_s) + " m/s after"});
+       "least squares, robot axes (x forward, y left, z up): RMS " +
+           printVector("%.3f", r.residual_before_m_s) + " m/s before, " +
+           printVector("%.3f", r.residual_m_s) + " m/s after"});
 }
 
 void reportEarthRate(const AlignedStreams& s, SeaTrialConventions& c) {
@@ -480,8 +471,8 @@ void reportEarthRate(const AlignedStreams& s, SeaTrialConventions& c) {
   c.conclusions.push_back(
       {"Earth's rotation in the gyro", contained ? kContained : kNone, contained ? kNone : kContained,
        contained ? without / with : with / std::max(without, 1e-12),
-       "gyro minus the solution's rate, median, north east down " + print("%.2g", c.rate_excess_ned) +
-           " rad/s; Earth turns " + print("%.2g", earth)});
+       "gyro minus the solution's rate, median, north east down " + printVector("%.2g", c.rate_excess_ned) +
+           " rad/s; Earth turns " + printVector("%.2g", earth)});
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace fathom {
 namespace {
 
-constexpr int kMargin = 2;  // raster samples beyond the outermost pixels' centres, so that all have neighbours
+constexpr double kSparsest_px = 1.15;  // distance of raster samples: what is wider is not missed
 
 void checkCamera(const CameraModel& camera) {
   if (camera.width_px <= 0 || camera.height_px <= 0)
@@ -38,9 +38,9 @@ Sight sightAt(const CameraModel& camera, const Vector2d& pixel) {
   for (int k = 0; k < 2; ++k) {
     const Vector2d step = h * Vector2d::Unit(k);
     const Vector2d ahead = ideal + step, behind = ideal - step;
-    pixel_per_ideal.col(k) = (camera.project<double>(ahead.homogeneous()) -
-                              camera.project<double>(behind.homogeneous())) /
-                             (2 * h);
+    pixel_per_ideal.col(k) =
+        (camera.project<double>(ahead.homogeneous()) - camera.project<double>(behind.homogeneous())) /
+        (2 * h);
   }
   if (!(pixel_per_ideal.determinant() > 0))
     throw std::invalid_argument("the camera's distortion folds the image over at pixel (" +
@@ -53,7 +53,8 @@ Sight sightAt(const CameraModel& camera, const Vector2d& pixel) {
 
 Lens::Lens(const CameraModel& camera) {
   checkCamera(camera);
-  Vector2d smallest(1e9, 1e9), largest(-1e9, -1e9), step(0, 0);
+  constexpr double kHuge = 1e9;
+  Vector2d smallest(kHuge, kHuge), largest(-kHuge, -kHuge), widest(0, 0), narrowest(kHuge, kHuge);
   for (int v = 0; v < camera.height_px; ++v)
     for (int u = 0; u < camera.width_px; ++u) {
       const Sight sight = sightAt(camera, Vector2d(u, v));
@@ -65,18 +66,26 @@ Lens::Lens(const CameraModel& camera) {
       y_v.push_back(static_cast<float>(sight.along_v.y()));
       smallest = smallest.cwiseMin(sight.ideal);
       largest = largest.cwiseMax(sight.ideal);
-      step = step.cwiseMax(sight.along_u.cwiseAbs() + sight.along_v.cwiseAbs());
+      const Vector2d pixel = sight.along_u.cwiseAbs() + sight.along_v.cwiseAbs();
+      widest = widest.cwiseMax(pixel);
+      narrowest = narrowest.cwiseMin(pixel);
     }
-  const auto samples = [&](int k) {
-    return static_cast<int>(std::ceil((largest[k] - smallest[k]) / step[k])) + 2 * kMargin + 1;
+  // So many samples along the widest pixel that the narrowest has one too. A pixel as wide as `samples` steps
+  // lies, wherever it is, within samples + 2 samples in a row.
+  const int samples = static_cast<int>(std::ceil(widest.cwiseQuotient(narrowest).maxCoeff() / kSparsest_px));
+  const Vector2d step = widest / samples;
+  block_side = samples + 2;
+  const Vector2d first = smallest - block_side * step;
+  const auto count = [&](int k) {
+    return static_cast<int>(std::ceil((largest[k] - first[k]) / step[k])) + block_side + 1;
   };
-  raster = {samples(0), samples(1), smallest.x() - kMargin * step.x(), smallest.y() - kMargin * step.y(),
-            step.x(),   step.y()};
-  nearest.reserve(x.size());
+  raster = {count(0), count(1), first.x(), first.y(), step.x(), step.y()};
+  block.reserve(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
-    const auto column = std::lround((static_cast<double>(x[i]) - raster.x0) / raster.step_x);
-    const auto row = std::lround((static_cast<double>(y[i]) - raster.y0) / raster.step_y);
-    nearest.push_back(static_cast<std::uint32_t>(row * raster.columns + column));
+    const double column = (static_cast<double>(x[i]) - raster.x0) / raster.step_x - 0.5 * samples;
+    const double row = (static_cast<double>(y[i]) - raster.y0) / raster.step_y - 0.5 * samples;
+    block.push_back(static_cast<std::uint32_t>(std::floor(row)) * static_cast<std::uint32_t>(raster.columns) +
+                    static_cast<std::uint32_t>(std::floor(column)));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/camera_model.h"
+#include "render/pixel.h"
 #include "render/visibility.h"
 
 namespace fathom {
@@ -13,10 +14,15 @@ struct Lens {
   /// Ideal image coordinates (x/z, y/z) of each pixel's centre, and how they change along the image's axes:
   /// by (x_u, y_u) to the next column, by (x_v, y_v) to the next row.
   std::vector<float> x, y, x_u, y_u, x_v, y_v;
-  /// Covers the image. Its samples are nowhere closer than the pixels, so that the nearest sample to a pixel's
-  /// centre and the eight around it surround the pixel.
+  PixelSquare square(std::size_t pixel) const {
+    return {{x[pixel], y[pixel]}, {x_u[pixel], y_u[pixel]}, {x_v[pixel], y_v[pixel]}};
+  }
+  /// Covers the image, with about as many samples as pixels, and everywhere at least as many.
   Raster raster;
-  std::vector<std::uint32_t> nearest;  ///< of each pixel's centre: row * columns + column in the raster
+  /// The samples on and just around each pixel: a square block of so many columns and rows, beginning at this
+  /// sample (row * columns + column in the raster).
+  int block_side = 0;
+  std::vector<std::uint32_t> block;
 
   /// Throws std::invalid_argument: not a size or focal length, or a distortion without an inverse in the
   /// image.

@@ -1,14 +1,13 @@
 #include "render/renderer.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <limits>
-#include <map>
 #include <optional>
 #include <stdexcept>
 
+#include "render/faces.h"
 #include "render/lens.h"
+#include "render/pixel.h"
 #include "render/shading.h"
 #include "render/visibility.h"
 
@@ -16,6 +15,9 @@ namespace fathom {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr std::uint32_t kNothing = 0;  // instead of a triangle's number, counted from 1
+constexpr std::uint32_t kEdge = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kRendered = kEdge - 1;
 
 void checkScene(const Surface& surface) {
   for (const auto& vertex : surface.vertices)
@@ -23,81 +25,41 @@ void checkScene(const Surface& surface) {
       throw std::invalid_argument("a vertex of the scene is not finite");
   for (const auto& triangle : surface.triangles)
     if (*std::max_element(triangle.begin(), triangle.end()) >= surface.vertices.size())
-      throw std::invalid_argument("a triangle of the scene has no such vertex");
+      throw std::invalid_argument("a triangle of the scene lacks its vertex");
 }
-
-/// Between triangles of one face (one plane to 10 um, one normal, one albedo) there is no edge to see: each
-/// triangle's face is named after its first triangle. Index and value count from 1, as in VisibilityBuffer.
-std::vector<std::uint32_t> facesOf(const Surface& surface) {
-  std::vector<std::uint32_t> face_of(surface.triangles.size() + 1, 0);
-  std::map<std::array<float, 7>, std::uint32_t> faces;
-  for (std::uint32_t k = 1; k < face_of.size(); ++k) {
-    face_of[k] = k;
-    if (!isUniform(surface, k - 1)) continue;
-    std::array<long, 3> offsets_10um{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto& vertex = surface.vertices[surface.triangles[k - 1][i]];
-      offsets_10um[i] =
-          std::lround(1e5 * vertex.normal.cast<double>().dot(vertex.position.cast<double>()));
-    }
-    if (offsets_10um[0] != offsets_10um[1] || offsets_10um[0] != offsets_10um[2]) continue;
-    const auto& v = surface.vertices[surface.triangles[k - 1][0]];
-    const std::array<float, 7> key{v.normal.x(), v.normal.y(), v.normal.z(), v.albedo.x(),
-                                   v.albedo.y(), v.albedo.z(), static_cast<float>(offsets_10um[0])};
-    face_of[k] = faces.emplace(key, k).first->second;
-  }
-  return face_of;
-}
-
-/// Samples of a pixel, in pixels from its centre, and the centre itself last. `side`² samples on a sheared
-/// grid: seen from any of the image's axes no two coincide, so edges along them are as good as any others.
-struct PixelSamples {
-  std::vector<float> u, v;
-
-  explicit PixelSamples(int side) {
-    for (int i = 0; i < side; ++i)
-      for (int j = 0; j < side; ++j) {
-        u.push_back((static_cast<float>(i) + (static_cast<float>(j) + 0.5f) / static_cast<float>(side)) /
-                        static_cast<float>(side) -
-                    0.5f);
-        v.push_back((static_cast<float>(j) + (static_cast<float>(i) + 0.5f) / static_cast<float>(side)) /
-                        static_cast<float>(side) -
-                    0.5f);
-      }
-    u.push_back(0.0f);
-    v.push_back(0.0f);
-  }
-};
 
 }  // namespace
 
 struct Renderer::Implementation {
   Lens lens;
   int width, height;
-  PixelSamples samples;
+  PixelSampler sampler;
   VisibilityBuffer visibility;
   Surface scene;
-  std::vector<std::uint32_t> face_of;
+  std::vector<std::uint32_t> face_of;  // by triangle
 
   // Of the view being rendered
   Pose T_camera_odom;
   std::optional<SeenLighting> lighting;
   std::vector<std::optional<SeenTriangle>> seen;  // by triangle, once it is needed
   const std::uint32_t* triangles = nullptr;       // by raster sample
-  std::vector<std::uint32_t> faces;               // by raster sample; kEdge among samples of another face
-  std::vector<float> nearness;                    // by pixel sample: largest 1/z so far …
-  std::vector<std::int32_t> owner;                // … and whose it is
-
-  static constexpr std::uint32_t kEdge = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> faces;               // by raster sample
+  std::vector<std::uint32_t> differs;  // by raster sample: whether its block's first row has an edge
+  std::vector<std::uint32_t> inner;    // by a block's first sample: the triangle in its middle, or kEdge
+  std::vector<std::uint32_t> row_triangles;  // by pixel of a row: the triangle that fills it
+  std::vector<std::uint32_t> numbers;        // of the triangles around a pixel …
+  std::vector<TriangleInPixel> in_pixel;     // … and those of them that are in it
 
   Implementation(const CameraModel& camera, const Options& options)
       : lens(camera),
         width(camera.width_px),
         height(camera.height_px),
-        samples(options.supersampling),
+        sampler(options.supersampling),
         visibility(lens.raster),
-        nearness(samples.u.size()),
-        owner(samples.u.size()) {}
+        faces(lens.raster.size()),
+        differs(lens.raster.size()),
+        inner(lens.raster.size()),
+        row_triangles(static_cast<std::size_t>(width)) {}
 
   const SeenTriangle& seenTriangle(std::uint32_t number) {
     auto& triangle = seen[number];
@@ -105,121 +67,75 @@ struct Renderer::Implementation {
     return *triangle;
   }
 
-  void findFaces();
+  void findEdges();
+  std::uint32_t renderIfShared(std::size_t pixel, float* radiance, float* range_m);
   void renderRow(int row, float* radiance, float* range_m);
-  void renderEdgePixel(std::size_t pixel, float* radiance, float* range_m);
-  void findOwners(std::size_t pixel, std::int32_t candidate, const SeenTriangle& triangle);
 };
 
-/// Marks the raster samples that have another face among their eight neighbours.
-void Renderer::Implementation::findFaces() {
+/// Sets apart the blocks of raster samples that see more than one face.
+void Renderer::Implementation::findEdges() {
+  const auto side = static_cast<std::size_t>(lens.block_side);
   const auto columns = static_cast<std::size_t>(lens.raster.columns);
-  const auto rows = static_cast<std::size_t>(lens.raster.rows);
-  std::vector<std::uint32_t> face(columns * rows);
-  for (std::size_t i = 0; i < face.size(); ++i) face[i] = face_of[triangles[i]];
-  faces.assign(face.size(), kEdge);
-  for (std::size_t row = 1; row + 1 < rows; ++row) {
-    const std::uint32_t* above = &face[(row - 1) * columns];
-    const std::uint32_t* here = above + columns;
-    const std::uint32_t* below = here + columns;
-    std::uint32_t* out = &faces[row * columns];
-    for (std::size_t i = 1; i + 1 < columns; ++i) {
-      const std::uint32_t f = here[i];
-      const std::uint32_t differences = (above[i - 1] ^ f) | (above[i] ^ f) | (above[i + 1] ^ f) |
-                                        (here[i - 1] ^ f) | (here[i + 1] ^ f) | (below[i - 1] ^ f) |
-                                        (below[i] ^ f) | (below[i + 1] ^ f);
-      out[i] = differences == 0 ? f : kEdge;
-    }
+  for (std::size_t i = 0; i < faces.size(); ++i) faces[i] = face_of[triangles[i]];
+  std::fill(differs.begin(), differs.end(), 0u);
+  for (std::size_t k = 1; k < side; ++k)
+    for (std::size_t i = 0; i + k < faces.size(); ++i) differs[i] |= faces[i + k] ^ faces[i];
+  const std::size_t middle = side / 2 * (columns + 1), last = (side - 1) * columns;
+  for (std::size_t i = 0; i + last + side <= faces.size(); ++i) {
+    std::uint32_t difference = differs[i];
+    for (std::size_t k = columns; k <= last; k += columns)
+      difference |= differs[i + k] | (faces[i + k] ^ faces[i]);
+    inner[i] = difference == 0 ? triangles[i + middle] : kEdge;
   }
 }
 
+/// Returns the triangle that fills a pixel near an edge, or renders the pixel.
+std::uint32_t Renderer::Implementation::renderIfShared(std::size_t pixel, float* radiance, float* range_m) {
+  const PixelSquare square = lens.square(pixel);
+  numbers.clear();
+  in_pixel.clear();
+  bool nothing_behind = false;
+  std::uint32_t filling = kNothing;
+  const std::uint32_t* samples = triangles + lens.block[pixel];
+  for (int row = 0; row < lens.block_side; ++row, samples += lens.raster.columns)
+    for (int column = 0; column < lens.block_side; ++column) {
+      const std::uint32_t number = samples[column];
+      nothing_behind |= number == kNothing;
+      if (number == kNothing || std::find(numbers.begin(), numbers.end(), number) != numbers.end()) continue;
+      numbers.push_back(number);
+      const TriangleInPixel triangle(seenTriangle(number), square);
+      if (triangle.missesPixel()) continue;
+      if (triangle.fillsPixel()) filling = number;
+      in_pixel.push_back(triangle);
+    }
+  if (in_pixel.size() == 1 && filling != kNothing) return filling;
+  const bool hit = sampler.sample(square, in_pixel, nothing_behind, *lighting, radiance, range_m);
+  if (hit) return kRendered;
+  return nothing_behind ? kNothing : numbers.front();
+}
+
+/// Runs of pixels that one triangle fills are shaded together.
 void Renderer::Implementation::renderRow(int row, float* radiance, float* range_m) {
   const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
-  const auto face = [&](int u) { return faces[lens.nearest[first + static_cast<std::size_t>(u)]]; };
-  for (int u = 0, end = 0; u < width; u = end) {
-    const std::uint32_t here = face(u);
-    end = u + 1;
+  for (int u = 0; u < width; ++u) {
     const std::size_t pixel = first + static_cast<std::size_t>(u);
-    if (here == kEdge) {
-      renderEdgePixel(pixel, radiance + 3 * u, range_m + u);
-      continue;
-    }
-    while (end < width && face(end) == here) ++end;
-    if (here == 0) {
-      std::fill(radiance + 3 * u, radiance + 3 * end, 0.0f);
-      std::fill(range_m + u, range_m + end, kInfinity);
-    } else {
-      shade(seenTriangle(here), *lighting, &lens.x[pixel], &lens.y[pixel], end - u, radiance + 3 * u,
-            range_m + u);
+    std::uint32_t& triangle = row_triangles[static_cast<std::size_t>(u)];
+    triangle = inner[lens.block[pixel]];
+    if (triangle == kEdge) triangle = renderIfShared(pixel, radiance + 3 * u, range_m + u);
+  }
+  for (auto begin = row_triangles.begin(), end = begin; begin != row_triangles.end(); begin = end) {
+    const std::uint32_t triangle = *begin;
+    end = std::find_if(begin, row_triangles.end(), [&](std::uint32_t other) { return other != triangle; });
+    const auto u = begin - row_triangles.begin(), count = end - begin;
+    const std::size_t pixel = first + static_cast<std::size_t>(u);
+    if (triangle == kNothing) {
+      std::fill_n(radiance + 3 * u, 3 * count, 0.0f);
+      std::fill_n(range_m + u, count, kInfinity);
+    } else if (triangle != kRendered) {
+      shade(seenTriangle(triangle), *lighting, &lens.x[pixel], &lens.y[pixel], static_cast<int>(count),
+            radiance + 3 * u, range_m + u);
     }
   }
-}
-
-/// Gives the triangle all samples of the pixel that it is the first to be hit in.
-void Renderer::Implementation::findOwners(std::size_t pixel, std::int32_t candidate,
-                                          const SeenTriangle& triangle) {
-  const Vector3d centre(static_cast<double>(lens.x[pixel]), static_cast<double>(lens.y[pixel]), 1.0);
-  const Eigen::Vector3f at = (triangle.corner_shares * centre).cast<float>();
-  const Eigen::Matrix<float, 3, 2> image_axes = triangle.corner_shares.leftCols<2>().cast<float>();
-  const Eigen::Vector3f u = image_axes * Eigen::Vector2f(lens.x_u[pixel], lens.y_u[pixel]);
-  const Eigen::Vector3f v = image_axes * Eigen::Vector2f(lens.x_v[pixel], lens.y_v[pixel]);
-  for (std::size_t k = 0; k < owner.size(); ++k) {
-    const float a = at[0] + u[0] * samples.u[k] + v[0] * samples.v[k];
-    const float b = at[1] + u[1] * samples.u[k] + v[1] * samples.v[k];
-    const float c = at[2] + u[2] * samples.u[k] + v[2] * samples.v[k];
-    const float inverse_depth = a + b + c;
-    const bool hit = std::min(a, std::min(b, c)) >= 0.0f && inverse_depth > nearness[k];
-    nearness[k] = hit ? inverse_depth : nearness[k];
-    owner[k] = hit ? candidate : owner[k];
-  }
-}
-
-void Renderer::Implementation::renderEdgePixel(std::size_t pixel, float* radiance, float* range_m) {
-  std::array<std::uint32_t, 9> candidates{};
-  auto last = candidates.begin();
-  bool background = false;
-  const std::uint32_t* block = triangles + lens.nearest[pixel] - lens.raster.columns - 1;
-  for (int row = 0; row < 3; ++row, block += lens.raster.columns)
-    for (int column = 0; column < 3; ++column) {
-      if (block[column] == 0)
-        background = true;
-      else if (std::find(candidates.begin(), last, block[column]) == last)
-        *last++ = block[column];
-    }
-
-  std::fill(nearness.begin(), nearness.end(), 0.0f);
-  std::fill(owner.begin(), owner.end(), -1);
-  for (auto it = candidates.begin(); it != last; ++it)
-    findOwners(pixel, static_cast<std::int32_t>(it - candidates.begin()), seenTriangle(*it));
-
-  // Light of each triangle in the middle of its samples. A sample that none owns belongs to a triangle that no
-  // raster sample saw, unless nothing can be seen here: it does not count.
-  const std::size_t count = owner.size() - 1;
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero(), light;
-  float samples_seen = 0, any_range_m = 0;
-  for (auto it = candidates.begin(); it != last; ++it) {
-    const auto candidate = static_cast<std::int32_t>(it - candidates.begin());
-    float hits = 0, u = 0, v = 0;
-    for (std::size_t k = 0; k < count; ++k)
-      if (owner[k] == candidate) {
-        hits += 1;
-        u += samples.u[k];
-        v += samples.v[k];
-      }
-    if (hits == 0) continue;
-    u /= hits;
-    v /= hits;
-    const float x = lens.x[pixel] + u * lens.x_u[pixel] + v * lens.x_v[pixel];
-    const float y = lens.y[pixel] + u * lens.y_u[pixel] + v * lens.y_v[pixel];
-    shade(seenTriangle(*it), *lighting, &x, &y, 1, light.data(), &any_range_m);
-    sum += hits * light;
-    samples_seen += hits;
-  }
-  const float weight = 1.0f / (background ? static_cast<float>(count) : std::max(samples_seen, 1.0f));
-  for (int c = 0; c < 3; ++c) radiance[c] = weight * sum[c];
-
-  const float x = lens.x[pixel], y = lens.y[pixel];
-  *range_m = nearness[count] > 0 ? std::sqrt(x * x + y * y + 1.0f) / nearness[count] : kInfinity;
 }
 
 Renderer::Renderer(const CameraModel& camera, const Options& options) {
@@ -241,16 +157,22 @@ void Renderer::setScene(Surface surface_odom) {
 }
 
 View Renderer::render(const Pose& T_odom_camera, const Lighting& lighting) {
+  View view;
+  render(T_odom_camera, lighting, view);
+  return view;
+}
+
+void Renderer::render(const Pose& T_odom_camera, const Lighting& lighting, View& view) {
   Implementation& r = *implementation_;
   r.T_camera_odom = T_odom_camera.inverse();
   r.lighting.emplace(lighting, r.T_camera_odom);
   r.seen.assign(r.face_of.size(), std::nullopt);
   r.triangles = r.visibility.draw(r.T_camera_odom).data();
-  r.findFaces();
-  View view{cv::Mat(r.height, r.width, CV_32FC3), cv::Mat(r.height, r.width, CV_32FC1)};
+  r.findEdges();
+  view.radiance.create(r.height, r.width, CV_32FC3);
+  view.range_m.create(r.height, r.width, CV_32FC1);
   for (int row = 0; row < r.height; ++row)
     r.renderRow(row, view.radiance.ptr<float>(row), view.range_m.ptr<float>(row));
-  return view;
 }
 
 }  // namespace fathom

@@ -18,9 +18,9 @@ struct Spot {
   Eigen::Vector3f irradiance_1m{1.0f, 1.0f, 1.0f};  ///< on the axis at 1 m, in units of full ambient light
 };
 
-/// Light at the scene. A matt surface of albedo A has radiance A * (ambient + sum over spots of irradiance_1m *
-/// cos(incidence) / distance²): a white of albedo 0.85 under ambient light 1 has 0.85, and 1 is the camera's
-/// full scale. Nothing casts a shadow.
+/// Light at the scene. A matt surface of albedo A has radiance A * (ambient + sum over spots of irradiance_1m
+/// * cos(incidence) / distance²): a white of albedo 0.85 under ambient light 1 has 0.85, and 1 is the
+/// camera's full scale. Nothing casts a shadow.
 struct Lighting {
   Eigen::Vector3f ambient{1.0f, 1.0f, 1.0f};
   std::vector<Spot> spots;
@@ -36,13 +36,13 @@ struct View {
 /// Renders a scene from anywhere with one camera; a stereo pair is two Renderers, or two cameras at once.
 ///
 /// Distortion is exact (to 0.01 px): every pixel has its own line of sight, and range and light are those of
-/// the triangle's own plane there. Where triangles meet, a pixel is the mean over its samples; edges lie right
-/// to 1/(2 supersampling²) px. A triangle narrower than a pixel can be missed. Triangles nearer than 1 cm (along
-/// the optical axis) are cut off, both sides of a triangle are seen, and a side turned away from a spot is lit by
-/// the ambient light alone.
+/// the triangle's own plane there. Where triangles meet, a pixel is the mean over its samples; edges lie
+/// right to 1/(2 supersampling²) px. A triangle narrower than a pixel can be missed. Triangles nearer than 1
+/// cm (along the optical axis) are cut off, both sides of a triangle are seen, and a side turned away from a
+/// spot is lit by the ambient light alone.
 ///
-/// Deterministic: the same scene, pose and light give the same bytes, whichever Renderer and thread makes them.
-/// Use a Renderer from one thread at a time; to use all cores, one a thread:
+/// Deterministic: the same scene, pose and light give the same bytes, whichever Renderer and thread makes
+/// them. Use a Renderer from one thread at a time; to use all cores, one a thread:
 ///
 ///     tbb::enumerable_thread_specific<Renderer> renderers([&] { … Renderer with its scene … });
 ///     tbb::parallel_for(0, count, [&](int i) { views[i] = renderers.local().render(pose(i), lighting); });
@@ -51,11 +51,11 @@ struct View {
 class Renderer {
  public:
   struct Options {
-    int supersampling = 4;  ///< its square is the number of samples in a pixel that an edge crosses; 1 to 16
+    int supersampling = 5;  ///< its square is the number of samples in a pixel that an edge crosses; 1 to 16
   };
   /// Throws std::runtime_error where OSMesa gives no GL 3.3 context or no image of this size,
-  /// std::invalid_argument where the camera has no size or focal length, or a distortion without an inverse in
-  /// the image, or supersampling is out of range.
+  /// std::invalid_argument where the camera has no size or focal length, or a distortion without an inverse
+  /// in the image, or supersampling is out of range.
   explicit Renderer(const CameraModel& camera, const Options& options);
   explicit Renderer(const CameraModel& camera) : Renderer(camera, Options{}) {}
   ~Renderer();
@@ -66,6 +66,8 @@ class Renderer {
   /// std::invalid_argument: a triangle without its vertices, or a vertex that is not finite.
   void setScene(Surface surface_odom);
   View render(const Pose& T_odom_camera, const Lighting& lighting);
+  /// The same into `view`, whose images are used again where they have the right size.
+  void render(const Pose& T_odom_camera, const Lighting& lighting, View& view);
 
  private:
   struct Implementation;

@@ -81,8 +81,8 @@ Surface seaFloor(const SeaFloor& floor, Random random) {
       const double x = floor.side_m * gridLine(column), y = floor.side_m * gridLine(row);
       const double bright = 1.0 + floor.contrast * brightness.at(x, y);
       const double red = 0.2 * floor.contrast * tint.at(x, y);
-      const Eigen::Array3d albedo = floor.mean_albedo.cast<double>().array() * bright *
-                                    Eigen::Array3d(1.0 + red, 1.0, 1.0 - red);
+      const Eigen::Array3d albedo =
+          floor.mean_albedo.cast<double>().array() * bright * Eigen::Array3d(1.0 + red, 1.0, 1.0 - red);
       const Vector3d corner = Vector3d(x, y, 0) - 0.5 * floor.side_m * Vector3d(1, 1, 0);
       surface.vertices.push_back({(floor.centre_odom + corner).cast<float>(), Eigen::Vector3f::UnitZ(),
                                   albedo.max(0.02).min(0.9).matrix().cast<float>()});

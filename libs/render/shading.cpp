@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/faces.h"
+
 namespace fathom {
 namespace {
 
@@ -11,9 +13,9 @@ constexpr int kBlock = 64;  // lines of sight at a time: a handful of arrays tha
 using Values = float[kBlock];
 
 struct Block {
-  Values x, y, z;           // points, camera frame, m
-  Values normal[3];         // unit length
-  Values irradiance[3];     // red, green, blue
+  Values x, y, z;        // points, camera frame, m
+  Values normal[3];      // unit length
+  Values irradiance[3];  // red, green, blue
 };
 
 void placePoints(const Eigen::Vector3f& inverse_depth, const float* x, const float* y, int count, Block& b,
@@ -95,12 +97,6 @@ void shade(const SeenTriangle& triangle, const SeenLighting& lighting, const flo
   for (int first = 0; first < count; first += kBlock)
     shadeBlock(triangle, lighting, x + first, y + first, std::min(kBlock, count - first),
                radiance + static_cast<std::ptrdiff_t>(3) * first, range_m + first);
-}
-
-bool isUniform(const Surface& surface, std::size_t triangle) {
-  const auto& [i, j, k] = surface.triangles[triangle];
-  const auto &a = surface.vertices[i], &b = surface.vertices[j], &c = surface.vertices[k];
-  return a.normal == b.normal && a.normal == c.normal && a.albedo == b.albedo && a.albedo == c.albedo;
 }
 
 SeenTriangle::SeenTriangle(const Surface& surface, std::size_t triangle, const Pose& T_camera_odom)

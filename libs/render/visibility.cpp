@@ -112,8 +112,8 @@ struct VisibilityBuffer::Context {
   Eigen::Matrix4d clip_camera;
   std::vector<std::uint32_t> triangles;
   GLsizei index_count = 0;
-  GLint clip_odom = 0;            // the uniform's place
-  std::uint8_t window[4] = {};    // OSMesa insists on one; the drawing goes to a framebuffer object
+  GLint clip_odom = 0;          // the uniform's place
+  std::uint8_t window[4] = {};  // OSMesa insists on one; the drawing goes to a framebuffer object
   ContextHandle handle = createContext();
   std::unique_ptr<const Gl> gl;
 

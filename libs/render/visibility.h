@@ -18,13 +18,13 @@ struct Raster {
   std::size_t size() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
 };
 
-/// Which triangle each sample of a raster sees. The only file that knows OSMesa, which has left newer releases
-/// of Mesa: another rasterizer would replace this one file.
+/// Which triangle each sample of a raster sees. The only file that knows OSMesa, which has left newer
+/// releases of Mesa: another rasterizer would replace this one file.
 ///
 /// One GL context each; use it from one thread at a time. Mesa reads the environment variable LP_NUM_THREADS
-/// when a process makes its first context: the number of its own threads, by default as many as cores. It lets
-/// one context of a process rasterize at a time, with all of these, so the default serves one thread as well as
-/// many.
+/// when a process makes its first context: the number of its own threads, by default as many as cores. It
+/// lets one context of a process rasterize at a time, with all of these, so the default serves one thread as
+/// well as many.
 class VisibilityBuffer {
  public:
   /// Throws std::runtime_error where OSMesa gives no GL 3.3 core context with clip control, or no raster of

@@ -17,6 +17,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
+#include "core/text.h"
 
 namespace fathom {
 namespace {
@@ -27,13 +28,7 @@ using Columns = std::vector<const std::vector<double>*>;
 constexpr const char* kInk = "#010203";
 constexpr const char* kGridInk = "#8a8f98";  // half-way, so that it shows on white and on dark
 
-std::string format(const char* pattern, double value) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), pattern, value);
-  return text.data();
-}
-
-std::string number(double value) { return format("%.9g", value); }
+std::string number(double value) { return print("%.9g", value); }
 
 /// A gnuplot string: in single quotes only the quote itself is special.
 std::string quoted(const std::string& text) {
@@ -114,7 +109,7 @@ std::string canvas(const Plot& plot) {
   }
   const double across = high[0] - low[0], up = high[1] - low[1];
   const double height = across > 0 && up > 0 ? 140 + 620 * up / across : 500;
-  return "760," + format("%.0f", std::clamp(height, 320.0, 760.0));
+  return "760," + print("%.0f", std::clamp(height, 320.0, 760.0));
 }
 
 std::string axes(const Plot& plot) {

@@ -10,17 +10,15 @@
 namespace fathom {
 namespace {
 
-/// exp(-depth) for depth >= 0 or NaN, to 2e-7 relative: 2^n times 2^f, with f in [-0.5, 0.5] by its Taylor series to
-/// the sixth power. Infinite and NaN give e^-87, which is nothing. No branches, so that loops over it are
-/// vectorized.
+/// exp(-depth) for depth >= 0 or NaN, to 2e-7 relative: 2^n times 2^f, with f in [-0.5, 0.5] by its Taylor
+/// series to the sixth power. Infinite and NaN give e^-87, which is nothing. No branches, so that loops over
+/// it are vectorized.
 inline float transmission(float depth) {
   const float power = (depth < 87.0F ? depth : 87.0F) * -1.44269504F;
   const auto whole = static_cast<std::int32_t>(power - 0.5F);
   const float x = (power - static_cast<float>(whole)) * 0.693147181F;
   const float series =
-      1.0F +
-      x * (1.0F +
-           x * (0.5F + x * (1.0F / 6 + x * (1.0F / 24 + x * (1.0F / 120 + x * (1.0F / 720))))));
+      1.0F + x * (1.0F + x * (0.5F + x * (1.0F / 6 + x * (1.0F / 24 + x * (1.0F / 120 + x * (1.0F / 720))))));
   return std::bit_cast<float>((whole + 127) << 23) * series;
 }
 
@@ -88,7 +86,7 @@ template <class Number>
 void writeNumbers(const std::vector<float>& readings, float full_scale, Number* bgr) {
   for (std::size_t i = 0; i < readings.size(); i += 3)
     for (std::size_t c = 0; c < 3; ++c)
-      bgr[i + 2 - c] = static_cast<Number>(static_cast<int>(readings[i + c] * full_scale + 0.5F));
+      bgr[i + 2 - c] = static_cast<Number>(cvRound(readings[i + c] * full_scale));
 }
 
 }  // namespace
@@ -127,9 +125,10 @@ cv::Mat ImageModel::light(const cv::Mat& radiance, const cv::Mat& range_m) const
                                static_cast<float>(water_.attenuation_per_m[1]),
                                static_cast<float>(water_.attenuation_per_m[2])};
   cv::Mat result(radiance.size(), CV_32FC3);
-  const auto row_size = static_cast<std::size_t>(3 * radiance.cols);
+  const auto row_size = 3 * static_cast<std::size_t>(radiance.cols);
   std::vector<float> veil(row_size), passed(row_size);
-  for (std::size_t i = 0; i < row_size; ++i) veil[i] = static_cast<float>(water_.veil[static_cast<int>(i % 3)]);
+  for (std::size_t i = 0; i < row_size; ++i)
+    veil[i] = static_cast<float>(water_.veil[static_cast<int>(i % 3)]);
   for (int v = 0; v < radiance.rows; ++v) {
     const auto *scene = radiance.ptr<float>(v), *range = range_m.ptr<float>(v),
                *cosine = z_per_range_.ptr<float>(v);
@@ -150,8 +149,9 @@ cv::Mat ImageModel::lightWithEffects(const cv::Mat& radiance, const cv::Mat& ran
     for (int u = 0; u < radiance.cols; ++u) {
       const auto& scene = radiance.at<cv::Vec3f>(v, u);
       const double range = range_m.at<float>(v, u);
-      const Vector3d light = predictLight<double>(Vector3d(scene[0], scene[1], scene[2]),
-                                                  range * z_per_range_.at<float>(v, u), range, water_, effects_);
+      const Vector3d light =
+          predictLight<double>(Vector3d(scene[0], scene[1], scene[2]), range * z_per_range_.at<float>(v, u),
+                               range, water_, effects_);
       result.at<cv::Vec3f>(v, u) = cv::Vec3d(light[0], light[1], light[2]);
     }
   return result;
@@ -162,7 +162,7 @@ void ImageModel::respondAlong(int row, std::vector<float>& gain, std::vector<flo
     const double cosine = z_per_range_.at<float>(row, u);
     PixelResponse<double> response{std::sqrt(1 / (cosine * cosine) - 1), 1.0, sheet_.response_gamma};
     applyEffects(effects_, response);
-    const auto i = static_cast<std::ptrdiff_t>(3 * u);
+    const auto i = 3 * static_cast<std::ptrdiff_t>(u);
     std::fill_n(gain.begin() + i, 3, static_cast<float>(response.gain));
     std::fill_n(exponent.begin() + i, 3, static_cast<float>(response.exponent));
   }
@@ -170,7 +170,7 @@ void ImageModel::respondAlong(int row, std::vector<float>& gain, std::vector<flo
 
 cv::Mat ImageModel::expose(const cv::Mat& light, Random* noise) const {
   require(light, CV_32FC3, z_per_range_.size());
-  const auto row_size = static_cast<std::size_t>(3 * light.cols);
+  const auto row_size = 3 * static_cast<std::size_t>(light.cols);
   const auto shot_variance = static_cast<float>(1 / sheet_.full_well_e),
              read_variance = static_cast<float>(std::pow(sheet_.read_noise_e / sheet_.full_well_e, 2)),
              full_scale = static_cast<float>(fullScale(sheet_));

@@ -9,8 +9,8 @@
 #include "sensors/vehicle.h"
 #include "sensors/water.h"
 
-/// The camera's forward model after the clean rendering: light at the scene -> through the water -> exposure ->
-/// the sensor's numbers. The scalar functions are the model; ImageModel runs it over whole images.
+/// The camera's forward model after the clean rendering: light at the scene -> through the water -> exposure
+/// -> the sensor's numbers. The scalar functions are the model; ImageModel runs it over whole images.
 ///
 /// Radiances are linear red, green, blue, and 1 is the camera's full scale.
 namespace fathom {
@@ -52,8 +52,8 @@ double radianceOf(int number, const CameraSheet& sheet);
 /// The same for an image as cv::imread() gives it (blue, green, red): CV_32FC3, red, green, blue.
 cv::Mat radianceOf(const cv::Mat& image_bgr, const CameraSheet& sheet);
 
-/// The model over whole images. Const and without hidden state, so threads may share one; an image is the same
-/// whoever makes it.
+/// The model over whole images. Const and without hidden state, so threads may share one; an image is the
+/// same whoever makes it.
 class ImageModel {
  public:
   explicit ImageModel(const CameraSheet& sheet, const Water& water,

@@ -59,7 +59,8 @@ CameraSheet readCamera(const YamlMap& y) {
   s.rate_hz = y.positive("rate_hz");
   s.model.width_px = y.integer("width_px");
   s.model.height_px = y.integer("height_px");
-  if (s.model.width_px <= 0 || s.model.height_px <= 0) throw y.error("width_px", "image size must be greater than zero");
+  if (s.model.width_px <= 0 || s.model.height_px <= 0)
+    throw y.error("width_px", "image size must be greater than zero");
   s.model.fx_px = y.positive("fx_px");
   s.model.fy_px = y.positive("fy_px");
   s.model.cx_px = y.number("cx_px");

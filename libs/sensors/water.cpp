@@ -7,7 +7,7 @@ namespace {
 
 /// Three numbers, none below zero.
 Vector3d readColour(const YamlMap& y, const std::string& key) {
-  const Vector3d colour = y.vector3(key);
+  Vector3d colour = y.vector3(key);
   if (colour.minCoeff() < 0) throw y.error(key, "must not be below zero");
   return colour;
 }

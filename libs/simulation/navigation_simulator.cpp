@@ -23,6 +23,10 @@ enum Stream : std::uint64_t {
   kUsblNoise
 };
 
+Time sampleTime(const SimulationOptions& options, std::uint64_t number, double rate_hz) {
+  return after(options.start, static_cast<double>(number) / rate_hz);
+}
+
 /// What all sensors share.
 struct Scene {
   const SimulationOptions& options;
@@ -50,7 +54,7 @@ class Channel {
   Channel(const Channel&) = delete;
   Channel& operator=(const Channel&) = delete;
 
-  Time nextTime() const { return after(scene_.options.start, static_cast<double>(count_) / rate_hz_); }
+  Time nextTime() const { return sampleTime(scene_.options, count_, rate_hz_); }
   Sample next() {
     const Time time = nextTime();
     ++count_;
@@ -238,6 +242,34 @@ class UsblChannel : public Channel {
   Random random_;
 };
 
+mrpt::img::TCamera intrinsicsOf(const CameraModel& model) {
+  mrpt::img::TCamera camera;
+  camera.ncols = static_cast<std::uint32_t>(model.width_px);
+  camera.nrows = static_cast<std::uint32_t>(model.height_px);
+  camera.setIntrinsicParamsFromValues(model.fx_px, model.fy_px, model.cx_px, model.cy_px);
+  camera.setDistortionPlumbBob(model.k1, model.k2, model.p1, model.p2, model.k3);
+  return camera;
+}
+
+class CameraChannel : public Channel {
+ public:
+  CameraChannel(const Scene& scene, const CameraSheet& sheet)
+      : Channel(scene, sheet.T_left_right ? labels::kStereo : labels::kCamera, sheet.rate_hz),
+        sheet_(sheet) {}
+
+ private:
+  Reading read(double) override {
+    const auto files = imageFiles(sheet_, image_++);
+    const mrpt::img::TCamera intrinsics = intrinsicsOf(sheet_.model);
+    if (!sheet_.T_left_right) return ImageSample{sheet_.T_robot_camera, intrinsics, files[0]};
+    return StereoSample{
+        sheet_.T_robot_camera, *sheet_.T_left_right, intrinsics, intrinsics, files[0], files[1]};
+  }
+
+  const CameraSheet& sheet_;
+  std::size_t image_ = 0;
+};
+
 class TruthChannel : public Channel {
  public:
   explicit TruthChannel(const Scene& scene) : Channel(scene, labels::kTruth, scene.options.truth_rate_hz) {}
@@ -263,11 +295,24 @@ std::vector<std::unique_ptr<Channel>> channelsOf(const Scene& scene) {
     channels.push_back(std::make_unique<DvlBeamsChannel>(scene, *vehicle.dvl));
   if (vehicle.depth) channels.push_back(std::make_unique<DepthChannel>(scene, *vehicle.depth));
   if (vehicle.usbl) channels.push_back(std::make_unique<UsblChannel>(scene, *vehicle.usbl));
+  if (vehicle.camera && scene.options.images)
+    channels.push_back(std::make_unique<CameraChannel>(scene, *vehicle.camera));
   channels.push_back(std::make_unique<TruthChannel>(scene));
   return channels;
 }
 
 }  // namespace
+
+Time imageTime(const SimulationOptions& options, std::size_t image) {
+  return sampleTime(options, image, options.vehicle.camera.value().rate_hz);
+}
+
+std::vector<std::string> imageFiles(const CameraSheet& camera, std::size_t image) {
+  std::string number = std::to_string(image);
+  number.insert(0, number.size() < 4 ? 4 - number.size() : 0, '0');
+  if (!camera.T_left_right) return {"CAMERA_" + number + ".png"};
+  return {"STEREO_" + number + "_left.png", "STEREO_" + number + "_right.png"};
+}
 
 double simulatedDuration_s(const SimulationOptions& options, const Trajectory& trajectory) {
   const double left_s = trajectory.end_s() - options.begin_s;

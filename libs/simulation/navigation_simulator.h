@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "effects/registry.h"
 #include "recording/samples.h"
@@ -24,6 +26,7 @@ struct SimulationOptions {
   std::optional<double> duration_s;             ///< default: to the trajectory's end
 
   double truth_rate_hz = 10.0;
+  bool images = false;  ///< entries of the camera; the image files are simulateImages()' part
   /// A beam has an echo between these slant ranges; the DVL has bottom lock with echoes on three beams.
   double beam_min_range_m = 0.05, beam_max_range_m = 50.0;
 };
@@ -33,16 +36,23 @@ struct SimulationOptions {
 ///
 /// - INS: gyro, specific force; attitude where the vehicle file has attitude_sigma_deg. White noise and
 ///   first-order Gauss-Markov biases, which begin stationary and enter through the bias effects.
-/// - DVL, DVL_BEAMS: the motion at stamp + dvlValidityOffset(); no velocity without bottom lock, nor where
+/// - DVL, DVL_BEAMS: the motion at stamp + dvlValidityOffset(), one ping for both; no velocity without bottom
+/// lock, nor where
 ///   that time is outside the trajectory. A beam without echo has no range.
 /// - DEPTH: white noise and one random offset a run, which enters through the effect pressure-offset.
 /// - USBL: position of the transponder, 3 x 3 block of its covariance; orientation variance 1e6 rad².
+/// - CAMERA, or STEREO where the camera has a second one: names of files (imageFiles), intrinsics.
 /// - TRUTH: T_odom_robot, covariance 1e-12 on the diagonal.
 ///
 /// Each sensor draws from a random stream of its own: leaving one out changes no other.
 /// Throws Error where begin or duration lie outside the trajectory.
 void simulateNavigation(const SimulationOptions& options, const Trajectory& trajectory,
                         const std::function<void(const Sample&)>& sink);
+
+/// Stamp of a simulated image, the vehicle having a camera.
+Time imageTime(const SimulationOptions& options, std::size_t image);
+/// Names of its files: CAMERA_0000.png, or STEREO_0000_left.png and STEREO_0000_right.png.
+std::vector<std::string> imageFiles(const CameraSheet& camera, std::size_t image);
 
 /// How long a simulation lasts, s: duration_s, or what is left of the trajectory. Throws Error as above.
 double simulatedDuration_s(const SimulationOptions& options, const Trajectory& trajectory);

@@ -1,12 +1,61 @@
 #include "simulation/read_trajectory.h"
 
-#include "simulation/waypoints.h"
+#include <map>
+#include <stdexcept>
+
+#include "recording/rawlog.h"
+#include "simulation/trajectory_kinds.h"
 
 namespace fathom {
+namespace fs = std::filesystem;
+namespace {
 
-Trajectory readTrajectory(const std::filesystem::path& file) {
-  if (file.extension() == ".yaml") return readWaypoints(file);
-  return Trajectory::fromTum(readTum(file), file.string());
+using ReadPlan = MotionPlan (*)(const YamlMap&);
+const std::map<std::string, ReadPlan>& plannedKinds() {
+  static const std::map<std::string, ReadPlan> kinds{
+      {"waypoints", readWaypoints}, {"station", readStation}, {"survey", readSurvey}};
+  return kinds;
+}
+
+std::vector<StampedPose> truthOf(const fs::path& rawlog) {
+  RawlogReader reader(rawlog);
+  std::vector<StampedPose> poses;
+  while (const auto sample = reader.next())
+    if (sample->label == labels::kTruth)
+      poses.push_back(
+          {sample->time, Pose::fromMrpt(std::get<PoseSample>(sample->reading).T_odom_robot.mean)});
+  if (poses.empty()) throw Error(rawlog.string(), labels::kTruth, "there is no such entry");
+  return poses;
+}
+
+Trajectory asRecorded(const fs::path& file) {
+  return Trajectory::fromTum(file.extension() == ".rawlog" ? truthOf(file) : readTum(file), file.string());
+}
+
+Trajectory asPlanned(const YamlFile& yaml, ReadPlan read, const fs::path& file) {
+  try {
+    const MotionPlan plan = read(yaml.root());
+    yaml.rejectUnknownKeys();
+    return plan.trajectory(file.string());
+  } catch (const std::length_error& too_long) {
+    throw Error(file.string(), "", too_long.what());
+  }
+}
+
+}  // namespace
+
+Trajectory readTrajectory(const fs::path& file) {
+  if (file.extension() != ".yaml") return asRecorded(file);
+  const YamlFile yaml(file);
+  const YamlMap& y = yaml.root();
+  const std::string kind = y.has("kind") ? y.text("kind") : "waypoints";
+  if (const auto planned = plannedKinds().find(kind); planned != plannedKinds().end())
+    return asPlanned(yaml, planned->second, file);
+  if (kind != "recorded") throw y.error("kind", "must be waypoints, station, survey or recorded");
+  const fs::path recorded = file.parent_path() / y.text("file");
+  yaml.rejectUnknownKeys();
+  if (!fs::exists(recorded)) throw y.error("file", "names " + recorded.string() + ", which is not there");
+  return asRecorded(recorded);
 }
 
 }  // namespace fathom

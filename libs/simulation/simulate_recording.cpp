@@ -6,21 +6,48 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
+#include "panel/panel_map.h"
 #include "recording/rawlog.h"
 #include "recording/tum.h"
+#include "render/sea_floor.h"
+#include "simulation/copy_panel_map.h"
+#include "simulation/image_simulator.h"
 
 namespace fathom {
+namespace fs = std::filesystem;
+namespace {
 
-RecordingFiles simulateRecording(const SimulationOptions& options, const Trajectory& trajectory,
-                                 const RecordingTarget& target) {
-  RecordingFiles files{target.folder / (target.name + ".rawlog"),
-                       target.folder / (target.name + "_vehicle.yaml"),
-                       target.folder / (target.name + "_truth.tum")};
+constexpr std::uint64_t kSandStream = std::uint64_t{1} << 63;  // far from the sensors' and images' streams
+
+/// The panel on its sea floor.
+Surface sceneOf(const PanelMap& map, const SimulationOptions& options) {
+  Surface scene;
+  scene.add(surfaceOf(map), map.T_odom_panel);
+  SeaFloor floor;
+  floor.centre_odom = {map.T_odom_panel.position.x(), map.T_odom_panel.position.y(), options.sea_floor_z_m};
+  scene.add(seaFloor(floor, Random::stream(options.seed, kSandStream)));
+  return scene;
+}
+
+void makeImages(const SimulationOptions& options, const Trajectory& trajectory, const RecordingTarget& target,
+                const RecordingFiles& files) {
+  std::error_code absent;
+  fs::remove(files.rawlog, absent);  // it would tell of other images
+  const CameraWorld world{sceneOf(readPanelMap(target.panel_map), options), *target.environment};
+  simulateImages(options, trajectory, world, files.images);
+}
+
+void makeRawlog(const SimulationOptions& options, const Trajectory& trajectory, const RecordingTarget& target,
+                const RecordingFiles& files) {
   const double duration_s = simulatedDuration_s(options, trajectory);
   const std::string vehicle_text = readTextFile(target.vehicle_file);
   PendingFile truth(files.truth);
   std::ofstream truth_out(truth.path(), std::ios::binary);
-  const RecordingHeader header{target.panel_map, files.vehicle.filename().string(), target.description};
+  const auto named = [&](const fs::path& file) {
+    return file.lexically_relative(target.folder).generic_string();
+  };
+  const RecordingHeader header{files.panel_map.empty() ? "" : named(files.panel_map), named(files.vehicle),
+                               target.description};
   RawlogWriter rawlog(files.rawlog, header, options.start);
 
   Progress progress("simulating " + target.name);
@@ -35,8 +62,26 @@ RecordingFiles simulateRecording(const SimulationOptions& options, const Traject
   truth_out.close();
   if (!truth_out) throw Error(files.truth.string(), "", "cannot be written");
   writeTextFile(files.vehicle, vehicle_text);
+  if (!files.panel_map.empty()) copyPanelMap(target.panel_map, files.panel_map.parent_path());
   truth.commit();
   rawlog.finish();
+}
+
+}  // namespace
+
+RecordingFiles simulateRecording(const SimulationOptions& options, const Trajectory& trajectory,
+                                 const RecordingTarget& target) {
+  const auto named = [&](const std::string& ending) { return target.folder / (target.name + ending); };
+  RecordingFiles files{named(".rawlog"), named("_vehicle.yaml"), named("_truth.tum"), {}, {}, 0};
+  if (!target.panel_map.empty()) files.panel_map = named("_panel") / target.panel_map.filename();
+  SimulationOptions with_images = options;
+  with_images.images = options.vehicle.camera && target.environment && !target.panel_map.empty();
+  if (with_images.images) {
+    files.images = named("_Images");
+    files.image_entries = imageCount(options, trajectory);
+    makeImages(options, trajectory, target, files);
+  }
+  makeRawlog(with_images, trajectory, target, files);
   return files;
 }
 

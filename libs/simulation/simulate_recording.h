@@ -1,27 +1,35 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include "sensors/water.h"
 #include "simulation/navigation_simulator.h"
 
 namespace fathom {
 
-/// Where a simulated recording goes and what its first comment says.
+/// Where a simulated recording goes, what its first comment says, and what its camera sees.
 struct RecordingTarget {
   std::filesystem::path folder;
-  std::string name;                    ///< NAME.rawlog, NAME_vehicle.yaml, NAME_truth.tum
+  std::string name;                    ///< NAME.rawlog, NAME_vehicle.yaml, NAME_truth.tum, …
   std::filesystem::path vehicle_file;  ///< the file options.vehicle was read from; copied beside the rawlog
-  std::string panel_map;               ///< path relative to the folder, or empty
+  std::filesystem::path panel_map;     ///< copied to NAME_panel/, with its mesh; empty: no panel
   std::string description;
+  std::optional<Environment> environment;  ///< with it, a panel map and a camera there are images
 };
 
 struct RecordingFiles {
   std::filesystem::path rawlog, vehicle, truth;
+  std::filesystem::path panel_map;  ///< empty: none
+  std::filesystem::path images;     ///< the folder; empty: none
+  std::size_t image_entries = 0;    ///< CAMERA or STEREO
 };
 
 /// Simulates a whole recording in the form of the recording convention. Memory does not depend on its
-/// length. Files appear under their names only when whole; the rawlog, last. Throws Error; Interrupted.
+/// length. Files appear under their names only when whole; the rawlog, last: it tells that all is there.
+/// Images that an interrupted run has made are not made again: see image_simulator.h. Throws Error;
+/// Interrupted.
 RecordingFiles simulateRecording(const SimulationOptions& options, const Trajectory& trajectory,
                                  const RecordingTarget& target);
 

@@ -1,7 +1,7 @@
 #include <benchmark/benchmark.h>
 
+#include "simulation/read_trajectory.h"
 #include "simulation/simulate_recording.h"
-#include "simulation/waypoints.h"
 
 // 10 h at 100 Hz are 3.6 million readings of the INS: what one costs, alone and on its way to the disk.
 namespace fathom {
@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 const fs::path kConfig = fs::path(FATHOM_SOURCE_DIR) / "config";
 
 void trajectoryAt(benchmark::State& state) {
-  const Trajectory dive = readWaypoints(kConfig / "dive_trajectory.yaml");
+  const Trajectory dive = readTrajectory(kConfig / "dive_trajectory.yaml");
   double t = 0;
   while (state.KeepRunning()) {
     benchmark::DoNotOptimize(dive.at(t));
@@ -40,7 +40,7 @@ SimulationOptions options() {
 }
 
 void simulateDiveToNowhere(benchmark::State& state) {
-  const Trajectory dive = readWaypoints(kConfig / "dive_trajectory.yaml");
+  const Trajectory dive = readTrajectory(kConfig / "dive_trajectory.yaml");
   std::int64_t samples = 0;
   while (state.KeepRunning()) simulateNavigation(options(), dive, [&](const Sample&) { ++samples; });
   state.SetItemsProcessed(samples);
@@ -48,10 +48,10 @@ void simulateDiveToNowhere(benchmark::State& state) {
 BENCHMARK(simulateDiveToNowhere)->Unit(benchmark::kMillisecond);
 
 void simulateDiveToDisk(benchmark::State& state) {
-  const Trajectory dive = readWaypoints(kConfig / "dive_trajectory.yaml");
+  const Trajectory dive = readTrajectory(kConfig / "dive_trajectory.yaml");
   const fs::path folder = fs::temp_directory_path() / "fathom-bench";
   while (state.KeepRunning())
-    simulateRecording(options(), dive, {folder, "dive", kConfig / "rov.yaml", "", ""});
+    simulateRecording(options(), dive, {folder, "dive", kConfig / "rov.yaml", "", "", {}});
 }
 BENCHMARK(simulateDiveToDisk)->Unit(benchmark::kMillisecond);
 

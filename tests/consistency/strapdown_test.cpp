@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "simulation/waypoints.h"
+#include "simulation/read_trajectory.h"
 #include "support/motions.h"
 #include "support/simulated.h"
 
@@ -78,7 +78,7 @@ TEST(Strapdown, FinerStepsConverge) {
 
 TEST(Strapdown, HoldsOnTheShippedDive) {
   const Trajectory dive =
-      readWaypoints(std::filesystem::path(FATHOM_SOURCE_DIR) / "config/dive_trajectory.yaml");
+      readTrajectory(std::filesystem::path(FATHOM_SOURCE_DIR) / "config/dive_trajectory.yaml");
   const Vector3d error = strapdownError(dive, 150.0, 60.0, 1000);
   EXPECT_LT(error[0], 1e-3);
   EXPECT_LT(error[1], 3e-7);

@@ -280,7 +280,7 @@ TEST(RosBag, CompressedImagesAreKeptAsTheyAre) {
     const auto sample = onlyReading<ImageSample>(recording, labels::kCamera);
     EXPECT_EQ(sample.file, "CAMERA_0000000100.000000000" + extension);
     EXPECT_EQ(readTextFile(folder / sample.file), std::string(bytes.begin(), bytes.end()));
-    EXPECT_EQ(vehicleOf(recording).camera->width_px, 4) << "the vehicle file is whole";
+    EXPECT_EQ(vehicleOf(recording).camera->model.width_px, 4) << "the vehicle file is whole";
   }
 }
 

@@ -14,6 +14,7 @@ namespace fathom {
 namespace {
 namespace fs = std::filesystem;
 
+fs::path shippedPanel() { return fs::path(FATHOM_SOURCE_DIR) / "maps/dexrov/panel.yaml"; }
 fs::path shippedVehicle() { return fs::path(FATHOM_SOURCE_DIR) / "config/rov.yaml"; }
 
 SimulationOptions options() {
@@ -26,13 +27,13 @@ SimulationOptions options() {
 TEST(SimulatedRecording, ReadsBackAsItWasSimulated) {
   const auto folder = test::scratchFolder();
   const Trajectory trajectory = test::sineTrajectory(20);
-  const auto files =
-      simulateRecording(options(), trajectory, {folder, "dive", shippedVehicle(), "panel.yaml", "a test"});
+  const auto files = simulateRecording(options(), trajectory,
+                                       {folder, "dive", shippedVehicle(), shippedPanel(), "a test", {}});
   const auto expected = test::simulated(options(), trajectory);
 
   RawlogReader reader(files.rawlog);
   EXPECT_EQ(reader.header().vehicle, "dive_vehicle.yaml");
-  EXPECT_EQ(reader.header().panel_map, "panel.yaml");
+  EXPECT_EQ(reader.header().panel_map, "dive_panel/panel.yaml");
   EXPECT_EQ(reader.header().description, "a test");
   test::SamplesByLabel samples;
   while (const auto sample = reader.next())
@@ -60,7 +61,7 @@ TEST(SimulatedRecording, SameSeedSameBytes) {
   other.seed = 2;
   const auto bytes = [&](const SimulationOptions& o, const std::string& in) {
     return readTextFile(
-        simulateRecording(o, trajectory, {folder / in, "r", shippedVehicle(), "", ""}).rawlog);
+        simulateRecording(o, trajectory, {folder / in, "r", shippedVehicle(), "", "", {}}).rawlog);
   };
   const std::string once = bytes(options(), "a");
   EXPECT_TRUE(once == bytes(options(), "b"));
@@ -71,7 +72,7 @@ TEST(SimulatedRecording, SameSeedSameBytes) {
 TEST(SimulatedRecording, TruthIsATrajectory) {
   const auto folder = test::scratchFolder();
   const Trajectory trajectory = test::sineTrajectory(20, 0.1);
-  const auto files = simulateRecording(options(), trajectory, {folder, "r", shippedVehicle(), "", ""});
+  const auto files = simulateRecording(options(), trajectory, {folder, "r", shippedVehicle(), "", "", {}});
   const Trajectory again = readTrajectory(files.truth);
   for (const double t : test::timesBetween(2, 18, 0.013)) {
     const auto a = trajectory.at(t), b = again.at(t);
@@ -86,11 +87,12 @@ TEST(SimulatedRecording, FailureLeavesNothingBehind) {
   const auto folder = test::scratchFolder();
   auto too_long = options();
   too_long.duration_s = 100;
-  EXPECT_THROW(simulateRecording(too_long, test::sineTrajectory(5), {folder, "r", shippedVehicle(), "", ""}),
-               Error);
   EXPECT_THROW(
-      simulateRecording(options(), test::sineTrajectory(5), {folder, "r", folder / "absent.yaml", "", ""}),
+      simulateRecording(too_long, test::sineTrajectory(5), {folder, "r", shippedVehicle(), "", "", {}}),
       Error);
+  EXPECT_THROW(simulateRecording(options(), test::sineTrajectory(5),
+                                 {folder, "r", folder / "absent.yaml", "", "", {}}),
+               Error);
   EXPECT_TRUE(fs::is_empty(folder));
 }
 

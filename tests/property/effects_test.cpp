@@ -61,7 +61,7 @@ KinematicState<T> cast(const KinematicState<double>& s) {
 TEST(EffectRegistry, NeutralParametersChangeNoPrediction) {
   Random random(1);
   for (int i = 0; i < 100; ++i) {
-    const auto state = test::randomState(random);
+    const auto state = test::randomMotion(random);
     const auto nominal = predictions<double>(state, {});
     forEachEffect([&]<class Effect>() {
       EffectParameters<double> neutral;
@@ -89,7 +89,7 @@ TEST(EffectRegistry, NeutralParametersChangeNoSimulatedReading) {
 
 TEST(EffectRegistry, EveryParameterChangesSomething) {
   Random random(2);
-  const auto state = test::randomState(random);
+  const auto state = test::randomMotion(random);
   const auto nominal = predictions<double>(state, {});
   forEachEffect([&]<class Effect>() {
     for (std::size_t k = 0; k < parameterSize<Effect>(); ++k) {
@@ -116,7 +116,7 @@ TEST(EffectRegistry, JetDerivativesEqualNumericOnes) {
   ASSERT_EQ(sigma.size(), kScalars);
   constexpr double h = 1e-3;
   for (int round = 0; round < 50; ++round) {
-    const auto state = test::randomState(random);
+    const auto state = test::randomMotion(random);
     const auto parameters = randomParameters(random);
     EffectParameters<Jet> jets;
     jets.on = parameters.on;

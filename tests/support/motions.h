@@ -50,7 +50,7 @@ inline std::pair<std::vector<double>, std::vector<Pose>> randomPoses(std::uint64
   return {times_s, poses};
 }
 
-inline KinematicState<double> randomState(Random& random) {
+inline KinematicState<double> randomMotion(Random& random) {
   KinematicState<double> state;
   state.position_odom = Vector3d(0, 0, -3) + random.normal3();
   state.R_odom_robot = expSO3<double>(0.4 * random.normal3());

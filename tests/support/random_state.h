@@ -2,6 +2,7 @@
 
 #include "core/random.h"
 #include "localization/navigation_state.h"
+#include "support/random_pose.h"
 
 namespace fathom::test {
 
@@ -19,8 +20,6 @@ inline NavigationState<double> randomState(Random& random) {
   x.sea_floor_z_m = -20.0 + random.normal();
   return x;
 }
-
-inline Pose randomPose(Random& random) { return {expSO3<double>(2.0 * random.normal3()), random.normal3()}; }
 
 /// A positive definite matrix with correlations.
 template <int N>

@@ -13,15 +13,12 @@
 #include "core/random.h"
 #include "recording/fields.h"
 #include "recording/rawlog.h"
+#include "support/random_pose.h"
 
 /// Recordings for tests: made, written, read and compared.
 namespace fathom::test {
 
 inline const Time kStart = fromUnixSeconds(1'700'000'000.0);
-
-inline Pose randomPose(Random& random) {
-  return {expSO3<double>(Vector3d(random.normal3())), 2.0 * random.normal3()};
-}
 
 inline mrpt::img::TCamera randomCamera(Random& random) {
   mrpt::img::TCamera camera;

@@ -18,8 +18,17 @@ const Water kTurbid{{1.1, 0.68, 0.74}, {0.05, 0.24, 0.22}};
 
 CameraSheet sheetOf(int width_px, int height_px) {
   CameraSheet sheet;
-  sheet.model = {width_px, height_px, 0.8 * width_px, 0.81 * width_px, 0.51 * width_px, 0.47 * height_px,
-                 -0.04,    -0.02,     -0.0002,        0.0008,          0};
+  sheet.model = {width_px,
+                 height_px,
+                 0.8 * width_px,
+                 0.81 * width_px,
+                 0.51 * width_px,
+                 0.47 * height_px,
+                 -0.04,
+                 -0.02,
+                 -0.0002,
+                 0.0008,
+                 0};
   return sheet;
 }
 
@@ -35,7 +44,8 @@ Rendered randomView(const CameraSheet& sheet, std::uint64_t seed) {
   for (int v = 0; v < view.range_m.rows; ++v)
     for (int u = 0; u < view.range_m.cols; ++u) {
       const bool hit = random.uniform() > 0.1;
-      view.range_m.at<float>(v, u) = hit ? static_cast<float>(0.3 * std::pow(200, random.uniform())) : kNothingHit;
+      view.range_m.at<float>(v, u) =
+          hit ? static_cast<float>(0.3 * std::pow(200, random.uniform())) : kNothingHit;
       for (int c = 0; c < 3; ++c)
         view.radiance.at<cv::Vec3f>(v, u)[c] = hit ? static_cast<float>(random.uniform(0, 1.2)) : 0.0F;
     }
@@ -63,7 +73,8 @@ TEST(ImageModel, LightIsThePapersEquation) {
         largest = std::max(largest, std::abs(light.at<cv::Vec3f>(v, u)[c] - expected));
       }
     }
-  EXPECT_LT(largest, 4e-7);  // float's resolution at 1 is 6e-8, a few operations, and exp()'s 3e-7 times depth
+  EXPECT_LT(largest,
+            4e-7);  // float's resolution at 1 is 6e-8, a few operations, and exp()'s 3e-7 times depth
 }
 
 TEST(ImageModel, WhereNothingIsHitThereIsTheVeilEvenInWaterThatPassesAll) {
@@ -73,7 +84,8 @@ TEST(ImageModel, WhereNothingIsHitThereIsTheVeilEvenInWaterThatPassesAll) {
   clear.attenuation_per_m.setZero();
   for (const Water& water : {kTurbid, clear}) {
     const cv::Mat light = ImageModel(sheet, water).light(uniformLight(sheet, 0), nothing);
-    for (int c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(light.at<cv::Vec3f>(5, 7)[c], static_cast<float>(water.veil[c]));
+    for (int c = 0; c < 3; ++c)
+      EXPECT_FLOAT_EQ(light.at<cv::Vec3f>(5, 7)[c], static_cast<float>(water.veil[c]));
   }
 }
 
@@ -223,9 +235,10 @@ std::string complaint(const std::string& text) {
 
 TEST(Environment, IsReadAsWritten) {
   const auto file = test::scratchFolder() / "water.yaml";
-  writeTextFile(file,
-                "water: {attenuation_per_m: [0.4, 0.2, 0.1], veil: [0.1, 0.2, 0.3]}\nambient: [0.7, 0.8, 0.9]\n"
-                "lamps_irradiance_1m: [1, 2, 3]\n");
+  writeTextFile(
+      file,
+      "water: {attenuation_per_m: [0.4, 0.2, 0.1], veil: [0.1, 0.2, 0.3]}\nambient: [0.7, 0.8, 0.9]\n"
+      "lamps_irradiance_1m: [1, 2, 3]\n");
   const Environment environment = readEnvironment(file);
   EXPECT_EQ(environment.water.attenuation_per_m, Vector3d(0.4, 0.2, 0.1));
   EXPECT_EQ(environment.water.veil, Vector3d(0.1, 0.2, 0.3));
@@ -247,9 +260,9 @@ TEST(Environment, MistakesAreNamed) {
   EXPECT_NE(complaint("water: {attenuation_per_m: [-0.4, 0.2, 0.2], veil: [0.1, 0.2, 0.3]}\n" + ambient)
                 .find("below zero"),
             std::string::npos);
-  EXPECT_NE(
-      complaint("water: {attenuation_per_m: [0.4, 0.2, 0.2], veil: [0.1, 1.2, 0.3]}\n" + ambient).find("veil"),
-      std::string::npos);
+  EXPECT_NE(complaint("water: {attenuation_per_m: [0.4, 0.2, 0.2], veil: [0.1, 1.2, 0.3]}\n" + ambient)
+                .find("veil"),
+            std::string::npos);
   EXPECT_NE(complaint(water + "ambient: [0.7, .nan, 0.9]\n").find("ambient"), std::string::npos);
 }
 

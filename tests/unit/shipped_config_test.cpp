@@ -8,6 +8,7 @@
 #include "localization/options.h"
 #include "recording/topic_map.h"
 #include "sensors/vehicle.h"
+#include "sensors/water.h"
 #include "simulation/read_trajectory.h"
 #include "support/shared_data.h"
 
@@ -21,6 +22,12 @@ const fs::path kConfig = fs::path(FATHOM_SOURCE_DIR) / "config";
 const std::map<std::string, std::function<void(const fs::path&)>> kReaders{
     {"rov.yaml", [](const fs::path& file) { readVehicle(file); }},
     {"_trajectory.yaml", [](const fs::path& file) { readTrajectory(file); }},
+    {"trajectory_station.yaml", [](const fs::path& file) { readTrajectory(file); }},
+    {"trajectory_survey.yaml", [](const fs::path& file) { readTrajectory(file); }},
+    {"trajectory_recorded.yaml", [](const fs::path& file) { readTrajectory(file); }},
+    {"water_clear.yaml", [](const fs::path& file) { readEnvironment(file); }},
+    {"water_moderate.yaml", [](const fs::path& file) { readEnvironment(file); }},
+    {"water_turbid.yaml", [](const fs::path& file) { readEnvironment(file); }},
     {"TL2.yaml", [](const fs::path& file) { readLocalizationOptions(file); }},
     {"navigation.yaml", [](const fs::path& file) { readLocalizationOptions(file); }},
     {"sea_trial.yaml", [](const fs::path& file) { readLocalizationOptions(file); }},

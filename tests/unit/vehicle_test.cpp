@@ -39,7 +39,7 @@ void expectExample(const Vehicle& v) {
   EXPECT_EQ(v.depth->atmospheric_pressure_pa, 101325);
   EXPECT_EQ(v.depth->water_density_kg_m3, 1025);
   EXPECT_EQ(v.depth->T_robot_depth.position, Vector3d(-0.1, 0.1, 0.1));
-  EXPECT_EQ(v.camera->width_px, 640);
+  EXPECT_EQ(v.camera->model.width_px, 640);
   EXPECT_EQ(v.camera->gain, "fixed");
   // The optical axis is the robot's x, but for 2 degrees.
   EXPECT_GT(v.camera->T_robot_camera.rotation(0, 2), 0.999);
@@ -50,7 +50,7 @@ void expectExample(const Vehicle& v) {
 
 TEST(Vehicle, ShippedFileHasTheConventionsValues) {
   expectExample(readVehicle(shipped()));
-  EXPECT_EQ(readVehicle(shipped()).camera->k1, -0.041737);
+  EXPECT_EQ(readVehicle(shipped()).camera->model.k1, -0.041737);
 }
 
 TEST(Vehicle, ReadsTheSampleRecordings) {
@@ -98,19 +98,19 @@ TEST(Vehicle, BeamsPointDownAndOut) {
   EXPECT_EQ(dvl.T_robot_beam(0).position, Vector3d(1, 2, 3));
 }
 
-struct Bad {
+struct BadVehicle {
   const char* what;
   const char* good;   ///< text of the shipped file...
   const char* bad;    ///< ...and what stands there instead
   const char* where;  ///< key and line
   const char* why;    ///< the reason begins so
 };
-void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.what; }
+void PrintTo(const BadVehicle& bad, std::ostream* out) { *out << bad.what; }
 
-class VehicleRefuses : public testing::TestWithParam<Bad> {};
+class VehicleRefuses : public testing::TestWithParam<BadVehicle> {};
 
 TEST_P(VehicleRefuses, WithFileKeyAndLine) {
-  const Bad& bad = GetParam();
+  const BadVehicle& bad = GetParam();
   std::string text = readTextFile(shipped());
   text.erase(0, text.find("gravity"));  // lines then count from gravity_m_s2
   const auto at = text.find(bad.good);
@@ -131,39 +131,45 @@ TEST_P(VehicleRefuses, WithFileKeyAndLine) {
 INSTANTIATE_TEST_SUITE_P(
     All, VehicleRefuses,
     testing::Values(
-        Bad{"UnknownKey", "  rate_hz: 100", "  colour: red\n  rate_hz: 100", "ins.colour (line 3)",
-            "unknown key"},
-        Bad{"UnknownSection", "ins:", "sonar: {rate_hz: 1}\nins:", "sonar (line 2)", "unknown key"},
-        Bad{"Misspelt", "water_density_kg_m3", "water_desnity_kg_m3", "depth (line 21)", "missing key"},
-        Bad{"MissingUnit", "gyro_sigma_rad_s:", "gyro_sigma:", "ins.gyro_sigma (line 4)", "lacks its unit"},
-        Bad{"WrongUnit", "yaw_deg: 45", "yaw_rad: 45", "dvl.pose (line 19)", "missing key `yaw_deg`"},
-        Bad{"DuplicateKey", "  rate_hz: 100", "  rate_hz: 100\n  rate_hz: 50", "ins.rate_hz (line 4)",
-            "duplicate key"},
-        Bad{"DuplicateSection", "depth:", "ins: {}\ndepth:", "ins (line 20)", "duplicate key"},
-        Bad{"TrailingLetter", "gravity_m_s2: 9.80665", "gravity_m_s2: 1.5x", "gravity_m_s2 (line 1)",
-            "must be a number, not `1.5x`"},
-        Bad{"Nan", "range_sigma_m: 0.015", "range_sigma_m: .nan", "dvl.range_sigma_m (line 16)", "must be"},
-        Bad{"Infinity", "range_sigma_m: 0.015", "range_sigma_m: inf", "dvl.range_sigma_m (line 16)",
-            "must be finite"},
-        Bad{"NegativeSigma", "pressure_sigma_pa: 100", "pressure_sigma_pa: -100",
-            "depth.pressure_sigma_pa (line 22)", "must be greater than zero"},
-        Bad{"NegativeBiasSigma", "gyro_bias_sigma_rad_s: 0.00005", "gyro_bias_sigma_rad_s: -1",
-            "ins.gyro_bias_sigma_rad_s (line 6)", "must not be negative"},
-        Bad{"ZeroRate", "rate_hz: 5", "rate_hz: 0", "dvl.rate_hz (line 11)", "must be greater than zero"},
-        Bad{"MissingKey", "  rate_hz: 100\n", "", "ins (line 3)", "missing key `rate_hz`"},
-        Bad{"MissingGravity", "gravity_m_s2: 9.80665\n", "", " (line 1)", "missing key `gravity_m_s2`"},
-        Bad{"UnclosedBracket", "[0, 90, 180, 270]", "[0, 90, 180, 270", "line 19", "not YAML"},
-        Bad{"ListForNumber", "beam_angle_deg: 30", "beam_angle_deg: [30]", "dvl.beam_angle_deg (line 17)",
-            "must be a number"},
-        Bad{"NumberForList", "[0, 90, 180, 270]", "90", "dvl.beam_azimuths_deg (line 18)", "must be a list"},
-        Bad{"BeamAlongTheHorizon", "beam_angle_deg: 30", "beam_angle_deg: 90", "dvl.beam_angle_deg (line 17)",
-            "must be below 90"},
-        Bad{"SectionIsNoMap", "depth:", "usbl: 3\ndepth:", "usbl (line 20)", "must be a map"},
-        Bad{"Gain", "gain: fixed", "gain: some", "camera.gain (line 37)", "must be fixed or auto"},
-        Bad{"Distortion", "k3: 0.0}", "k4: 0.0}", "camera.distortion (line 35)", "missing key `k3`"},
-        Bad{"HalfAPixel", "width_px: 640", "width_px: 640.5", "camera.width_px (line 29)",
-            "must be a whole number"},
-        Bad{"LampWithoutName", "{name: port, ", "{", "lamps[0] (line 45)", "missing key `name`"}),
+        BadVehicle{"UnknownKey", "  rate_hz: 100", "  colour: red\n  rate_hz: 100", "ins.colour (line 3)",
+                   "unknown key"},
+        BadVehicle{"UnknownSection", "ins:", "sonar: {rate_hz: 1}\nins:", "sonar (line 2)", "unknown key"},
+        BadVehicle{"Misspelt", "water_density_kg_m3", "water_desnity_kg_m3", "depth (line 21)",
+                   "missing key"},
+        BadVehicle{"MissingUnit", "gyro_sigma_rad_s:", "gyro_sigma:", "ins.gyro_sigma (line 4)",
+                   "lacks its unit"},
+        BadVehicle{"WrongUnit", "yaw_deg: 45", "yaw_rad: 45", "dvl.pose (line 19)", "missing key `yaw_deg`"},
+        BadVehicle{"DuplicateKey", "  rate_hz: 100", "  rate_hz: 100\n  rate_hz: 50", "ins.rate_hz (line 4)",
+                   "duplicate key"},
+        BadVehicle{"DuplicateSection", "depth:", "ins: {}\ndepth:", "ins (line 20)", "duplicate key"},
+        BadVehicle{"TrailingLetter", "gravity_m_s2: 9.80665", "gravity_m_s2: 1.5x", "gravity_m_s2 (line 1)",
+                   "must be a number, not `1.5x`"},
+        BadVehicle{"Nan", "range_sigma_m: 0.015", "range_sigma_m: .nan", "dvl.range_sigma_m (line 16)",
+                   "must be"},
+        BadVehicle{"Infinity", "range_sigma_m: 0.015", "range_sigma_m: inf", "dvl.range_sigma_m (line 16)",
+                   "must be finite"},
+        BadVehicle{"NegativeSigma", "pressure_sigma_pa: 100", "pressure_sigma_pa: -100",
+                   "depth.pressure_sigma_pa (line 22)", "must be greater than zero"},
+        BadVehicle{"NegativeBiasSigma", "gyro_bias_sigma_rad_s: 0.00005", "gyro_bias_sigma_rad_s: -1",
+                   "ins.gyro_bias_sigma_rad_s (line 6)", "must not be negative"},
+        BadVehicle{"ZeroRate", "rate_hz: 5", "rate_hz: 0", "dvl.rate_hz (line 11)",
+                   "must be greater than zero"},
+        BadVehicle{"MissingKey", "  rate_hz: 100\n", "", "ins (line 3)", "missing key `rate_hz`"},
+        BadVehicle{"MissingGravity", "gravity_m_s2: 9.80665\n", "", " (line 1)",
+                   "missing key `gravity_m_s2`"},
+        BadVehicle{"UnclosedBracket", "[0, 90, 180, 270]", "[0, 90, 180, 270", "line 19", "not YAML"},
+        BadVehicle{"ListForNumber", "beam_angle_deg: 30", "beam_angle_deg: [30]",
+                   "dvl.beam_angle_deg (line 17)", "must be a number"},
+        BadVehicle{"NumberForList", "[0, 90, 180, 270]", "90", "dvl.beam_azimuths_deg (line 18)",
+                   "must be a list"},
+        BadVehicle{"BeamAlongTheHorizon", "beam_angle_deg: 30", "beam_angle_deg: 90",
+                   "dvl.beam_angle_deg (line 17)", "must be below 90"},
+        BadVehicle{"SectionIsNoMap", "depth:", "usbl: 3\ndepth:", "usbl (line 20)", "must be a map"},
+        BadVehicle{"Gain", "gain: fixed", "gain: some", "camera.gain (line 37)", "must be fixed or auto"},
+        BadVehicle{"Distortion", "k3: 0.0}", "k4: 0.0}", "camera.distortion (line 35)", "missing key `k3`"},
+        BadVehicle{"HalfAPixel", "width_px: 640", "width_px: 640.5", "camera.width_px (line 29)",
+                   "must be a whole number"},
+        BadVehicle{"LampWithoutName", "{name: port, ", "{", "lamps[0] (line 45)", "missing key `name`"}),
     [](const auto& each) { return each.param.what; });
 
 }  // namespace

@@ -1,9 +1,8 @@
-#include "simulation/waypoints.h"
-
 #include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "core/files.h"
+#include "simulation/read_trajectory.h"
 #include "support/motions.h"
 #include "support/shared_data.h"
 
@@ -13,7 +12,7 @@ namespace {
 Trajectory fromText(const std::string& text) {
   const auto file = test::scratchFolder() / "way.yaml";
   writeTextFile(file, text);
-  return readWaypoints(file);
+  return readTrajectory(file);
 }
 
 void expectAt(const Trajectory& trajectory, double time_s, const Vector3d& position, double yaw_deg) {
@@ -76,7 +75,7 @@ sway:
 
 TEST(Waypoints, ShippedDiveIsADive) {
   const Trajectory dive =
-      readWaypoints(std::filesystem::path(FATHOM_SOURCE_DIR) / "config/dive_trajectory.yaml");
+      readTrajectory(std::filesystem::path(FATHOM_SOURCE_DIR) / "config/dive_trajectory.yaml");
   EXPECT_NEAR(dive.end_s(), 300, 30);
   Vector3d low = Vector3d::Constant(1e9), high = -low;
   double speed = 0, rate = 0, sideways = 0;
@@ -98,14 +97,14 @@ TEST(Waypoints, ShippedDiveIsADive) {
   EXPECT_GT(sideways, 0.15);
 }
 
-struct Bad {
+struct BadWaypoints {
   const char* what;
   const char* text;
   const char* where;
 };
-void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.what; }
+void PrintTo(const BadWaypoints& bad, std::ostream* out) { *out << bad.what; }
 
-class WaypointsRefuse : public testing::TestWithParam<Bad> {};
+class WaypointsRefuse : public testing::TestWithParam<BadWaypoints> {};
 
 TEST_P(WaypointsRefuse, WithFileKeyAndLine) {
   try {
@@ -120,20 +119,24 @@ TEST_P(WaypointsRefuse, WithFileKeyAndLine) {
 INSTANTIATE_TEST_SUITE_P(
     All, WaypointsRefuse,
     testing::Values(
-        Bad{"NoWaypoints", "waypoints: []", "waypoints (line 1)"},
-        Bad{"UnknownKey", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0, hold: 3}",
-            "waypoints[0].hold (line 2)"},
-        Bad{"MissingUnit", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw: 0}", "waypoints[0].yaw (line 2)"},
-        Bad{"StandingSpeed", "speed_m_s: 0\nwaypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0}",
-            "speed_m_s (line 1)"},
-        Bad{"TooEarly",
+        BadWaypoints{"NoWaypoints", "waypoints: []", "waypoints (line 1)"},
+        BadWaypoints{"UnknownKey", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0, hold: 3}",
+                     "waypoints[0].hold (line 2)"},
+        BadWaypoints{"MissingUnit", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw: 0}",
+                     "waypoints[0].yaw (line 2)"},
+        BadWaypoints{"StandingSpeed", "speed_m_s: 0\nwaypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0}",
+                     "speed_m_s (line 1)"},
+        BadWaypoints{
+            "TooEarly",
             "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0}\n  - {x: 0, y: 1, z: 0, yaw_deg: 0, t_s: 1}",
             "waypoints[1].t_s (line 3)"},
-        Bad{"TimeAndSpeed", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0, t_s: 9, speed_m_s: 1}",
-            "waypoints[0].t_s (line 2)"},
-        Bad{"Axis", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0}\nsway:\n  - {axis: up, period_s: 3}",
-            "sway[0].axis (line 4)"},
-        Bad{"AmplitudeUnit",
+        BadWaypoints{"TimeAndSpeed", "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0, t_s: 9, speed_m_s: 1}",
+                     "waypoints[0].t_s (line 2)"},
+        BadWaypoints{"Axis",
+                     "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0}\nsway:\n  - {axis: up, period_s: 3}",
+                     "sway[0].axis (line 4)"},
+        BadWaypoints{
+            "AmplitudeUnit",
             "waypoints:\n  - {x: 0, y: 0, z: 0, yaw_deg: 0}\nsway:\n  - {axis: roll, amplitude_m: 1, "
             "period_s: 3}",
             "sway[0] (line 4)"}),

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+
+#include "panel/surface.h"
+#include "sensors/water.h"
+#include "simulation/navigation_simulator.h"
+
+namespace fathom {
+
+/// What the vehicle's camera sees.
+struct CameraWorld {
+  Surface scene_odom;
+  Environment environment;
+};
+
+/// How many images a simulation takes. Throws Error where begin or duration lie outside the trajectory.
+std::size_t imageCount(const SimulationOptions& options, const Trajectory& trajectory);
+
+/// Renders image k at the pose of its entry (imageTime), lets ImageModel (sensors/image_model.h) act on it
+/// and writes it to `folder` under its name (imageFiles), all cores at once. Lamps are on where the
+/// environment says so; both cameras of a stereo pair are of the same kind. The noise depends on seed, image
+/// and eye only.
+///
+/// Goes on where an earlier run was cut short: an image is left alone where it is there, whole, and belongs
+/// to the same inputs (ImageStore). Otherwise images begin anew. The result is the same, byte by byte,
+/// however often it was interrupted and on however many cores it ran.
+///
+/// Throws Error, Interrupted; std::invalid_argument where the vehicle has no camera.
+void simulateImages(const SimulationOptions& options, const Trajectory& trajectory, const CameraWorld& world,
+                    const std::filesystem::path& folder);
+
+}  // namespace fathom

@@ -1,0 +1,97 @@
+#include "simulation/image_store.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <string_view>
+#include <vector>
+
+#include "core/error.h"
+#include "core/files.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kInputs = "inputs.txt";
+
+bool isDigits(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// A name that imageFiles() gives, or such a file's unfinished part.
+bool isOurs(std::string name) {
+  const auto cut = [&](std::string_view ending) {
+    if (!name.ends_with(ending)) return false;
+    name.resize(name.size() - ending.size());
+    return true;
+  };
+  cut(".part");
+  if (!cut(".png")) return false;
+  if (name.starts_with("CAMERA_")) return isDigits(name.substr(7));
+  return name.starts_with("STEREO_") && (cut("_left") || cut("_right")) && isDigits(name.substr(7));
+}
+
+std::uint32_t bigEndian(const std::string& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<std::uint8_t>(bytes[at + i]);
+  return value;
+}
+
+/// PNG specification, 5: a signature, then chunks (length, type, data, CRC-32 of type and data) up to IEND.
+bool isWholePng(const std::string& bytes) {
+  constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
+  constexpr std::size_t kFrame = 12;  // a chunk's bytes besides its data
+  if (!bytes.starts_with(kSignature)) return false;
+  for (std::size_t at = kSignature.size(); at + kFrame <= bytes.size();) {
+    const std::size_t length = bigEndian(bytes, at);
+    if (length > bytes.size() - at - kFrame) return false;
+    const auto* type = reinterpret_cast<const Bytef*>(bytes.data() + at + 4);
+    if (crc32(0, type, static_cast<uInt>(length + 4)) != bigEndian(bytes, at + 8 + length)) return false;
+    if (bytes.compare(at + 4, 4, "IEND") == 0) return at + kFrame + length == bytes.size();
+    at += kFrame + length;
+  }
+  return false;
+}
+
+}  // namespace
+
+Fingerprint& Fingerprint::add(const void* bytes, std::size_t size) {
+  const auto* byte = static_cast<const std::uint8_t*>(bytes);
+  for (std::size_t i = 0; i < size; ++i) hash_ = (hash_ ^ byte[i]) * 0x100000001b3U;
+  return *this;
+}
+
+std::string Fingerprint::hex() const {
+  std::string text;
+  for (int shift = 60; shift >= 0; shift -= 4) text += "0123456789abcdef"[hash_ >> shift & 0xfU];
+  return text;
+}
+
+ImageStore::ImageStore(fs::path folder, const std::string& inputs) : folder_(std::move(folder)) {
+  const fs::path inputs_file = folder_ / kInputs;
+  const bool same = fs::exists(inputs_file) && readTextFile(inputs_file) == inputs;
+  std::error_code problem;
+  if (!same) fs::remove(inputs_file, problem);  // first: images without it belong to nothing
+  if (fs::is_directory(folder_))
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      const bool stale =
+          isOurs(entry.path().filename().string()) && (!same || entry.path().extension() == ".part");
+      if (stale && !fs::remove(entry.path(), problem))
+        throw Error(entry.path().string(), "", "cannot be removed: " + problem.message());
+    }
+  if (!same) writeTextFile(inputs_file, inputs);
+}
+
+bool ImageStore::has(const std::string& file) const {
+  return fs::exists(folder_ / file) && isWholePng(readTextFile(folder_ / file));
+}
+
+void ImageStore::write(const std::string& file, const cv::Mat& image_bgr) const {
+  std::vector<unsigned char> png;
+  if (!cv::imencode(".png", image_bgr, png)) throw Error((folder_ / file).string(), "", "cannot be encoded");
+  writeTextFile(folder_ / file, std::string(png.begin(), png.end()));
+}
+
+}  // namespace fathom

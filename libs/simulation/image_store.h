@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <string>
+
+namespace fathom {
+
+/// A 64-bit FNV-1a hash: tells inputs apart, withstands no malice.
+class Fingerprint {
+ public:
+  Fingerprint& add(const void* bytes, std::size_t size);
+  Fingerprint& add(double number) { return add(&number, sizeof number); }
+  std::string hex() const;
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325U;
+};
+
+/// The folder of a recording's images, and what they were made from: inputs.txt beside them.
+class ImageStore {
+ public:
+  /// `inputs` is a text that differs where images would. Where the folder holds images of other inputs, they
+  /// are removed, and half-written ones always; files with other names than imageFiles() gives are left
+  /// alone. Throws Error.
+  ImageStore(std::filesystem::path folder, const std::string& inputs);
+
+  /// Whether the file is there as it was written: checks the checksums of its parts.
+  bool has(const std::string& file) const;
+  /// PNG; appears under its name when whole. Throws Error.
+  void write(const std::string& file, const cv::Mat& image_bgr) const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace fathom
