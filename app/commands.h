@@ -20,11 +20,12 @@ void addImport(const RunContext& context);
 void addInfo(const RunContext& context);
 void addSimulate(const RunContext& context);
 void addLocalize(const RunContext& context);
+void addDetect(const RunContext& context);
 void addMap(const RunContext& context);
 void addCompletion(const RunContext& context);
 
-inline constexpr AddCommand kCommands[] = {addImport,   addInfo, addSimulate,
-                                           addLocalize, addMap,  addCompletion};
+inline constexpr AddCommand kCommands[] = {addImport, addInfo, addSimulate,  addLocalize,
+                                           addDetect, addMap,  addCompletion};
 
 /// Kinds of values. They show in --help, and tell the shell's completion what to offer: "FILE.x" files that
 /// end in .x, "FILE" any file, "FOLDER" folders.

@@ -1,0 +1,161 @@
+#include "fiducials/detector.h"
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <tuple>
+
+#include "fiducials/corner_refinement.h"
+#include "fiducials/marker_reader.h"
+#include "panel/marker_family.h"
+
+namespace fathom {
+namespace {
+
+/// A cell this wide is read safely; larger ones are scaled down to it.
+constexpr double kReadableCell_px = 4.0;
+
+int borderCells(const std::string& family) { return markerPattern(family, 0).border_cells; }
+
+double meanSide_px(const std::array<Vector2d, 4>& corners) {
+  const auto sides = sides_px(corners);
+  return 0.25 * (sides[0] + sides[1] + sides[2] + sides[3]);
+}
+
+bool isSameMarker(const Detection& a, const Detection& b) {
+  return a.family == b.family && a.id == b.id &&
+         (a.centre_px() - b.centre_px()).norm() < 0.5 * meanSide_px(a.corners_px);
+}
+
+void sortByPlace(std::vector<Detection>& detections) {
+  std::sort(detections.begin(), detections.end(), comesBefore);
+}
+
+/// Those of `more` that are not among `detections` yet.
+void addNew(const std::vector<Detection>& more, std::vector<Detection>& detections) {
+  for (const Detection& candidate : more)
+    if (std::none_of(detections.begin(), detections.end(),
+                     [&](const Detection& known) { return isSameMarker(known, candidate); }))
+      detections.push_back(candidate);
+}
+
+/// What is common to the backends: regions and their scale, preprocessing, refinement.
+class ReaderDetector : public Detector {
+ public:
+  ReaderDetector(std::unique_ptr<MarkerReader> reader, const std::vector<std::string>& families,
+                 const DetectorOptions& options)
+      : reader_(std::move(reader)), options_(options) {
+    for (const auto& family : families) border_cells_.emplace_back(family, borderCells(family));
+  }
+
+  using Detector::detect;
+  std::vector<Detection> detect(const cv::Mat& image, const std::vector<SearchRegion>& regions) override {
+    const cv::Mat gray = toGray(image);
+    const GrayRange* range = options_.expected_range ? &*options_.expected_range : nullptr;
+    const cv::Mat searched = regions.empty() ? gray : preprocessed(gray, options_.preprocess, range);
+    std::vector<Detection> detections;
+    for (const SearchRegion& region : regions) {
+      const cv::Rect area = region.area & cv::Rect(0, 0, gray.cols, gray.rows);
+      if (area.width < kSmallestArea_px || area.height < kSmallestArea_px) continue;
+      addNew(search(searched, area, region.smallest_side_px), detections);
+    }
+    if (options_.refine)
+      for (Detection& detection : detections) refine(gray, detection);
+    sortByPlace(detections);
+    return detections;
+  }
+
+ private:
+  static constexpr int kSmallestArea_px = 12;
+
+  int cellsOf(const std::string& family) const {
+    return std::find_if(border_cells_.begin(), border_cells_.end(),
+                        [&](const auto& entry) { return entry.first == family; })
+        ->second;
+  }
+
+  /// Whole factor by which a region may be scaled down.
+  int scaleFor(double smallest_side_px) const {
+    int most_cells = 0;
+    for (const auto& [family, cells] : border_cells_) most_cells = std::max(most_cells, cells);
+    return std::clamp(static_cast<int>(smallest_side_px / (kReadableCell_px * most_cells)), 1, 8);
+  }
+
+  /// Not refined.
+  std::vector<Detection> search(const cv::Mat& image, const cv::Rect& area, double smallest_side_px) {
+    const int scale = scaleFor(smallest_side_px);
+    const cv::Rect divisible(area.x, area.y, area.width / scale * scale, area.height / scale * scale);
+    cv::Mat part = image(divisible);
+    if (scale > 1) cv::resize(image(divisible), part, divisible.size() / scale, 0, 0, cv::INTER_AREA);
+    std::vector<Detection> detections = reader_->read(part, smallest_side_px / scale);
+    for (Detection& detection : detections) {
+      for (Vector2d& corner : detection.corners_px)
+        corner = ((corner.array() + 0.5) * scale - 0.5).matrix() + Vector2d(area.x, area.y);
+      detection.covariance_px2 *= scale * scale;
+    }
+    return detections;
+  }
+
+  void refine(const cv::Mat& gray, Detection& detection) const {
+    const double cell_px = meanSide_px(detection.corners_px) / cellsOf(detection.family);
+    const auto refined =
+        refineCorners(gray, detection.corners_px, cell_px, options_.camera ? &*options_.camera : nullptr);
+    if (!refined) return;
+    detection.corners_px = refined->corners_px;
+    detection.covariance_px2 = refined->covariance_px2;
+    detection.contrast = refined->contrast;
+    detection.blur_sigma_px = refined->blur_sigma_px;
+    detection.refined = true;
+  }
+
+  std::unique_ptr<MarkerReader> reader_;
+  DetectorOptions options_;
+  std::vector<std::pair<std::string, int>> border_cells_;
+};
+
+}  // namespace
+
+bool comesBefore(const Detection& a, const Detection& b) {
+  const auto key = [](const Detection& d) {
+    return std::tuple(std::string_view(d.family), d.id, d.corners_px[0].x(), d.corners_px[0].y());
+  };
+  return key(a) < key(b);
+}
+
+std::string_view nameOf(Backend backend) { return backend == Backend::aruco ? "aruco" : "apriltag"; }
+
+bool canRead(Backend backend, const std::string& family) {
+  return isMarkerFamily(family) && (backend == Backend::apriltag || hasPlainBorder(family));
+}
+
+std::vector<Detection> Detector::detect(const cv::Mat& image) {
+  if (image.empty()) throw std::invalid_argument("the image is empty");
+  return detect(image, {SearchRegion{cv::Rect(0, 0, image.cols, image.rows), 0}});
+}
+
+std::unique_ptr<Detector> makeDetector(Backend backend, const std::vector<std::string>& families,
+                                       const DetectorOptions& options) {
+  if (families.empty()) throw std::invalid_argument("no marker family given");
+  for (const auto& family : families) {
+    if (!isMarkerFamily(family)) throw std::invalid_argument("no such marker family: `" + family + "`");
+    if (!canRead(backend, family))
+      throw std::invalid_argument("the " + std::string(nameOf(backend)) + " backend cannot read " + family);
+  }
+  auto unique = families;
+  std::sort(unique.begin(), unique.end());
+  unique.erase(std::unique(unique.begin(), unique.end()), unique.end());
+  auto reader = backend == Backend::aruco ? makeArucoReader(unique, options.largest_corrected_bits)
+                                          : makeAprilTagReader(unique, options.largest_corrected_bits);
+  return std::make_unique<ReaderDetector>(std::move(reader), unique, options);
+}
+
+std::vector<Detection> FallbackDetector::detect(const cv::Mat& image,
+                                                const std::vector<SearchRegion>& regions) {
+  std::vector<Detection> detections = first_->detect(image, regions);
+  if (detections.size() >= expected_count_) return detections;
+  addNew(second_->detect(image, regions), detections);
+  sortByPlace(detections);
+  return detections;
+}
+
+}  // namespace fathom

@@ -1,0 +1,94 @@
+#include "fiducials/image_file.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <string_view>
+
+#include "core/error.h"
+#include "core/files.h"
+
+namespace fathom {
+namespace {
+
+using namespace std::string_view_literals;
+constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n"sv;
+constexpr std::string_view kJpegStart = "\xff\xd8\xff"sv, kJpegEnd = "\xff\xd9"sv;
+
+std::uint32_t bigEndian(std::string_view bytes) {
+  std::uint32_t value = 0;
+  for (const char byte : bytes) value = value << 8U | static_cast<std::uint8_t>(byte);
+  return value;
+}
+
+/// Decoders fill what is missing of a truncated image with gray and say nothing, so the container is walked
+/// here first.
+class Checker {
+ public:
+  Checker(std::string file, std::string_view bytes) : file_(std::move(file)), bytes_(bytes) {}
+
+  void check() const {
+    if (bytes_.empty()) throw Error(file_, "", "the file is empty");
+    if (bytes_.starts_with(kPngSignature)) return checkPng();
+    if (bytes_.starts_with(kJpegStart)) return checkJpeg();
+    throw Error(file_, "", "neither a PNG nor a JPEG image");
+  }
+
+ private:
+  [[noreturn]] void fail(std::size_t at, const std::string& why) const {
+    throw Error(file_, "byte " + std::to_string(at), why);
+  }
+
+  void checkPng() const {
+    std::size_t at = kPngSignature.size();
+    while (true) {  // length, type, data, checksum over type and data
+      if (bytes_.size() - at < 12) fail(bytes_.size(), "the PNG image is cut off");
+      const std::size_t length = bigEndian(bytes_.substr(at, 4));
+      if (length > bytes_.size() - at - 12) fail(bytes_.size(), "the PNG image is cut off");
+      const std::string_view body = bytes_.substr(at + 4, length + 4);
+      const auto checksum =
+          crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()));
+      if (checksum != bigEndian(bytes_.substr(at + 8 + length, 4)))
+        fail(at, "damaged: the checksum of this part of the PNG image is wrong");
+      if (body.starts_with("IEND")) return;
+      at += length + 12;
+    }
+  }
+
+  /// Segments up to the first scan, then its end marker: within coded data 0xff is always followed by 0.
+  void checkJpeg() const {
+    std::size_t at = 2;
+    while (true) {
+      if (bytes_.size() - at < 4) fail(bytes_.size(), "the JPEG image is cut off");
+      if (bytes_[at] != '\xff') fail(at, "damaged: no JPEG segment here");
+      const bool scan = bytes_[at + 1] == '\xda';
+      const std::size_t length = bigEndian(bytes_.substr(at + 2, 2));
+      if (length < 2 || length > bytes_.size() - at - 2) fail(bytes_.size(), "the JPEG image is cut off");
+      at += length + 2;
+      if (scan) break;
+    }
+    if (bytes_.find(kJpegEnd, at) == std::string_view::npos) fail(bytes_.size(), "the JPEG image is cut off");
+  }
+
+  std::string file_;
+  std::string_view bytes_;
+};
+
+}  // namespace
+
+cv::Mat readImage(const std::filesystem::path& file) {
+  const std::string bytes = readTextFile(file);
+  Checker(file.string(), bytes).check();
+  cv::Mat image;
+  try {
+    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+    image = cv::imdecode(encoded, cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception& fault) {
+    throw Error(file.string(), "", "cannot be decoded: " + fault.err);
+  }
+  if (image.empty()) throw Error(file.string(), "", "cannot be decoded");
+  return image;
+}
+
+}  // namespace fathom

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <mrpt/poses/CPose3DPDFGaussian.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera_model.h"
+#include "fiducials/detection.h"
+#include "panel/panel_map.h"
+
+namespace fathom {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// A pose and the covariance of (p, r): true position = p + dp in the outer frame's axes (m), true rotation =
+/// R Exp(dr), dr in the inner frame's axes (rad).
+struct UncertainPose {
+  Pose pose;
+  Matrix6d covariance = Matrix6d::Zero();
+
+  /// MRPT's order x y z yaw pitch roll. Not for a pitch of +-90 degrees, where those angles are degenerate.
+  mrpt::poses::CPose3DPDFGaussian toMrpt() const;
+};
+
+/// What one marker has to say to the panel's pose.
+struct MarkerFit {
+  std::size_t detection = 0;  ///< index into the detections given
+  bool inlier = false;
+  double rms_px = 0;      ///< reprojection, over the eight coordinates
+  double chi_square = 0;  ///< whitened by the corners' covariance; 8 is to be expected
+};
+
+struct PanelPoseOptions {
+  /// Probability that a marker in its place passes as an inlier.
+  double inlier_probability = 0.999;
+  /// A second minimum counts as possible where its chi-square is higher by less than this.
+  double ambiguity_chi_square = 9.0;
+  std::optional<Pose> T_camera_panel_guess;  ///< one more start, where there is one
+};
+
+struct PanelPoseEstimate {
+  bool solved = false;
+  std::string why_not = "not run";  ///< where it is not solved
+
+  UncertainPose T_camera_panel;  ///< scale included
+  double rms_px = 0;             ///< reprojection, inliers
+  int inlier_count = 0;
+  std::vector<MarkerFit> markers;  ///< those that the map has, in the order of the detections
+  /// By how much sigma had to grow because residuals are larger than the corners' covariance explains; 1
+  /// where they are not.
+  double sigma_scale = 1;
+  /// A second, distinct pose that explains the inliers about as well: its mirror image, mostly.
+  struct Alternative {
+    Pose T_camera_panel;
+    double chi_square_increase = 0;
+  };
+  std::optional<Alternative> alternative;
+
+  bool isAmbiguous() const { return alternative.has_value(); }
+};
+
+/// The panel's pose from all corners of all markers at once. Starts from both poses of every single marker
+/// and of their common plane, weighs markers robustly (Geman-McClure on each marker's eight whitened
+/// residuals, its scale from their median), then solves least squares over the inliers. Up to half of the
+/// markers may be misread or out of place; of two that disagree, neither is believed more, and the covariance
+/// shows it.
+PanelPoseEstimate solvePanelPose(const std::vector<Detection>& detections, const PanelMap& map,
+                                 const CameraModel& camera, const PanelPoseOptions& options = {});
+
+/// The robot's pose from the panel's. T_odom_panel and T_robot_camera are taken as exact.
+UncertainPose robotPose(const UncertainPose& T_camera_panel, const Pose& T_odom_panel,
+                        const Pose& T_robot_camera);
+
+}  // namespace fathom

@@ -1,0 +1,90 @@
+#include "fiducials/preprocess.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+namespace fathom {
+namespace {
+
+constexpr double kClipLimit = 3.0;
+constexpr int kTile_px = 80;
+
+/// The gray value that a share of the pixels stays below.
+double percentile(const std::array<int, 256>& histogram, double share) {
+  double count = 0;
+  for (const int n : histogram) count += n;
+  double below = 0;
+  for (std::size_t value = 0; value < histogram.size(); ++value) {
+    below += histogram[value];
+    if (below >= share * count) return static_cast<double>(value);
+  }
+  return 255.0;
+}
+
+GrayRange rangeOf(const cv::Mat& gray) {
+  std::array<int, 256> histogram{};
+  for (int row = 0; row < gray.rows; ++row)
+    for (int column = 0; column < gray.cols; ++column) ++histogram[gray.at<std::uint8_t>(row, column)];
+  return {percentile(histogram, 0.01), percentile(histogram, 0.99)};
+}
+
+cv::Mat stretched(const cv::Mat& gray, const GrayRange& range) {
+  const double width = std::max(1.0, range.white - range.black);
+  const double black = range.black - 0.1 * width, gain = 255.0 / (1.2 * width);
+  cv::Mat result;
+  gray.convertTo(result, CV_8U, gain, -gain * black);
+  return result;
+}
+
+}  // namespace
+
+std::string_view nameOf(Preprocess preprocess) {
+  switch (preprocess) {
+    case Preprocess::none:
+      return "none";
+    case Preprocess::stretch:
+      return "stretch";
+    case Preprocess::clahe:
+      return "clahe";
+  }
+  return "";
+}
+
+GrayRange expectedRange(const std::array<double, 3>& black_radiance,
+                        const std::array<double, 3>& white_radiance,
+                        const std::array<double, 3>& attenuation_per_m, const std::array<double, 3>& veil,
+                        double range_m) {
+  constexpr std::array<double, 3> kWeights{0.299, 0.587, 0.114};  // as cv::COLOR_BGR2GRAY
+  GrayRange range{0, 0};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double passed = std::exp(-attenuation_per_m[c] * range_m);
+    const auto seen = [&](double radiance) {
+      return 255.0 * std::clamp(radiance * passed + (1.0 - passed) * veil[c], 0.0, 1.0);
+    };
+    range.black += kWeights[c] * seen(black_radiance[c]);
+    range.white += kWeights[c] * seen(white_radiance[c]);
+  }
+  return range;
+}
+
+cv::Mat toGray(const cv::Mat& image) {
+  if (image.empty()) throw std::invalid_argument("the image is empty");
+  if (image.type() == CV_8UC1) return image;
+  if (image.type() != CV_8UC3) throw std::invalid_argument("the image is neither 8-bit gray nor 8-bit BGR");
+  cv::Mat gray;
+  cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+  return gray;
+}
+
+cv::Mat preprocessed(const cv::Mat& gray, Preprocess preprocess, const GrayRange* range) {
+  if (preprocess == Preprocess::none) return gray;
+  if (preprocess == Preprocess::stretch) return stretched(gray, range != nullptr ? *range : rangeOf(gray));
+  const cv::Size tiles(std::max(1, gray.cols / kTile_px), std::max(1, gray.rows / kTile_px));
+  cv::Mat result;
+  cv::createCLAHE(kClipLimit, tiles)->apply(gray, result);
+  return result;
+}
+
+}  // namespace fathom

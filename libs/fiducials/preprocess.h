@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <opencv2/core.hpp>
+#include <string_view>
+
+namespace fathom {
+
+/// What is done to a gray image before markers are searched in it. Corners are always fitted to the image as
+/// it came.
+enum class Preprocess {
+  none,
+  stretch,  ///< linear contrast stretch
+  clahe,    ///< local histogram equalization with limited contrast (Zuiderveld 1994)
+};
+std::string_view nameOf(Preprocess preprocess);
+
+/// Digital numbers of a gray image, 0 to 255.
+struct GrayRange {
+  double black = 0, white = 255;
+};
+
+/// What the gray of a black and a white marker cell would be behind `range_m` of water: radiance
+/// A exp(-a r) + (1 - exp(-a r)) b per channel, with attenuation a (1/m), veil b, and radiance A of the cell
+/// without water; red, green, blue, linear, 1 is full scale.
+GrayRange expectedRange(const std::array<double, 3>& black_radiance,
+                        const std::array<double, 3>& white_radiance,
+                        const std::array<double, 3>& attenuation_per_m, const std::array<double, 3>& veil,
+                        double range_m);
+
+/// CV_8UC1 of a CV_8UC1 or CV_8UC3 (BGR) image. Throws std::invalid_argument for others.
+cv::Mat toGray(const cv::Mat& image);
+
+/// CV_8UC1 to CV_8UC1. Preprocess::stretch maps the range, widened by a tenth at each end, to 0 … 255; where
+/// `range` is null it goes from the first to the 99th percentile of the image.
+cv::Mat preprocessed(const cv::Mat& gray, Preprocess preprocess, const GrayRange* range);
+
+}  // namespace fathom

@@ -1,0 +1,164 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "core/camera_model.h"
+#include "core/random.h"
+#include "panel/marker_family.h"
+#include "panel/panel_map.h"
+
+/// Images of flat markers, drawn sample by sample with no renderer: truth for the detectors.
+namespace fathom::test {
+
+struct Look {
+  double black = 30, white = 200, background = 120;  ///< digital numbers
+  double blur_sigma_px = 0.6;                        ///< of the lens; the pixel's square adds to it
+  double noise_sigma = 1.0;                          ///< digital numbers, white
+  int supersampling = 6;                             ///< squared: samples a pixel
+};
+
+namespace detail {
+/// A marker with the inverse of its placement, so that a point of its plane finds its cell.
+struct DrawnMarker {
+  MarkerPattern pattern;
+  Pose T_marker_panel;
+  double cell_m;
+
+  explicit DrawnMarker(const Marker& marker)
+      : pattern(markerPattern(marker.family, marker.id)),
+        T_marker_panel(marker.T_panel_marker.inverse()),
+        cell_m(marker.size_m / pattern.border_cells) {}
+
+  /// Brightness at a point of the marker's plane; nothing outside its quiet zone of one cell.
+  std::optional<double> at(double x, double y, const Look& look) const {
+    const double half = 0.5 * pattern.cells;
+    const double column = x / cell_m + half, row = half - y / cell_m;
+    if (column < -1 || row < -1 || column >= pattern.cells + 1 || row >= pattern.cells + 1)
+      return std::nullopt;
+    if (column < 0 || row < 0 || column >= pattern.cells || row >= pattern.cells) return look.white;
+    return pattern.whiteAt(static_cast<int>(row), static_cast<int>(column)) ? look.white : look.black;
+  }
+};
+
+inline cv::Rect boundingBox(const Marker& marker, double cell_m, const CameraModel& camera,
+                            const Pose& T_camera_panel) {
+  double low_x = 1e9, low_y = 1e9, high_x = -1e9, high_y = -1e9;
+  const double half = 0.5 * marker.size_m + 3.5 * cell_m;
+  for (int i = 0; i <= 8; ++i)
+    for (int j = 0; j <= 8; ++j) {
+      const Vector3d point =
+          T_camera_panel * (marker.T_panel_marker * Vector3d(half * (i / 4.0 - 1), half * (j / 4.0 - 1), 0));
+      const Vector2d pixel = camera.project(point);
+      low_x = std::min(low_x, pixel.x()), high_x = std::max(high_x, pixel.x());
+      low_y = std::min(low_y, pixel.y()), high_y = std::max(high_y, pixel.y());
+    }
+  const cv::Rect box(
+      cv::Point(static_cast<int>(std::floor(low_x)) - 1, static_cast<int>(std::floor(low_y)) - 1),
+      cv::Point(static_cast<int>(std::ceil(high_x)) + 2, static_cast<int>(std::ceil(high_y)) + 2));
+  return box & cv::Rect(0, 0, camera.width_px, camera.height_px);
+}
+}  // namespace detail
+
+namespace detail {
+/// `count` equally likely offsets from a pixel's centre, px: the pixel's box blurred by a Gaussian. (Blurring
+/// the image instead would make a point spread of steps.)
+inline std::vector<double> sampleOffsets(double blur_sigma_px, int count) {
+  const double sigma = std::max(blur_sigma_px, 1e-6);
+  const auto integral = [](double z) {  // of the normal's cumulative distribution
+    return z * 0.5 * std::erfc(-z / std::numbers::sqrt2) +
+           std::exp(-0.5 * z * z) * std::numbers::inv_sqrtpi / std::numbers::sqrt2;
+  };
+  const auto share_below = [&](double t) {
+    return sigma * (integral((t + 0.5) / sigma) - integral((t - 0.5) / sigma));
+  };
+  std::vector<double> offsets;
+  for (int k = 0; k < count; ++k) {
+    double low = -1 - 6 * sigma, high = 1 + 6 * sigma;
+    for (int i = 0; i < 50; ++i) {
+      const double middle = 0.5 * (low + high);
+      (share_below(middle) < (k + 0.5) / count ? low : high) = middle;
+    }
+    offsets.push_back(0.5 * (low + high));
+  }
+  return offsets;
+}
+}  // namespace detail
+
+/// All markers of the map must be in front of the camera. CV_8UC1.
+inline cv::Mat drawMarkers(const std::vector<Marker>& markers, const CameraModel& camera,
+                           const Pose& T_camera_panel, const Look& look, Random& random) {
+  cv::Mat image(camera.height_px, camera.width_px, CV_32FC1, cv::Scalar(look.background));
+  constexpr int kShifts = 16;  // each pixel takes its own sixteenth of the offsets: noise instead of steps
+  const int n = look.supersampling;
+  const std::vector<double> offsets = detail::sampleOffsets(look.blur_sigma_px, kShifts * n * n);
+  for (const Marker& marker : markers) {
+    const detail::DrawnMarker drawn(marker);
+    const Pose T_camera_marker = T_camera_panel * marker.T_panel_marker;
+    const Vector3d normal = T_camera_marker.rotation.col(2);
+    const double distance = normal.dot(T_camera_marker.position);
+    const cv::Rect box = detail::boundingBox(marker, drawn.cell_m, camera, T_camera_panel);
+    for (int row = box.y; row < box.y + box.height; ++row)
+      for (int column = box.x; column < box.x + box.width; ++column) {
+        // The lens's distortion is linear within a pixel.
+        const Vector2d ideal = camera.idealAt({column, row});
+        const Vector2d by_column = camera.idealAt({column + 0.5, row}) - ideal;
+        const Vector2d by_row = camera.idealAt({column, row + 0.5}) - ideal;
+        const int shift_x = static_cast<int>(random.uniform(0, kShifts));
+        const int shift_y = static_cast<int>(random.uniform(0, kShifts));
+        double sum = 0;
+        for (int i = 0; i < n; ++i)
+          for (int j = 0; j < n; ++j) {
+            // No two samples share a row or a column: edges along them are as smooth as others.
+            const double x = offsets[static_cast<std::size_t>(kShifts * (i * n + j) + shift_x)];
+            const double y = offsets[static_cast<std::size_t>(kShifts * (j * n + i) + shift_y)];
+            const Vector2d p = ideal + 2.0 * x * by_column + 2.0 * y * by_row;
+            const Vector3d ray = p.homogeneous();
+            const Vector3d point = ray * (distance / normal.dot(ray));
+            const Vector3d in_marker =
+                T_camera_marker.rotation.transpose() * (point - T_camera_marker.position);
+            sum += drawn.at(in_marker.x(), in_marker.y(), look).value_or(image.at<float>(row, column));
+          }
+        image.at<float>(row, column) = static_cast<float>(sum / (n * n));
+      }
+  }
+  cv::Mat result(image.size(), CV_8UC1);
+  for (int row = 0; row < image.rows; ++row)
+    for (int column = 0; column < image.cols; ++column)
+      result.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>(
+          image.at<float>(row, column) + (look.noise_sigma > 0 ? look.noise_sigma * random.normal() : 0.0));
+  return result;
+}
+
+inline Marker markerAt(const std::string& family, int id, double size_m, double x, double y,
+                       double rotation = 0) {
+  Marker marker;
+  marker.family = family;
+  marker.id = id;
+  marker.size_m = size_m;
+  marker.T_panel_marker = {rotationFromYawPitchRoll(rotation, 0, 0), {x, y, 0}};
+  return marker;
+}
+
+/// A camera that looks at the panel's centre from `distance_m`, the panel turned by `tilt` about an axis of
+/// its plane at `axis` from x, and by `roll` about the line of sight.
+inline Pose lookingAtPanel(double distance_m, double tilt, double axis = 0, double roll = 0) {
+  const Matrix3d facing = rotationFromYawPitchRoll(0, 0, std::numbers::pi);  // x right, y up, z to the camera
+  const Vector3d turn = tilt * Vector3d(std::cos(axis), std::sin(axis), 0);
+  return {rotationFromYawPitchRoll(roll, 0, 0) * facing * expSO3<double>(turn), {0, 0, distance_m}};
+}
+
+/// Where the marker's corners truly are.
+inline std::array<Vector2d, 4> trueCorners(const Marker& marker, const CameraModel& camera,
+                                           const Pose& T_camera_panel) {
+  std::array<Vector2d, 4> corners;
+  const auto corners_panel = marker.corners_panel();
+  for (std::size_t k = 0; k < 4; ++k) corners[k] = camera.project<double>(T_camera_panel * corners_panel[k]);
+  return corners;
+}
+
+}  // namespace fathom::test
