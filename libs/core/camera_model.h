@@ -18,7 +18,7 @@ struct CameraModel {
   /// Ideal image coordinates (x/z, y/z) to distorted ones.
   template <class T>
   Vector2<T> distort(const Vector2<T>& ideal) const {
-    const T x = ideal.x(), y = ideal.y();
+    const T &x = ideal.x(), &y = ideal.y();
     const T r2 = x * x + y * y;
     const T radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
     return {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),

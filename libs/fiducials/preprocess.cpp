@@ -1,9 +1,11 @@
 #include "fiducials/preprocess.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
+
+#include "sensors/image_model.h"
 
 namespace fathom {
 namespace {
@@ -52,21 +54,18 @@ std::string_view nameOf(Preprocess preprocess) {
   return "";
 }
 
-GrayRange expectedRange(const std::array<double, 3>& black_radiance,
-                        const std::array<double, 3>& white_radiance,
-                        const std::array<double, 3>& attenuation_per_m, const std::array<double, 3>& veil,
-                        double range_m) {
-  constexpr std::array<double, 3> kWeights{0.299, 0.587, 0.114};  // as cv::COLOR_BGR2GRAY
-  GrayRange range{0, 0};
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double passed = std::exp(-attenuation_per_m[c] * range_m);
-    const auto seen = [&](double radiance) {
-      return 255.0 * std::clamp(radiance * passed + (1.0 - passed) * veil[c], 0.0, 1.0);
-    };
-    range.black += kWeights[c] * seen(black_radiance[c]);
-    range.white += kWeights[c] * seen(white_radiance[c]);
-  }
-  return range;
+GrayRange expectedRange(const Vector3d& black_radiance, const Vector3d& white_radiance, const Water& water,
+                        const CameraSheet& sheet, double range_m) {
+  const Vector3d weights(0.299, 0.587, 0.114);  // as cv::COLOR_BGR2GRAY
+  PixelResponse<double> response;
+  response.exponent = sheet.response_gamma;
+  const auto gray = [&](const Vector3d& radiance) {
+    const Vector3d light = predictLight<double>(radiance, range_m, range_m, water, {});
+    double sum = 0;
+    for (int c = 0; c < 3; ++c) sum += 255.0 * weights[c] * predictReading(light[c], response);
+    return sum;
+  };
+  return {gray(black_radiance), gray(white_radiance)};
 }
 
 cv::Mat toGray(const cv::Mat& image) {

@@ -1,8 +1,10 @@
 #pragma once
 
-#include <array>
 #include <opencv2/core.hpp>
 #include <string_view>
+
+#include "sensors/vehicle.h"
+#include "sensors/water.h"
 
 namespace fathom {
 
@@ -20,13 +22,11 @@ struct GrayRange {
   double black = 0, white = 255;
 };
 
-/// What the gray of a black and a white marker cell would be behind `range_m` of water: radiance
-/// A exp(-a r) + (1 - exp(-a r)) b per channel, with attenuation a (1/m), veil b, and radiance A of the cell
-/// without water; red, green, blue, linear, 1 is full scale.
-GrayRange expectedRange(const std::array<double, 3>& black_radiance,
-                        const std::array<double, 3>& white_radiance,
-                        const std::array<double, 3>& attenuation_per_m, const std::array<double, 3>& veil,
-                        double range_m);
+/// What the gray of a black and of a white marker cell should be, seen range_m away along the optical axis:
+/// the camera's forward model without effects. Radiances are the cells' without water: linear red, green,
+/// blue.
+GrayRange expectedRange(const Vector3d& black_radiance, const Vector3d& white_radiance, const Water& water,
+                        const CameraSheet& sheet, double range_m);
 
 /// CV_8UC1 of a CV_8UC1 or CV_8UC3 (BGR) image. Throws std::invalid_argument for others.
 cv::Mat toGray(const cv::Mat& image);

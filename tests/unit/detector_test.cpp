@@ -185,12 +185,16 @@ TEST(Preprocess, StretchUsesTheWholeRangeAndClaheRaisesLocalContrast) {
 }
 
 TEST(Preprocess, ExpectedRangeIsThatOfTheWaterModel) {
-  const auto clear = expectedRange({0, 0, 0}, {1, 1, 1}, {0.5, 0.5, 0.5}, {0.2, 0.2, 0.2}, 0);
-  EXPECT_NEAR(clear.black, 0, 1e-9);
-  EXPECT_NEAR(clear.white, 255, 1e-9);
-  const auto far = expectedRange({0, 0, 0}, {1, 1, 1}, {0.5, 0.5, 0.5}, {0.2, 0.2, 0.2}, 2);
-  EXPECT_NEAR(far.black, 255 * 0.2 * (1 - std::exp(-1.0)), 1e-9);
-  EXPECT_NEAR(far.white, 255 * (std::exp(-1.0) + 0.2 * (1 - std::exp(-1.0))), 1e-9);
+  Water water;
+  water.attenuation_per_m = Vector3d::Constant(0.5);
+  water.veil = Vector3d::Constant(0.2);
+  const auto range = [&](double range_m) {
+    return expectedRange(Vector3d::Zero(), Vector3d::Ones(), water, CameraSheet(), range_m);
+  };
+  EXPECT_NEAR(range(0).black, 0, 1e-9);
+  EXPECT_NEAR(range(0).white, 255, 1e-9);
+  EXPECT_NEAR(range(2).black, 255 * 0.2 * (1 - std::exp(-1.0)), 1e-9);
+  EXPECT_NEAR(range(2).white, 255 * (std::exp(-1.0) + 0.2 * (1 - std::exp(-1.0))), 1e-9);
 }
 
 /// Finds what it is told.
