@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "core/error.h"
+#include "core/random.h"
 #include "localization/localizer.h"
 #include "recording/rawlog.h"
 #include "recording/recording_info.h"
