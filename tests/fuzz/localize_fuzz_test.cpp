@@ -22,7 +22,7 @@ constexpr int kRuns = 200;
 
 class LocalizeFuzz : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
+  void SetUp() override {
     const fs::path config = fs::path(FATHOM_SOURCE_DIR) / "config";
     SimulationOptions options;
     options.vehicle = readVehicle(config / "rov.yaml");
@@ -36,7 +36,7 @@ class LocalizeFuzz : public testing::Test {
 
   /// What `fathom localize` does with a recording before it writes anything. True: localized; false: refused
   /// by an Error or by a summary that says why. Anything else fails the test, by leaving it.
-  static bool localizeDamaged(const std::string& bytes) {
+  bool localizeDamaged(const std::string& bytes) {
     const fs::path file = folder_ / "damaged.rawlog";
     fs::remove(file);
     std::ofstream(file, std::ios::binary) << bytes;
@@ -62,9 +62,9 @@ class LocalizeFuzz : public testing::Test {
     }
   }
 
-  static inline fs::path folder_;
-  static inline std::string bytes_;
-  static inline Vehicle vehicle_;
+  fs::path folder_;
+  std::string bytes_;
+  Vehicle vehicle_;
 };
 
 std::string flipped(std::string bytes, Random& random) {

@@ -22,7 +22,7 @@ constexpr double kTolerance_m = 1.0452;
 
 // Expected (-40.0454, -76.9988, -2.6974) within 1.0452 m: values and tolerance of that project, see
 // ../shared/data/README.md. A regression value, not surveyed truth.
-TEST(Husky, EndsWhereThePeerDoes) {
+TEST(HuskyFused, EndsWhereThePeerDoes) {
   FATHOM_NEEDS_SHARED(kBag);
   const fs::path config = fs::path(FATHOM_SOURCE_DIR) / "config";
   const auto imported = importBag(test::sharedData(kBag), readTopicMap(config / "husky_topics.yaml"));
@@ -109,7 +109,7 @@ class RawFusion {
   const Matrix3d R_robot_imu_ = rotationFromYawPitchRoll(radians(-90), 0, radians(90));
 };
 
-TEST(Husky, FilterCoreOnTheRawMessagesEndsThereToo) {
+TEST(HuskyFused, FilterCoreOnTheRawMessagesEndsThereToo) {
   FATHOM_NEEDS_SHARED(kBag);
   rosbag::Bag bag(test::sharedData(kBag).string());
   RawFusion fusion;
