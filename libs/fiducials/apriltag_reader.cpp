@@ -25,7 +25,7 @@ using TagFamily = std::unique_ptr<apriltag_family_t, std::function<void(apriltag
 /// The table of codes with up to n wrong bits takes 48 bytes an entry: at most 200 MB.
 constexpr double kLargestTable = 4e6;
 /// Of a corner coordinate, seen on synthetic images (0.05 to 0.15 px) with some caution.
-constexpr double kSigma_px = 0.2;
+constexpr double kApriltagSigma_px = 0.2;
 /// Chance makes code words of flat noise too, by a digital number or less.
 constexpr double kSmallestMargin = 2.0;
 constexpr double kLargestBorderErrorRate = 0.25;
@@ -199,7 +199,7 @@ class AprilTagReader : public MarkerReader {
       detection.family = tag->family->name;
       detection.id = tag->id;
       detection.corners_px = ourCorners(*tag);
-      detection.covariance_px2 *= kSigma_px * kSigma_px;
+      detection.covariance_px2 *= kApriltagSigma_px * kApriltagSigma_px;
       detection.corrected_bits = tag->hamming;
       detection.decision_margin = tag->decision_margin;
       if (isBelievable(gray, *tag, detection)) detections.push_back(detection);

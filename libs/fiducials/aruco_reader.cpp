@@ -13,7 +13,7 @@ namespace {
 /// OpenCV's error correction rate: the share of the correctable bits that it forgives.
 constexpr double kCorrectionRate = 0.6;
 /// Of a corner coordinate: whole pixels of a contour, which lies inside the edge.
-constexpr double kSigma_px = 0.7;
+constexpr double kArucoSigma_px = 0.7;
 
 /// How likely a random word is taken for a code: a square of something else should not often be.
 constexpr double kLargestChance = 0.01;
@@ -91,7 +91,7 @@ class ArucoReader : public MarkerReader {
     Detection result;
     result.family = family;
     result.id = id;
-    result.covariance_px2 *= kSigma_px * kSigma_px;
+    result.covariance_px2 *= kArucoSigma_px * kArucoSigma_px;
     for (std::size_t k = 0; k < 4; ++k) result.corners_px[k] = {corners[k].x, corners[k].y};
     return result;
   }

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kRuns = 200;
+constexpr int kDamagedFiles = 200;
 
 class LocalizeFuzz : public testing::Test {
  protected:
@@ -76,16 +76,16 @@ std::string flipped(std::string bytes, Random& random) {
 TEST_F(LocalizeFuzz, Cuts) {
   Random random(21);
   int localized = 0;
-  for (int run = 0; run < kRuns; ++run)
+  for (int run = 0; run < kDamagedFiles; ++run)
     localized += localizeDamaged(bytes_.substr(0, random.bits() % bytes_.size()));
-  EXPECT_GT(localized, kRuns / 4);  // what lies before the cut counts
+  EXPECT_GT(localized, kDamagedFiles / 4);  // what lies before the cut counts
 }
 
 TEST_F(LocalizeFuzz, Flips) {
   Random random(22);
   int localized = 0;
-  for (int run = 0; run < kRuns; ++run) localized += localizeDamaged(flipped(bytes_, random));
-  EXPECT_GT(localized, kRuns / 4);
+  for (int run = 0; run < kDamagedFiles; ++run) localized += localizeDamaged(flipped(bytes_, random));
+  EXPECT_GT(localized, kDamagedFiles / 4);
 }
 
 // The program itself: status 0 or 2, and at most one line on stderr.

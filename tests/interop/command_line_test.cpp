@@ -23,14 +23,6 @@ std::string simulateArguments(const fs::path& folder) {
          shellQuoted(folder.string());
 }
 
-void expectBadInput(const test::ProgramResult& result, const std::string& part) {
-  EXPECT_EQ(result.status, 2) << result.err;
-  EXPECT_EQ(result.out, "");
-  EXPECT_TRUE(result.err.starts_with("fathom: ")) << result.err;
-  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-  EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
-}
-
 TEST(CommandLine, HelpTeaches) {
   const auto help = runFathom("--help");
   EXPECT_EQ(help.status, 0);
@@ -56,15 +48,16 @@ TEST(CommandLine, EveryCommandHasHelpWithExamples) {
 
 TEST(CommandLine, MistakesAreOneLineAndStatusTwo) {
   const auto folder = scratchFolder();
-  expectBadInput(runFathom(""), "fathom --help");
-  expectBadInput(runFathom("simulte"), "simulte");
-  expectBadInput(runFathom("info"), "RECORDING");
-  expectBadInput(runFathom("info /no/such.rawlog"), "/no/such.rawlog");
-  expectBadInput(runFathom("info " + shellQuoted(kConfig + "rov.yaml")), "rov.yaml");
-  expectBadInput(runFathom(simulateArguments(folder) + " --seed many"), "--seed");
-  expectBadInput(runFathom(simulateArguments(folder) + " --calibration /no/such.yaml"), "/no/such.yaml");
-  expectBadInput(runFathom(simulateArguments("/proc/nowhere")), "/proc/nowhere");
-  expectBadInput(runFathom("completion tcsh"), "tcsh");
+  test::expectBadInput(runFathom(""), "fathom --help");
+  test::expectBadInput(runFathom("simulte"), "simulte");
+  test::expectBadInput(runFathom("info"), "RECORDING");
+  test::expectBadInput(runFathom("info /no/such.rawlog"), "/no/such.rawlog");
+  test::expectBadInput(runFathom("info " + shellQuoted(kConfig + "rov.yaml")), "rov.yaml");
+  test::expectBadInput(runFathom(simulateArguments(folder) + " --seed many"), "--seed");
+  test::expectBadInput(runFathom(simulateArguments(folder) + " --calibration /no/such.yaml"),
+                       "/no/such.yaml");
+  test::expectBadInput(runFathom(simulateArguments("/proc/nowhere")), "/proc/nowhere");
+  test::expectBadInput(runFathom("completion tcsh"), "tcsh");
   EXPECT_TRUE(fs::is_empty(folder)) << "a failed run left files";
 }
 
@@ -97,9 +90,9 @@ TEST(CommandLine, SimulateThenInfoRoundTrip) {
 TEST(CommandLine, ImportSaysWhatItConcluded) {
   const auto folder = scratchFolder();
   const std::string out = " --out " + shellQuoted((folder / "out").string());
-  expectBadInput(runFathom("import csv " + shellQuoted(folder.string()) + " --section 3" + out),
-                 "trajectory3");
-  expectBadInput(
+  test::expectBadInput(runFathom("import csv " + shellQuoted(folder.string()) + " --section 3" + out),
+                       "trajectory3");
+  test::expectBadInput(
       runFathom("import bag /no/such.bag --topics " + shellQuoted(kConfig + "husky_topics.yaml") + out),
       "/no/such.bag");
   EXPECT_FALSE(fs::exists(folder / "out" / "such.rawlog"));
@@ -140,7 +133,8 @@ TEST(CommandLine, NamedVehicleFileThatIsMissingIsAnError) {
   const auto folder = scratchFolder();
   ASSERT_EQ(runFathom(simulateArguments(folder)).status, 0);
   fs::remove(folder / "sim_vehicle.yaml");
-  expectBadInput(runFathom("info " + shellQuoted((folder / "sim.rawlog").string())), "[recording] vehicle");
+  test::expectBadInput(runFathom("info " + shellQuoted((folder / "sim.rawlog").string())),
+                       "[recording] vehicle");
 }
 
 TEST(CommandLine, SameCommandSameBytes) {

@@ -23,13 +23,6 @@ using test::shellQuoted;
 
 const std::string kMaps = std::string(FATHOM_SOURCE_DIR) + "/maps/dexrov/";
 
-void expectBadInput(const test::ProgramResult& result, const std::string& part) {
-  EXPECT_EQ(result.status, 2) << result.err;
-  EXPECT_EQ(result.out, "");
-  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-  EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
-}
-
 TEST(MapCommand, CheckSumsUp) {
   const auto result = runFathom("map check " + kMaps + "panel.yaml " + kMaps + "panel_tag36h11.yaml");
   EXPECT_EQ(result.status, 0) << result.err;
@@ -43,21 +36,21 @@ TEST(MapCommand, CheckRefusesInOneLine) {
   test::BoardFiles files;
   files.yaml = test::with(test::kBoardYaml, "tag36h11, id: 3", "tag36h11, id: 600");
   const auto bad = files.write(folder);
-  expectBadInput(runFathom("map check " + kMaps + "panel.yaml " + bad.string()),
-                 "board.yaml: markers[1].id (line 7): tag36h11 has ids 0 to 586, not 600");
-  expectBadInput(runFathom("map check /no/such.yaml"), "/no/such.yaml");
-  expectBadInput(runFathom("map"), "fathom --help");
+  test::expectBadInput(runFathom("map check " + kMaps + "panel.yaml " + bad.string()),
+                       "board.yaml: markers[1].id (line 7): tag36h11 has ids 0 to 586, not 600");
+  test::expectBadInput(runFathom("map check /no/such.yaml"), "/no/such.yaml");
+  test::expectBadInput(runFathom("map"), "fathom --help");
 }
 
 TEST(MapCommand, ShowRefusesInOneLineAndLeavesNothing) {
   const auto folder = scratchFolder();
   const std::string show = "map show " + kMaps + "panel.yaml --out " + shellQuoted((folder / "out").string());
-  expectBadInput(runFathom(show + " --set A1=91"), "handle A1 turns from 0 to 90 deg");
-  expectBadInput(runFathom(show + " --set Z9=1"), "no such handle: `Z9`");
-  expectBadInput(runFathom(show + " --set A1"), "ID=ANGLE_DEG");
-  expectBadInput(runFathom(show + " --set A1=ten"), "number of degrees");
-  expectBadInput(runFathom(show + " --camera 0,0,0"), "--camera");
-  expectBadInput(runFathom(show + " --camera 1,2"), "--camera");
+  test::expectBadInput(runFathom(show + " --set A1=91"), "handle A1 turns from 0 to 90 deg");
+  test::expectBadInput(runFathom(show + " --set Z9=1"), "no such handle: `Z9`");
+  test::expectBadInput(runFathom(show + " --set A1"), "ID=ANGLE_DEG");
+  test::expectBadInput(runFathom(show + " --set A1=ten"), "number of degrees");
+  test::expectBadInput(runFathom(show + " --camera 0,0,0"), "--camera");
+  test::expectBadInput(runFathom(show + " --camera 1,2"), "--camera");
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
 

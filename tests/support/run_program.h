@@ -1,7 +1,9 @@
 #pragma once
 
+#include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 
@@ -43,6 +45,16 @@ inline std::string fathomProgram() { return std::string(FATHOM_BINARY_DIR) + "/a
 /// `arguments` as one would type them.
 inline ProgramResult runFathom(const std::string& arguments) {
   return runShell(shellQuoted(fathomProgram()) + " " + arguments);
+}
+
+/// One line that begins as all of the program's complaints do and contains `part`; status 2; nothing on
+/// stdout.
+inline void expectBadInput(const ProgramResult& result, const std::string& part) {
+  EXPECT_EQ(result.status, 2) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_TRUE(result.err.starts_with("fathom: ")) << result.err;
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
 }
 
 }  // namespace fathom::test

@@ -16,7 +16,7 @@ using test::lookingAtPanel;
 using test::markerAt;
 using test::trueCorners;
 
-struct Statistics {
+struct CornerStatistics {
   double rms_px = 0;           ///< of a coordinate
   double corner_nees = 0;      ///< mean per corner; 2 where the covariance is right
   double marker_nees = 0;      ///< mean per marker; 8
@@ -25,13 +25,14 @@ struct Statistics {
 
 /// Markers of 7 x 7 cells, `cell_px` wide seen from the front, in every attitude; rough corners are off by up
 /// to a third of a cell, but no more than 1.5 px.
-Statistics refineMany(const CameraModel& camera, double cell_px, const Look& look, bool know_lens,
-                      int count) {
-  Statistics statistics;
+CornerStatistics refineMany(const CameraModel& camera, double cell_px, const Look& look, bool know_lens,
+                            int count) {
+  CornerStatistics statistics;
   Random random(11);
   for (int i = 0; i < count; ++i) {
-    const Marker marker = markerAt("DICT_ARUCO_ORIGINAL", (17 + 29 * i) % 1024, 0.2, random.uniform(-0.1, 0.1),
-                                   random.uniform(-0.1, 0.1), random.uniform(0, 6.28));
+    const Marker marker =
+        markerAt("DICT_ARUCO_ORIGINAL", (17 + 29 * i) % 1024, 0.2, random.uniform(-0.1, 0.1),
+                 random.uniform(-0.1, 0.1), random.uniform(0, 6.28));
     const double distance_m = camera.fx_px * 0.2 / (7 * cell_px);
     const Pose T_camera_panel =
         lookingAtPanel(distance_m, random.uniform(0, 0.6), random.uniform(0, 6.28), random.uniform(0, 6.28));

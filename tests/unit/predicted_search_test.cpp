@@ -8,7 +8,7 @@
 namespace fathom {
 namespace {
 
-const CameraModel kCamera;
+const CameraModel kSearchCamera;
 const std::string kFamily = "DICT_ARUCO_ORIGINAL";
 
 PanelMap panel() {
@@ -35,19 +35,19 @@ TEST(PredictedSearch, FindsAllThatTheWholeImageHas) {
     const auto detector = makeDetector(backend, {kFamily});
     for (const double distance_m : {1.4, 2.6, 0.9}) {
       const Pose truth = test::lookingAtPanel(distance_m, radians(15), random.uniform(0, 6.28), 0.1);
-      const cv::Mat image = test::drawMarkers(map.markers, kCamera, truth, look, random);
+      const cv::Mat image = test::drawMarkers(map.markers, kSearchCamera, truth, look, random);
       PanelPrediction prediction;
       prediction.T_camera_panel = {truth.rotation * expSO3<double>({0.01, -0.01, 0.01}),
                                    truth.position + Vector3d(0.004, -0.003, 0.01)};
       prediction.margin_px = 10;
       const auto whole = detector->detect(image);
-      const auto found = detectPredicted(*detector, image, map, kCamera, prediction);
+      const auto found = detectPredicted(*detector, image, map, kSearchCamera, prediction);
       EXPECT_GE(found.size(), whole.size()) << nameOf(backend) << " " << distance_m;
       EXPECT_GE(whole.size(), distance_m < 1 ? 2U : 6U);
       for (const Detection& detection : found) {
         EXPECT_TRUE(detection.refined);
         const auto corners =
-            test::trueCorners(map.markers[static_cast<std::size_t>(detection.id - 10)], kCamera, truth);
+            test::trueCorners(map.markers[static_cast<std::size_t>(detection.id - 10)], kSearchCamera, truth);
         for (std::size_t k = 0; k < 4; ++k)  // full scale, whatever the search's
           EXPECT_LT((detection.corners_px[k] - corners[k]).norm(), 0.1);
       }
@@ -62,9 +62,9 @@ TEST(PredictedSearch, RejectsIdsThatAreNotExpectedThere) {
   auto painted = map.markers;
   std::swap(painted[0].id, painted[1].id);
   painted[2].id = 99;
-  const cv::Mat image = test::drawMarkers(painted, kCamera, truth, {}, random);
+  const cv::Mat image = test::drawMarkers(painted, kSearchCamera, truth, {}, random);
   const auto detector = makeDetector(Backend::aruco, {kFamily});
-  const auto found = detectPredicted(*detector, image, map, kCamera, {truth});
+  const auto found = detectPredicted(*detector, image, map, kSearchCamera, {truth});
   ASSERT_EQ(found.size(), 3U);
   EXPECT_EQ(found[0].id, 13);
 }
@@ -76,7 +76,8 @@ TEST(PredictedSearch, AreasGrowWithUncertaintyAndCoverTheTruth) {
   sure.T_camera_panel = test::lookingAtPanel(2, 0.2);
   PanelPrediction unsure = sure;
   unsure.covariance.diagonal() << 4e-4, 4e-4, 4e-4, 1e-3, 1e-3, 1e-3;
-  const auto narrow = predictMarkers(map, kCamera, sure), wide = predictMarkers(map, kCamera, unsure);
+  const auto narrow = predictMarkers(map, kSearchCamera, sure),
+             wide = predictMarkers(map, kSearchCamera, unsure);
   ASSERT_EQ(narrow.size(), 6U);
   ASSERT_EQ(wide.size(), 6U);
   EXPECT_GT(wide[0].area.area(), narrow[0].area.area());
@@ -86,7 +87,7 @@ TEST(PredictedSearch, AreasGrowWithUncertaintyAndCoverTheTruth) {
     Pose truth = sure.T_camera_panel;
     truth.position += 0.02 * random.normal3();
     truth.rotation *= expSO3<double>(std::sqrt(1e-3) * random.normal3());
-    covered += covers(wide[0].area, test::trueCorners(map.markers[0], kCamera, truth));
+    covered += covers(wide[0].area, test::trueCorners(map.markers[0], kSearchCamera, truth));
   }
   EXPECT_GT(covered, kRuns * 98 / 100);
 }
@@ -95,14 +96,14 @@ TEST(PredictedSearch, LeavesOutWhatCannotBeSeen) {
   const PanelMap map = panel();
   PanelPrediction behind;
   behind.T_camera_panel = test::lookingAtPanel(-2, 0);
-  EXPECT_TRUE(predictMarkers(map, kCamera, behind).empty());
+  EXPECT_TRUE(predictMarkers(map, kSearchCamera, behind).empty());
   PanelPrediction back;
   back.T_camera_panel = test::lookingAtPanel(2, radians(180));
-  EXPECT_TRUE(predictMarkers(map, kCamera, back).empty());
+  EXPECT_TRUE(predictMarkers(map, kSearchCamera, back).empty());
   PanelPrediction aside;
   aside.T_camera_panel = test::lookingAtPanel(2, 0);
   aside.T_camera_panel.position.x() = 9;
-  EXPECT_TRUE(predictMarkers(map, kCamera, aside).empty());
+  EXPECT_TRUE(predictMarkers(map, kSearchCamera, aside).empty());
 }
 
 TEST(PredictedSearch, RegionsAreJoinedWhereThatSavesPixels) {

@@ -11,7 +11,7 @@ namespace {
 
 const std::string kPose = "pose: {x: 1, y: 2, z: 3, yaw_deg: 90, pitch_deg: 0, roll_deg: 0}";
 
-TopicMap readText(const std::string& text) {
+TopicMap readTopics(const std::string& text) {
   const auto file = test::scratchFolder() / "topics.yaml";
   writeTextFile(file, text);
   return readTopicMap(file);
@@ -19,7 +19,7 @@ TopicMap readText(const std::string& text) {
 
 void expectError(const std::string& text, const std::string& part) {
   try {
-    readText(text);
+    readTopics(text);
     ADD_FAILURE() << "accepted: " << text;
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
@@ -27,9 +27,9 @@ void expectError(const std::string& text, const std::string& part) {
 }
 
 TEST(TopicMap, ReadsRolesPosesAndFields) {
-  const TopicMap map = readText("description: pool\ntopics:\n  - {topic: /imu, as: INS, " + kPose +
-                                ", use: [rate], orientation_of: robot}\n  - {topic: /r0, as: DVL_BEAMS, " +
-                                kPose + "}\n  - {topic: /r1, as: DVL_BEAMS, " + kPose + "}\n");
+  const TopicMap map = readTopics("description: pool\ntopics:\n  - {topic: /imu, as: INS, " + kPose +
+                                  ", use: [rate], orientation_of: robot}\n  - {topic: /r0, as: DVL_BEAMS, " +
+                                  kPose + "}\n  - {topic: /r1, as: DVL_BEAMS, " + kPose + "}\n");
   EXPECT_EQ(map.description, "pool");
   EXPECT_EQ(map.gravity_m_s2, 9.80665);
   ASSERT_EQ(map.topics.size(), 3U);
@@ -42,9 +42,9 @@ TEST(TopicMap, ReadsRolesPosesAndFields) {
 
 TEST(TopicMap, ReadsIntrinsicsOfACamera) {
   const TopicMap map =
-      readText("topics:\n  - {topic: /cam, as: CAMERA, " + kPose +
-               ", intrinsics: {width_px: 64, height_px: 48, fx_px: 50, fy_px: 51, cx_px: 32, cy_px: 24,"
-               " distortion: {k1: 0.1, k2: 0.2, p1: 0.3, p2: 0.4, k3: 0.5}}}\n");
+      readTopics("topics:\n  - {topic: /cam, as: CAMERA, " + kPose +
+                 ", intrinsics: {width_px: 64, height_px: 48, fx_px: 50, fy_px: 51, cx_px: 32, cy_px: 24,"
+                 " distortion: {k1: 0.1, k2: 0.2, p1: 0.3, p2: 0.4, k3: 0.5}}}\n");
   const auto& camera = *map.topics[0].intrinsics;
   EXPECT_EQ(camera.ncols, 64U);
   EXPECT_EQ(camera.fy(), 51);

@@ -16,17 +16,17 @@ namespace fathom {
 namespace {
 namespace fs = std::filesystem;
 
-const fs::path kConfig = fs::path(FATHOM_SOURCE_DIR) / "config";
+const fs::path kConfigFolder = fs::path(FATHOM_SOURCE_DIR) / "config";
 
-Trajectory fromText(const std::string& text) {
+Trajectory kindFromText(const std::string& text) {
   const auto file = test::scratchFolder() / "path.yaml";
   writeTextFile(file, text);
   return readTrajectory(file);
 }
 
-std::string complaint(const std::string& text) {
+std::string trajectoryComplaint(const std::string& text) {
   try {
-    fromText(text);
+    kindFromText(text);
   } catch (const Error& error) {
     return error.where + ": " + error.why;
   }
@@ -58,7 +58,7 @@ const std::string kStation =
     "  - {axis: yaw, amplitude_deg: 2, period_s: 5}\n";
 
 TEST(Station, KeepsItsPoseWithinTheSway) {
-  const Trajectory trajectory = fromText(kStation + "sway_seed: 3\n");
+  const Trajectory trajectory = kindFromText(kStation + "sway_seed: 3\n");
   EXPECT_NEAR(trajectory.end_s(), 60, 0.2);
   Vector3d largest = Vector3d::Zero();
   double largest_yaw = 0;
@@ -74,7 +74,9 @@ TEST(Station, KeepsItsPoseWithinTheSway) {
 }
 
 TEST(Station, PhasesComeFromTheSeed) {
-  const auto at30s = [](const std::string& more) { return fromText(kStation + more).at(30.0).position_odom; };
+  const auto at30s = [](const std::string& more) {
+    return kindFromText(kStation + more).at(30.0).position_odom;
+  };
   EXPECT_EQ(at30s("sway_seed: 3\n"), at30s("sway_seed: 3\n"));
   EXPECT_GT((at30s("sway_seed: 3\n") - at30s("sway_seed: 4\n")).norm(), 1e-3);
   EXPECT_GT((at30s("sway_seed: 3\n") - at30s("")).norm(), 1e-3);
@@ -85,7 +87,7 @@ const std::string kSurvey =
     "extent_m: 0.9\nspacing_m: 0.4\nspeed_m_s: 0.25\nturn_rate_deg_s: 12\n";
 
 TEST(Survey, SweepsThePlanesBeforeTheTarget) {
-  const Trajectory trajectory = fromText(kSurvey);
+  const Trajectory trajectory = kindFromText(kSurvey);
   expectContinuous(trajectory, 0.25);
   // Heading 90: the vehicle looks along y, so sweeps stand at y = 1 - 3 and 1 - 1.5 and legs go along x.
   const auto begin = trajectory.at(trajectory.start_s()), end = trajectory.at(trajectory.end_s());
@@ -105,7 +107,7 @@ TEST(Survey, SweepsThePlanesBeforeTheTarget) {
 }
 
 TEST(Survey, FacesItsTarget) {
-  const Trajectory trajectory = fromText(kSurvey + "facing: target\n");
+  const Trajectory trajectory = kindFromText(kSurvey + "facing: target\n");
   expectContinuous(trajectory, 0.25);
   double largest_rad = 0, fastest_rad_s = 0;
   for (const double t : test::timesBetween(trajectory.start_s(), trajectory.end_s(), 0.1)) {
@@ -121,7 +123,7 @@ TEST(Survey, FacesItsTarget) {
 }
 
 TEST(Survey, GoesOverTheFloorNoseFirst) {
-  const Trajectory trajectory = fromText(
+  const Trajectory trajectory = kindFromText(
       "kind: survey\nplane: level\ntarget: {x: 0, y: 0, z: -6}\nheading_deg: 0\ndistances_m: [2]\nlength_m: "
       "6\n"
       "extent_m: 4\nspacing_m: 2\nfacing: legs\nspeed_m_s: 0.5\n");
@@ -171,19 +173,20 @@ TEST(Recorded, ARecordingWithoutTruthIsNamed) {
 }
 
 TEST(TrajectoryKinds, MistakesAreNamed) {
-  EXPECT_EQ(complaint(kSurvey), "none");
-  EXPECT_NE(complaint("kind: circle\n").find("must be waypoints"), std::string::npos);
-  EXPECT_NE(complaint("kind: recorded\nfile: absent.tum\n").find("not there"), std::string::npos);
-  EXPECT_NE(complaint(kSurvey + "waypoints: []\n").find("waypoints"), std::string::npos);
-  EXPECT_NE(complaint(kSurvey + "facing: legs\n").find("level"), std::string::npos);
-  EXPECT_NE(complaint(kSurvey + "facing: away\n").find("heading, target or legs"), std::string::npos);
-  EXPECT_NE(complaint(kStation + "speed_m_s: 1\n").find("speed_m_s"), std::string::npos);
-  EXPECT_NE(
-      complaint("kind: station\npose: {x: 0, y: 0, z: 0, yaw_deg: 0}\nduration_s: 1e9\n").find("30 days"),
-      std::string::npos);
-  EXPECT_NE(
-      complaint("kind: station\npose: {x: 0, y: 0, z: 0, yaw_deg: 0}\nduration_s: 1\n").find("at least"),
-      std::string::npos);
+  EXPECT_EQ(trajectoryComplaint(kSurvey), "none");
+  EXPECT_NE(trajectoryComplaint("kind: circle\n").find("must be waypoints"), std::string::npos);
+  EXPECT_NE(trajectoryComplaint("kind: recorded\nfile: absent.tum\n").find("not there"), std::string::npos);
+  EXPECT_NE(trajectoryComplaint(kSurvey + "waypoints: []\n").find("waypoints"), std::string::npos);
+  EXPECT_NE(trajectoryComplaint(kSurvey + "facing: legs\n").find("level"), std::string::npos);
+  EXPECT_NE(trajectoryComplaint(kSurvey + "facing: away\n").find("heading, target or legs"),
+            std::string::npos);
+  EXPECT_NE(trajectoryComplaint(kStation + "speed_m_s: 1\n").find("speed_m_s"), std::string::npos);
+  EXPECT_NE(trajectoryComplaint("kind: station\npose: {x: 0, y: 0, z: 0, yaw_deg: 0}\nduration_s: 1e9\n")
+                .find("30 days"),
+            std::string::npos);
+  EXPECT_NE(trajectoryComplaint("kind: station\npose: {x: 0, y: 0, z: 0, yaw_deg: 0}\nduration_s: 1\n")
+                .find("at least"),
+            std::string::npos);
 }
 
 /// Markers whose corners all lie in the image.
@@ -201,9 +204,9 @@ int markersInView(const PanelMap& map, const CameraSheet& camera, const Pose& T_
 // The shipped examples fly where the shipped vehicle's camera sees the shipped panel.
 TEST(TrajectoryKinds, ShippedOnesLookAtThePanel) {
   const PanelMap map = readPanelMap(fs::path(FATHOM_SOURCE_DIR) / "maps/dexrov/panel.yaml");
-  const CameraSheet camera = readVehicle(kConfig / "rov.yaml").camera.value();
+  const CameraSheet camera = readVehicle(kConfigFolder / "rov.yaml").camera.value();
   for (const char* name : {"trajectory_station.yaml", "trajectory_survey.yaml"}) {
-    const Trajectory trajectory = readTrajectory(kConfig / name);
+    const Trajectory trajectory = readTrajectory(kConfigFolder / name);
     expectContinuous(trajectory, 0.45);
     int seen = 0, all = 0;
     for (const double t : test::timesBetween(trajectory.start_s(), trajectory.end_s(), 0.5)) {
