@@ -48,10 +48,11 @@ TEST(HuskyFused, EndsWhereThePeerDoes) {
 Vector3d toVector(const ros1::Vector3& v) { return {v.x, v.y, v.z}; }
 
 template <class Array>
-Matrix3d toMatrix(const Array& row_major, int stride) {
+Matrix3d toMatrix(const Array& row_major, std::size_t stride) {
   Matrix3d m;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) m(i, j) = row_major[static_cast<std::size_t>(i * stride + j)];
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      m(static_cast<int>(i), static_cast<int>(j)) = row_major[i * stride + j];
   return m;
 }
 

@@ -16,7 +16,7 @@ namespace fathom {
 namespace {
 
 constexpr std::size_t kScalars = kEffectOffsets[kEffectCount];
-using Jet = ceres::Jet<double, static_cast<int>(kScalars)>;
+using EffectJet = ceres::Jet<double, static_cast<int>(kScalars)>;
 
 /// Parameters a few prior sigmas large, of all effects at once or of one.
 EffectParameters<double> randomParameters(Random& random) {
@@ -118,11 +118,11 @@ TEST(EffectRegistry, JetDerivativesEqualNumericOnes) {
   for (int round = 0; round < 50; ++round) {
     const auto state = test::randomMotion(random);
     const auto parameters = randomParameters(random);
-    EffectParameters<Jet> jets;
+    EffectParameters<EffectJet> jets;
     jets.on = parameters.on;
     for (std::size_t i = 0; i < kScalars; ++i)
-      jets.values[i] = Jet(parameters.values[i], static_cast<int>(i));
-    const auto with_jets = predictions(cast<Jet>(state), jets);
+      jets.values[i] = EffectJet(parameters.values[i], static_cast<int>(i));
+    const auto with_jets = predictions(cast<EffectJet>(state), jets);
     const auto plain = predictions(state, parameters);
     ASSERT_EQ(with_jets.size(), plain.size());
     for (std::size_t k = 0; k < plain.size(); ++k)

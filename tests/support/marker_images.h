@@ -110,12 +110,16 @@ inline cv::Mat drawMarkers(const std::vector<Marker>& markers, const CameraModel
         const Vector2d by_row = camera.idealAt({column, row + 0.5}) - ideal;
         const int shift_x = static_cast<int>(random.uniform(0, kShifts));
         const int shift_y = static_cast<int>(random.uniform(0, kShifts));
+        const auto offset = [&](int sample, int shift) {
+          return offsets[static_cast<std::size_t>(kShifts) * static_cast<std::size_t>(sample) +
+                         static_cast<std::size_t>(shift)];
+        };
         double sum = 0;
         for (int i = 0; i < n; ++i)
           for (int j = 0; j < n; ++j) {
             // No two samples share a row or a column: edges along them are as smooth as others.
-            const double x = offsets[static_cast<std::size_t>(kShifts * (i * n + j) + shift_x)];
-            const double y = offsets[static_cast<std::size_t>(kShifts * (j * n + i) + shift_y)];
+            const double x = offset(i * n + j, shift_x);
+            const double y = offset(j * n + i, shift_y);
             const Vector2d p = ideal + 2.0 * x * by_column + 2.0 * y * by_row;
             const Vector3d ray = p.homogeneous();
             const Vector3d point = ray * (distance / normal.dot(ray));
