@@ -94,6 +94,12 @@ inline cv::Mat drawMarkers(const std::vector<Marker>& markers, const CameraModel
                            const Pose& T_camera_panel, const Look& look, Random& random) {
   cv::Mat image(camera.height_px, camera.width_px, CV_32FC1, cv::Scalar(look.background));
   constexpr int kShifts = 16;  // each pixel takes its own sixteenth of the offsets: noise instead of steps
+  const bool straight =
+      camera.k1 == 0 && camera.k2 == 0 && camera.k3 == 0 && camera.p1 == 0 && camera.p2 == 0;
+  const auto ideal_at = [&](double x, double y) -> Vector2d {
+    if (straight) return {(x - camera.cx_px) / camera.fx_px, (y - camera.cy_px) / camera.fy_px};
+    return camera.idealAt({x, y});
+  };
   const int n = look.supersampling;
   const std::vector<double> offsets = detail::sampleOffsets(look.blur_sigma_px, kShifts * n * n);
   for (const Marker& marker : markers) {
@@ -105,9 +111,9 @@ inline cv::Mat drawMarkers(const std::vector<Marker>& markers, const CameraModel
     for (int row = box.y; row < box.y + box.height; ++row)
       for (int column = box.x; column < box.x + box.width; ++column) {
         // The lens's distortion is linear within a pixel.
-        const Vector2d ideal = camera.idealAt({column, row});
-        const Vector2d by_column = camera.idealAt({column + 0.5, row}) - ideal;
-        const Vector2d by_row = camera.idealAt({column, row + 0.5}) - ideal;
+        const Vector2d ideal = ideal_at(column, row);
+        const Vector2d by_column = ideal_at(column + 0.5, row) - ideal;
+        const Vector2d by_row = ideal_at(column, row + 0.5) - ideal;
         const int shift_x = static_cast<int>(random.uniform(0, kShifts));
         const int shift_y = static_cast<int>(random.uniform(0, kShifts));
         const auto offset = [&](int sample, int shift) {

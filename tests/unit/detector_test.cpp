@@ -25,6 +25,7 @@ std::vector<Marker> fourMarkers(const std::string& family) {
   const double size_m = 0.016 * pattern.border_cells;
   const int count = markerCount(family);
   std::vector<Marker> markers;
+  markers.reserve(4);
   for (int k = 0; k < 4; ++k)
     markers.push_back(markerAt(family, k * (count - 1) / 3, size_m, k % 2 == 0 ? -0.12 : 0.12,
                                k < 2 ? 0.12 : -0.12, k * radians(100)));
