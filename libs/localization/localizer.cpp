@@ -10,6 +10,7 @@
 #include "localization/chi_square.h"
 #include "localization/measurements.h"
 #include "localization/smoother.h"
+#include "sensors/models.h"
 
 namespace fathom {
 namespace {
@@ -102,15 +103,16 @@ class Fuser {
     if (!setup_.vehicle.ins) return;
     const InsSheet& sheet = *setup_.vehicle.ins;
     if (s.angular_velocity_ins && uses(Channel::gyro))
-      update(Channel::gyro, gyroMeasurement<N>(f.x, *s.angular_velocity_ins, s.T_robot_ins,
-                                               sheet.gyro_sigma_rad_s, context_));
+      update(Channel::gyro, SensorMeasurements<N>::gyro(f.x, *s.angular_velocity_ins, s.T_robot_ins,
+                                                        sheet.gyro_sigma_rad_s, context_));
     if (s.specific_force_ins && uses(Channel::accelerometer))
-      update(Channel::accelerometer, accelerometerMeasurement<N>(f.x, *s.specific_force_ins, s.T_robot_ins,
-                                                                 sheet.accelerometer_sigma_m_s2, context_));
+      update(Channel::accelerometer,
+             SensorMeasurements<N>::accelerometer(f.x, *s.specific_force_ins, s.T_robot_ins,
+                                                  sheet.accelerometer_sigma_m_s2, context_));
     if (s.R_odom_ins && sheet.attitude_sigma_rad && uses(Channel::attitude)) {
       const double variance = *sheet.attitude_sigma_rad * *sheet.attitude_sigma_rad;
-      update(Channel::attitude, attitudeMeasurement<N>(f.x, *s.R_odom_ins, s.T_robot_ins,
-                                                       Matrix3d::Identity() * variance, context_));
+      update(Channel::attitude, SensorMeasurements<N>::attitude(f.x, *s.R_odom_ins, s.T_robot_ins,
+                                                                Matrix3d::Identity() * variance, context_));
     }
   }
 
@@ -120,7 +122,7 @@ class Fuser {
     const DvlSheet& sheet = *setup_.vehicle.dvl;
     const Vector3d sigma(sheet.velocity_sigma_xy_m_s, sheet.velocity_sigma_xy_m_s,
                          sheet.velocity_sigma_z_m_s);
-    update(Channel::dvl, dvlMeasurement<N>(f.x, *s.velocity_dvl, s.T_robot_dvl, sigma, context_));
+    update(Channel::dvl, SensorMeasurements<N>::dvl(f.x, *s.velocity_dvl, s.T_robot_dvl, sigma, context_));
   }
 
   template <class Update>
@@ -130,23 +132,25 @@ class Fuser {
     const DvlSheet& sheet = *setup_.vehicle.dvl;
     for (const DvlBeam& beam : s.beams)
       if (beam.range_m)
-        update(Channel::altitude, beamMeasurement<N>(f.x, *beam.range_m, sheet.T_robot_dvl, beam.T_robot_beam,
-                                                     sheet.range_sigma_m, context_));
+        update(Channel::altitude,
+               SensorMeasurements<N>::beam(f.x, *beam.range_m, sheet.T_robot_dvl, beam.T_robot_beam,
+                                           sheet.range_sigma_m, context_));
   }
 
   template <class Update>
   void fuseDepth(ErrorStateFilter<N>& f, const DepthSample& s, const Update& update) const {
     if (!setup_.vehicle.depth || !uses(Channel::depth)) return;
-    update(Channel::depth,
-           depthMeasurement<N>(f.x, s.pressure_pa, *setup_.vehicle.depth, s.T_robot_depth, context_));
+    update(Channel::depth, SensorMeasurements<N>::depth(f.x, s.pressure_pa, *setup_.vehicle.depth,
+                                                        s.T_robot_depth, context_));
   }
 
   template <class Update>
   void fuseUsbl(ErrorStateFilter<N>& f, const PoseSample& s, const Update& update) const {
     if (!uses(Channel::usbl)) return;
     const Pose T_robot_usbl = setup_.vehicle.usbl ? setup_.vehicle.usbl->T_robot_usbl : Pose{};
-    update(Channel::usbl, usblMeasurement<N>(f.x, Pose::fromMrpt(s.T_odom_robot.mean).position, T_robot_usbl,
-                                             Matrix3d(s.T_odom_robot.cov.asEigen().topLeftCorner<3, 3>())));
+    update(Channel::usbl,
+           SensorMeasurements<N>::usbl(f.x, Pose::fromMrpt(s.T_odom_robot.mean).position, T_robot_usbl,
+                                       Matrix3d(s.T_odom_robot.cov.asEigen().topLeftCorner<3, 3>())));
   }
 
   template <class Update>

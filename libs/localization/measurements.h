@@ -2,7 +2,7 @@
 
 #include "localization/error_state_filter.h"
 #include "recording/samples.h"
-#include "sensors/models.h"
+#include "sensors/vehicle.h"
 
 /// Readings as linearized measurements: the residual comes from the sensors' forward model (libs/sensors),
 /// its Jacobian from running that model on Jets. To add a sensor, add its forward model there, a function
@@ -14,31 +14,6 @@ struct MeasurementContext {
   Vector3d gravity_odom{0.0, 0.0, -9.80665};
   EffectParameters<double> calibration;  ///< effects known to be there
 };
-
-namespace detail {
-
-/// residual = z - h(x), H = dh/d(error), from h evaluated on Jets.
-template <class Filter, int M, class Cols>
-typename Filter::template Measurement<M, Cols> fromPrediction(
-    const Eigen::Matrix<double, M, 1>& z,
-    const Eigen::Matrix<ceres::Jet<double, Cols::size>, M, 1>& prediction,
-    const Eigen::Matrix<double, M, M>& R) {
-  typename Filter::template Measurement<M, Cols> m;
-  for (int i = 0; i < M; ++i) {
-    m.residual[i] = z[i] - prediction[i].a;
-    m.H.row(i) = prediction[i].v.transpose();
-  }
-  m.R = R;
-  return m;
-}
-
-/// The world as the filter sees it: the sea floor is one of its states.
-template <class T>
-World<T> worldOf(const NavigationState<T>& x, const MeasurementContext& context) {
-  return {context.gravity_odom, x.sea_floor_z_m};
-}
-
-}  // namespace detail
 
 /// Columns of the error state, without those that a filter of size N has not got.
 template <int N>
@@ -54,90 +29,48 @@ struct SensorColumns {
   using Pose = Columns<0, 1, 2, 3, 4, 5>;
 };
 
+/// What each sensor's reading says of a state of N entries: residual, Jacobian, covariance.
 template <int N>
-auto gyroMeasurement(const NavigationState<double>& x, const Vector3d& angular_velocity_ins,
-                     const Pose& T_robot_ins, double sigma_rad_s, const MeasurementContext& context) {
-  using Cols = typename SensorColumns<N>::Gyro;
-  const auto y = lift<Cols>(x);
-  return detail::fromPrediction<ErrorStateFilter<N>, 3, Cols>(
-      angular_velocity_ins, predictGyro(y.motion, T_robot_ins, effectsOf(y, context.calibration)),
-      Matrix3d::Identity() * sigma_rad_s * sigma_rad_s);
-}
+struct SensorMeasurements {
+  template <int M, class Cols>
+  using Measurement = typename ErrorStateFilter<N>::template Measurement<M, Cols>;
+  using Columns = SensorColumns<N>;
 
-template <int N>
-auto accelerometerMeasurement(const NavigationState<double>& x, const Vector3d& specific_force_ins,
-                              const Pose& T_robot_ins, double sigma_m_s2, const MeasurementContext& context) {
-  using Cols = typename SensorColumns<N>::Accelerometer;
-  const auto y = lift<Cols>(x);
-  return detail::fromPrediction<ErrorStateFilter<N>, 3, Cols>(
-      specific_force_ins,
-      predictSpecificForce(y.motion, detail::worldOf(y, context), T_robot_ins,
-                           effectsOf(y, context.calibration)),
-      Matrix3d::Identity() * sigma_m_s2 * sigma_m_s2);
-}
+  static Measurement<3, typename Columns::Gyro> gyro(const NavigationState<double>& x,
+                                                     const Vector3d& angular_velocity_ins,
+                                                     const Pose& T_robot_ins, double sigma_rad_s,
+                                                     const MeasurementContext& context);
 
-/// residual = Log(R_predicted^T R_measured), rad, INS axes; R is the covariance of that rotation vector.
-template <int N>
-auto attitudeMeasurement(const NavigationState<double>& x, const Matrix3d& R_odom_ins,
-                         const Pose& T_robot_ins, const Matrix3d& covariance,
-                         const MeasurementContext& context) {
-  using Cols = typename SensorColumns<N>::Orientation;
-  using Jet = ceres::Jet<double, Cols::size>;
-  const auto y = lift<Cols>(x);
-  const Matrix3<Jet> predicted = predictAttitude(y.motion, T_robot_ins, effectsOf(y, context.calibration));
-  const Vector3<Jet> residual = logSO3<Jet>(predicted.transpose() * R_odom_ins.cast<Jet>());
-  typename ErrorStateFilter<N>::template Measurement<3, Cols> m;
-  for (int i = 0; i < 3; ++i) {
-    m.residual[i] = residual[i].a;
-    m.H.row(i) = -residual[i].v.transpose();
-  }
-  m.R = covariance;
-  return m;
-}
+  static Measurement<3, typename Columns::Accelerometer> accelerometer(const NavigationState<double>& x,
+                                                                       const Vector3d& specific_force_ins,
+                                                                       const Pose& T_robot_ins,
+                                                                       double sigma_m_s2,
+                                                                       const MeasurementContext& context);
 
-template <int N>
-auto dvlMeasurement(const NavigationState<double>& x, const Vector3d& velocity_dvl, const Pose& T_robot_dvl,
-                    const Vector3d& sigma_m_s, const MeasurementContext& context) {
-  using Cols = typename SensorColumns<N>::Dvl;
-  const auto y = lift<Cols>(x);
-  return detail::fromPrediction<ErrorStateFilter<N>, 3, Cols>(
-      velocity_dvl, predictDvlVelocity(y.motion, T_robot_dvl, effectsOf(y, context.calibration)),
-      Matrix3d(sigma_m_s.cwiseAbs2().asDiagonal()));
-}
+  /// residual = Log(R_predicted^T R_measured), rad, INS axes; R is the covariance of that rotation vector.
+  static Measurement<3, typename Columns::Orientation> attitude(const NavigationState<double>& x,
+                                                                const Matrix3d& R_odom_ins,
+                                                                const Pose& T_robot_ins,
+                                                                const Matrix3d& covariance,
+                                                                const MeasurementContext& context);
 
-template <int N>
-auto beamMeasurement(const NavigationState<double>& x, double range_m, const Pose& T_robot_dvl,
-                     const Pose& T_robot_beam, double sigma_m, const MeasurementContext& context) {
-  using Cols = typename SensorColumns<N>::Beam;
-  using Jet = ceres::Jet<double, Cols::size>;
-  const auto y = lift<Cols>(x);
-  const Eigen::Matrix<Jet, 1, 1> prediction(predictBeamRange(
-      y.motion, detail::worldOf(y, context), T_robot_dvl, T_robot_beam, effectsOf(y, context.calibration)));
-  return detail::fromPrediction<ErrorStateFilter<N>, 1, Cols>(
-      Eigen::Matrix<double, 1, 1>(range_m), prediction, Eigen::Matrix<double, 1, 1>(sigma_m * sigma_m));
-}
+  static Measurement<3, typename Columns::Dvl> dvl(const NavigationState<double>& x,
+                                                   const Vector3d& velocity_dvl, const Pose& T_robot_dvl,
+                                                   const Vector3d& sigma_m_s,
+                                                   const MeasurementContext& context);
 
-template <int N>
-auto depthMeasurement(const NavigationState<double>& x, double pressure_pa, const DepthSheet& sheet,
-                      const Pose& T_robot_depth, const MeasurementContext& context) {
-  using Cols = typename SensorColumns<N>::Depth;
-  using Jet = ceres::Jet<double, Cols::size>;
-  const auto y = lift<Cols>(x);
-  const Eigen::Matrix<Jet, 1, 1> prediction(predictPressure(
-      y.motion, detail::worldOf(y, context), sheet, T_robot_depth, effectsOf(y, context.calibration)));
-  return detail::fromPrediction<ErrorStateFilter<N>, 1, Cols>(
-      Eigen::Matrix<double, 1, 1>(pressure_pa), prediction,
-      Eigen::Matrix<double, 1, 1>(sheet.pressure_sigma_pa * sheet.pressure_sigma_pa));
-}
+  static Measurement<1, typename Columns::Beam> beam(const NavigationState<double>& x, double range_m,
+                                                     const Pose& T_robot_dvl, const Pose& T_robot_beam,
+                                                     double sigma_m, const MeasurementContext& context);
 
-template <int N>
-auto usblMeasurement(const NavigationState<double>& x, const Vector3d& position_odom,
-                     const Pose& T_robot_usbl, const Matrix3d& covariance) {
-  using Cols = typename SensorColumns<N>::Pose;
-  const auto y = lift<Cols>(x);
-  return detail::fromPrediction<ErrorStateFilter<N>, 3, Cols>(
-      position_odom, predictUsbl(y.motion, T_robot_usbl), covariance);
-}
+  static Measurement<1, typename Columns::Depth> depth(const NavigationState<double>& x, double pressure_pa,
+                                                       const DepthSheet& sheet, const Pose& T_robot_depth,
+                                                       const MeasurementContext& context);
+
+  static Measurement<3, typename Columns::Pose> usbl(const NavigationState<double>& x,
+                                                     const Vector3d& position_odom, const Pose& T_robot_usbl,
+                                                     const Matrix3d& covariance);
+};
 
 /// A reading of the error state's own coordinates I…, as robot_localization's users have them: residual z [-]
 /// x, with all three orientation columns or none. The value is given as a state of which the listed
@@ -174,5 +107,40 @@ auto poseMeasurement(const NavigationState<double>& x, const mrpt::poses::CPose3
   J.bottomRightCorner<3, 3>() = bodyRotationFromYawPitchRoll(yawPitchRollFromRotation(pose.rotation));
   return directMeasurement<N, 0, 1, 2, 3, 4, 5>(x, z, J * T_odom_robot.cov.asEigen() * J.transpose());
 }
+
+// The sensors' models run on Jets, and updates are unrolled: long to compile, so done once, in
+// measurements.cpp.
+extern template struct SensorMeasurements<kCoreSize>;
+extern template struct SensorMeasurements<kFullSize>;
+extern template double ErrorStateFilter<kCoreSize>::update(
+    const ErrorStateFilter<kCoreSize>::Measurement<3, SensorColumns<kCoreSize>::Gyro>&, double);
+extern template double ErrorStateFilter<kCoreSize>::update(
+    const ErrorStateFilter<kCoreSize>::Measurement<3, SensorColumns<kCoreSize>::Accelerometer>&, double);
+extern template double ErrorStateFilter<kCoreSize>::update(
+    const ErrorStateFilter<kCoreSize>::Measurement<3, SensorColumns<kCoreSize>::Orientation>&, double);
+extern template double ErrorStateFilter<kCoreSize>::update(
+    const ErrorStateFilter<kCoreSize>::Measurement<3, SensorColumns<kCoreSize>::Dvl>&, double);
+extern template double ErrorStateFilter<kCoreSize>::update(
+    const ErrorStateFilter<kCoreSize>::Measurement<1, SensorColumns<kCoreSize>::Beam>&, double);
+extern template double ErrorStateFilter<kCoreSize>::update(
+    const ErrorStateFilter<kCoreSize>::Measurement<3, SensorColumns<kCoreSize>::Pose>&, double);
+extern template double ErrorStateFilter<kCoreSize>::update(
+    const ErrorStateFilter<kCoreSize>::Selection<SensorColumns<kCoreSize>::Pose>&, double);
+extern template double ErrorStateFilter<kFullSize>::update(
+    const ErrorStateFilter<kFullSize>::Measurement<3, SensorColumns<kFullSize>::Gyro>&, double);
+extern template double ErrorStateFilter<kFullSize>::update(
+    const ErrorStateFilter<kFullSize>::Measurement<3, SensorColumns<kFullSize>::Accelerometer>&, double);
+extern template double ErrorStateFilter<kFullSize>::update(
+    const ErrorStateFilter<kFullSize>::Measurement<3, SensorColumns<kFullSize>::Orientation>&, double);
+extern template double ErrorStateFilter<kFullSize>::update(
+    const ErrorStateFilter<kFullSize>::Measurement<3, SensorColumns<kFullSize>::Dvl>&, double);
+extern template double ErrorStateFilter<kFullSize>::update(
+    const ErrorStateFilter<kFullSize>::Measurement<1, SensorColumns<kFullSize>::Beam>&, double);
+extern template double ErrorStateFilter<kFullSize>::update(
+    const ErrorStateFilter<kFullSize>::Measurement<1, SensorColumns<kFullSize>::Depth>&, double);
+extern template double ErrorStateFilter<kFullSize>::update(
+    const ErrorStateFilter<kFullSize>::Measurement<3, SensorColumns<kFullSize>::Pose>&, double);
+extern template double ErrorStateFilter<kFullSize>::update(
+    const ErrorStateFilter<kFullSize>::Selection<SensorColumns<kFullSize>::Pose>&, double);
 
 }  // namespace fathom

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef FATHOM_SANITIZE
 // OSMesa 22.3 never frees the window buffer of a context (some 150 bytes each). What it allocates is not
 // reported as a leak, in any program that this file is linked into; what we allocate is.
 extern "C" const char* __lsan_default_suppressions();                                   // NOLINT

@@ -65,10 +65,10 @@ Errors run(const EkfInputs& inputs, const TruthAt& truth_at, const ProcessNoise&
         const auto& z = line.z.motion;
         filter.update(
             directMeasurement<N, 3, 4, 5>(filter.x, line.z, Matrix3d(line.R.topLeftCorner<3, 3>())));
-        filter.update(
-            gyroMeasurement<N>(filter.x, z.angular_velocity_robot, Pose{}, std::sqrt(line.R(3, 3)), context));
-        filter.update(accelerometerMeasurement<N>(filter.x, z.acceleration_robot, Pose{},
-                                                  std::sqrt(line.R(6, 6)), context));
+        filter.update(SensorMeasurements<N>::gyro(filter.x, z.angular_velocity_robot, Pose{},
+                                                  std::sqrt(line.R(3, 3)), context));
+        filter.update(SensorMeasurements<N>::accelerometer(filter.x, z.acceleration_robot, Pose{},
+                                                           std::sqrt(line.R(6, 6)), context));
       } else {
         withMeasurement<N>(filter.x, line, [&](const auto& m) { return filter.update(m); });
       }
@@ -107,7 +107,7 @@ KinematicState<double> survey(const std::vector<std::vector<double>>& rows, doub
 TEST(EkfInputs, SurveyVelocityAndAttitude) {
   FATHOM_NEEDS_SHARED("ekf_inputs");
   double attitude_sum = 0.0, attitude_best = 1e9;
-#ifdef __SANITIZE_ADDRESS__
+#ifdef FATHOM_SANITIZE
   const std::vector<int> seeds{1};  // the sanitizers look at accesses, not at statistics
 #else
   const std::vector<int> seeds{1, 3, 20240501};

@@ -6,6 +6,7 @@
 
 #include "localization/chi_square.h"
 #include "localization/measurements.h"
+#include "sensors/models.h"
 #include "support/random_state.h"
 
 namespace fathom {
@@ -94,36 +95,39 @@ double meanNees(const SensorSet& use, std::uint64_t seed, double noise_factor) {
     moveRandomly<N>(truth, noise, random);
     filter.predict(kDt, noise);
     const auto effects = effectsOf(truth, context.calibration);
-    const auto world = detail::worldOf(truth, context);
+    const auto world = World<double>{context.gravity_odom, truth.sea_floor_z_m};
     const auto& m = truth.motion;
     if (use.gyro)
-      filter.update(gyroMeasurement<N>(filter.x, predictGyro(m, ins, effects) + noise3(sigma.gyro), ins,
-                                       sigma.gyro, context));
+      filter.update(SensorMeasurements<N>::gyro(filter.x, predictGyro(m, ins, effects) + noise3(sigma.gyro),
+                                                ins, sigma.gyro, context));
     if (use.accelerometer)
-      filter.update(accelerometerMeasurement<N>(
+      filter.update(SensorMeasurements<N>::accelerometer(
           filter.x, predictSpecificForce(m, world, ins, effects) + noise3(sigma.accelerometer), ins,
           sigma.accelerometer, context));
     if (use.attitude && k % 5 == 0)
-      filter.update(attitudeMeasurement<N>(
+      filter.update(SensorMeasurements<N>::attitude(
           filter.x, predictAttitude(m, ins, effects) * expSO3<double>(noise3(sigma.attitude)), ins,
           Matrix3d::Identity() * sigma.attitude * sigma.attitude, context));
     if (use.dvl && k % 10 == 0)
-      filter.update(dvlMeasurement<N>(filter.x, predictDvlVelocity(m, dvl, effects) + noise3(sigma.dvl), dvl,
-                                      Vector3d::Constant(sigma.dvl), context));
+      filter.update(SensorMeasurements<N>::dvl(filter.x,
+                                               predictDvlVelocity(m, dvl, effects) + noise3(sigma.dvl), dvl,
+                                               Vector3d::Constant(sigma.dvl), context));
     if (use.altitude && k % 10 == 0)
       for (std::size_t beam = 0; beam < 4; ++beam) {
         const double range = predictBeamRange(m, world, dvl, sheet.T_robot_beam(beam), effects);
-        filter.update(beamMeasurement<N>(filter.x, range + noise_factor * sigma.beam * random.normal(), dvl,
-                                         sheet.T_robot_beam(beam), sigma.beam, context));
+        filter.update(SensorMeasurements<N>::beam(filter.x,
+                                                  range + noise_factor * sigma.beam * random.normal(), dvl,
+                                                  sheet.T_robot_beam(beam), sigma.beam, context));
       }
     if (use.depth && k % 10 == 0)
-      filter.update(depthMeasurement<N>(filter.x,
-                                        predictPressure(m, world, sigma.depth, other, effects) +
-                                            noise_factor * sigma.depth.pressure_sigma_pa * random.normal(),
-                                        sigma.depth, other, context));
+      filter.update(
+          SensorMeasurements<N>::depth(filter.x,
+                                       predictPressure(m, world, sigma.depth, other, effects) +
+                                           noise_factor * sigma.depth.pressure_sigma_pa * random.normal(),
+                                       sigma.depth, other, context));
     if (use.usbl && k % 50 == 0)
-      filter.update(usblMeasurement<N>(filter.x, predictUsbl(m, other) + noise3(sigma.usbl), other,
-                                       Matrix3d::Identity() * sigma.usbl * sigma.usbl));
+      filter.update(SensorMeasurements<N>::usbl(filter.x, predictUsbl(m, other) + noise3(sigma.usbl), other,
+                                                Matrix3d::Identity() * sigma.usbl * sigma.usbl));
     if (use.landmark && k % 25 == 0) {
       auto z = truth;
       z.motion.position_odom += noise3(sigma.landmark_m);

@@ -154,7 +154,7 @@ TEST_F(RawlogFuzz, EveryByteOfEveryKind) {
 }
 
 TEST_F(RawlogFuzz, MemoryStaysBounded) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef FATHOM_SANITIZE
   GTEST_SKIP() << "the address sanitizer keeps freed memory";
 #endif
   // Runs in this process after or before the others; a single length believed would be up to 4 GB.

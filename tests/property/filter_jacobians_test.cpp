@@ -82,21 +82,26 @@ TYPED_TEST(FilterJacobians, EverySensor) {
     const Vector3d z = random.normal3();
     using State = NavigationState<double>;
     expectJacobian<N>(
-        x, [&](const State& s) { return gyroMeasurement<N>(s, z, mount, 0.1, context); }, "gyro");
+        x, [&](const State& s) { return SensorMeasurements<N>::gyro(s, z, mount, 0.1, context); }, "gyro");
     expectJacobian<N>(
-        x, [&](const State& s) { return accelerometerMeasurement<N>(s, z, mount, 0.1, context); },
+        x, [&](const State& s) { return SensorMeasurements<N>::accelerometer(s, z, mount, 0.1, context); },
         "accelerometer");
     expectJacobian<N>(
-        x, [&](const State& s) { return dvlMeasurement<N>(s, z, mount, Vector3d::Ones(), context); }, "dvl");
+        x, [&](const State& s) { return SensorMeasurements<N>::dvl(s, z, mount, Vector3d::Ones(), context); },
+        "dvl");
     expectJacobian<N>(
-        x, [&](const State& s) { return depthMeasurement<N>(s, 2e5, DepthSheet{}, mount, context); },
+        x, [&](const State& s) { return SensorMeasurements<N>::depth(s, 2e5, DepthSheet{}, mount, context); },
         "depth");
     expectJacobian<N>(
-        x, [&](const State& s) { return usblMeasurement<N>(s, z, mount, Matrix3d::Identity()); }, "usbl");
+        x, [&](const State& s) { return SensorMeasurements<N>::usbl(s, z, mount, Matrix3d::Identity()); },
+        "usbl");
     // Attitude: a measurement within a radian, where Log is smooth.
     const Matrix3d R = x.motion.R_odom_robot * mount.rotation * expSO3<double>(0.3 * random.normal3());
     expectJacobian<N>(
-        x, [&](const State& s) { return attitudeMeasurement<N>(s, R, mount, Matrix3d::Identity(), context); },
+        x,
+        [&](const State& s) {
+          return SensorMeasurements<N>::attitude(s, R, mount, Matrix3d::Identity(), context);
+        },
         "attitude");
     // A beam that looks down: from a level vehicle with some tilt.
     x.motion.R_odom_robot = expSO3<double>(0.2 * random.normal3());
@@ -104,8 +109,8 @@ TYPED_TEST(FilterJacobians, EverySensor) {
     expectJacobian<N>(
         x,
         [&](const State& s) {
-          return beamMeasurement<N>(s, 5.0, dvl.T_robot_dvl,
-                                    dvl.T_robot_beam(static_cast<std::size_t>(i % 4)), 0.1, context);
+          return SensorMeasurements<N>::beam(s, 5.0, dvl.T_robot_dvl,
+                                             dvl.T_robot_beam(static_cast<std::size_t>(i % 4)), 0.1, context);
         },
         "beam");
   }

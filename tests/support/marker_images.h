@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/core.hpp>
-#include <optional>
 #include <vector>
 
 #include "core/camera_model.h"
@@ -26,20 +25,16 @@ namespace detail {
 /// A marker with the inverse of its placement, so that a point of its plane finds its cell.
 struct DrawnMarker {
   MarkerPattern pattern;
-  Pose T_marker_panel;
   double cell_m;
 
   explicit DrawnMarker(const Marker& marker)
-      : pattern(markerPattern(marker.family, marker.id)),
-        T_marker_panel(marker.T_panel_marker.inverse()),
-        cell_m(marker.size_m / pattern.border_cells) {}
+      : pattern(markerPattern(marker.family, marker.id)), cell_m(marker.size_m / pattern.border_cells) {}
 
-  /// Brightness at a point of the marker's plane; nothing outside its quiet zone of one cell.
-  std::optional<double> at(double x, double y, const Look& look) const {
+  /// Brightness at a point of the marker's plane; `behind` outside its quiet zone of one cell.
+  double at(double x, double y, const Look& look, double behind) const {
     const double half = 0.5 * pattern.cells;
     const double column = x / cell_m + half, row = half - y / cell_m;
-    if (column < -1 || row < -1 || column >= pattern.cells + 1 || row >= pattern.cells + 1)
-      return std::nullopt;
+    if (column < -1 || row < -1 || column >= pattern.cells + 1 || row >= pattern.cells + 1) return behind;
     if (column < 0 || row < 0 || column >= pattern.cells || row >= pattern.cells) return look.white;
     return pattern.whiteAt(static_cast<int>(row), static_cast<int>(column)) ? look.white : look.black;
   }
@@ -105,8 +100,10 @@ inline cv::Mat drawMarkers(const std::vector<Marker>& markers, const CameraModel
   for (const Marker& marker : markers) {
     const detail::DrawnMarker drawn(marker);
     const Pose T_camera_marker = T_camera_panel * marker.T_panel_marker;
-    const Vector3d normal = T_camera_marker.rotation.col(2);
-    const double distance = normal.dot(T_camera_marker.position);
+    // A ray (x y 1) meets the marker's plane at u/w, v/w, with (u v w) = to_plane (x y 1).
+    Matrix3d plane = T_camera_marker.rotation;
+    plane.col(2) = T_camera_marker.position;
+    const Matrix3d to_plane = plane.inverse();
     const cv::Rect box = detail::boundingBox(marker, drawn.cell_m, camera, T_camera_panel);
     for (int row = box.y; row < box.y + box.height; ++row)
       for (int column = box.x; column < box.x + box.width; ++column) {
@@ -120,18 +117,24 @@ inline cv::Mat drawMarkers(const std::vector<Marker>& markers, const CameraModel
           return offsets[static_cast<std::size_t>(kShifts) * static_cast<std::size_t>(sample) +
                          static_cast<std::size_t>(shift)];
         };
+        // Plain numbers: sanitizers look into every call of Eigen's.
+        const Vector3d uvw = to_plane * ideal.homogeneous();
+        const Vector3d uvw_by_x = to_plane.leftCols<2>() * by_column * 2.0;
+        const Vector3d uvw_by_y = to_plane.leftCols<2>() * by_row * 2.0;
+        const double here[] = {uvw[0], uvw[1], uvw[2]};
+        const double along_x[] = {uvw_by_x[0], uvw_by_x[1], uvw_by_x[2]};
+        const double along_y[] = {uvw_by_y[0], uvw_by_y[1], uvw_by_y[2]};
+        const double behind = image.at<float>(row, column);
         double sum = 0;
         for (int i = 0; i < n; ++i)
           for (int j = 0; j < n; ++j) {
             // No two samples share a row or a column: edges along them are as smooth as others.
             const double x = offset(i * n + j, shift_x);
             const double y = offset(j * n + i, shift_y);
-            const Vector2d p = ideal + 2.0 * x * by_column + 2.0 * y * by_row;
-            const Vector3d ray = p.homogeneous();
-            const Vector3d point = ray * (distance / normal.dot(ray));
-            const Vector3d in_marker =
-                T_camera_marker.rotation.transpose() * (point - T_camera_marker.position);
-            sum += drawn.at(in_marker.x(), in_marker.y(), look).value_or(image.at<float>(row, column));
+            const double u = here[0] + x * along_x[0] + y * along_y[0];
+            const double v = here[1] + x * along_x[1] + y * along_y[1];
+            const double w = here[2] + x * along_x[2] + y * along_y[2];
+            sum += drawn.at(u / w, v / w, look, behind);
           }
         image.at<float>(row, column) = static_cast<float>(sum / (n * n));
       }

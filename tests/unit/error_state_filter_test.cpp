@@ -48,7 +48,8 @@ TYPED_TEST(FilterSizes, EqualsTheTextbook) {
       ours.predict(dt, noise);
       textbook.predict(dt, noise);
       const Pose mount = randomPose(random);
-      const auto accelerometer = accelerometerMeasurement<N>(ours.x, random.normal3(), mount, 0.3, context);
+      const auto accelerometer =
+          SensorMeasurements<N>::accelerometer(ours.x, random.normal3(), mount, 0.3, context);
       using Columns = typename decltype(accelerometer)::Columns;
       const double nis = ours.update(accelerometer);
       EXPECT_NEAR(nis, textbook.update(accelerometer, {Columns::list.begin(), Columns::list.end()}),

@@ -451,7 +451,7 @@ std::size_t peakMemoryKilobytes() {
 }
 
 TEST(Rawlog, MemoryDoesNotGrowWithLength) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef FATHOM_SANITIZE
   GTEST_SKIP() << "the address sanitizer keeps freed memory";
 #endif
   const auto file = scratchFolder() / "long.rawlog";
