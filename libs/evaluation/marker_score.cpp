@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "evaluation/statistics.h"
+
 namespace fathom {
 namespace {
 
@@ -41,13 +43,6 @@ double farthestCorner_px(const Detection& detection, const MarkerPlace& place) {
   for (std::size_t k = 0; k < 4; ++k)
     farthest = std::max(farthest, (detection.corners_px[k] - place.corners_px[k]).norm());
   return farthest;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
 }  // namespace
@@ -142,7 +137,7 @@ double ScoreTally::cornerRms_px() const {
                      : std::sqrt(squares_px2_ / (4.0 * static_cast<double>(found_)));
 }
 
-double ScoreTally::medianPositionError_m() const { return median(position_errors_m_); }
-double ScoreTally::medianAngleError_rad() const { return median(angle_errors_rad_); }
+double ScoreTally::medianPositionError_m() const { return summaryOf(position_errors_m_).median; }
+double ScoreTally::medianAngleError_rad() const { return summaryOf(angle_errors_rad_).median; }
 
 }  // namespace fathom
