@@ -29,8 +29,8 @@ ChunkStore::ChunkStore(fs::path folder, const std::string& inputs) : folder_(std
   if (!same) fs::remove(inputs_file, problem);  // first: pieces without it belong to nothing
   if (fs::is_directory(folder_))
     for (const auto& entry : fs::directory_iterator(folder_)) {
-      const bool stale = isChunk(entry.path().filename().string()) &&
-                         (!same || entry.path().extension() == ".part");
+      const bool stale =
+          isChunk(entry.path().filename().string()) && (!same || entry.path().extension() == ".part");
       if (stale && !fs::remove(entry.path(), problem))
         throw Error(entry.path().string(), "", "cannot be removed: " + problem.message());
     }

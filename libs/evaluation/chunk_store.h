@@ -11,8 +11,8 @@ namespace fathom {
 class ChunkStore {
  public:
   /// `inputs` is a text that differs where results would; it stays in the folder as inputs.txt. Where the
-  /// folder holds pieces of other inputs, they are removed, and half-written ones always; other files are left
-  /// alone. Throws Error.
+  /// folder holds pieces of other inputs, they are removed, and half-written ones always; other files are
+  /// left alone. Throws Error.
   ChunkStore(std::filesystem::path folder, const std::string& inputs);
 
   /// The piece as it was written; nothing where it is not there or not whole.

@@ -66,9 +66,9 @@ cv::Mat markedTile(const cv::Mat& image, const std::vector<Detection>& detection
     if (score.wrong > 0) caption += print(", %d false", score.wrong);
   }
   for (const Detection& detection : detections) {
-    const cv::Scalar& colour = places == nullptr                                  ? kSeen
+    const cv::Scalar& colour = places == nullptr                           ? kSeen
                                : isRight(detection, *places, tolerance_px) ? kFound
-                                                                                  : kWrong;
+                                                                           : kWrong;
     outline(picture, detection.corners_px, scale, colour);
   }
   cv::Mat tile(picture.rows + kLineHeight_px, width_px, CV_8UC3, kPaper);

@@ -98,7 +98,8 @@ class FamilyStudio {
     explicit Tools(const FamilyStudio& studio) : renderer(studio.sheet_.model) {
       renderer.setScene(surfaceOf(*studio.map_));
       for (const FiducialReader& reader : studio.readers_)
-        detectors.push_back(makeDetector(reader, {studio.grid_.families[studio.family_]}, studio.sheet_.model));
+        detectors.push_back(
+            makeDetector(reader, {studio.grid_.families[studio.family_]}, studio.sheet_.model));
     }
   };
 
@@ -117,8 +118,7 @@ class FamilyStudio {
   cv::Mat expose(const cv::Mat& light, const GridImage& image) const {
     cv::Mat blurred = light;
     const double sigma_px = grid_.blurs_px[image.blur];
-    if (sigma_px > 0)
-      cv::GaussianBlur(light, blurred, {}, sigma_px, sigma_px, cv::BORDER_REFLECT);
+    if (sigma_px > 0) cv::GaussianBlur(light, blurred, {}, sigma_px, sigma_px, cv::BORDER_REFLECT);
     Random noise = Random::stream(grid_.seed, noiseStream(grid_, image));
     cv::Mat picture = models_[image.water].expose(blurred, &noise);
     if (picture.depth() != CV_8U) picture.convertTo(picture, CV_8U, 255.0 / ((1 << sheet_.bits) - 1));

@@ -33,9 +33,9 @@ CameraView viewOf(const FiducialGrid& grid, const GridImage& image);
 /// alone in endless water. All cores at once; the scores are the same on however many. Results are in the
 /// order of families, ranges, tilts, repeats, waters, blurs, readers.
 ///
-/// Goes on where an earlier run in the folder `chunks` was cut short (ChunkStore), or begins anew where inputs
-/// differ. Throws Error as withFamily() does, Interrupted; std::invalid_argument where the grid's lists are
-/// empty or complaintAbout() has something to say.
+/// Goes on where an earlier run in the folder `chunks` was cut short (ChunkStore), or begins anew where
+/// inputs differ. Throws Error as withFamily() does, Interrupted; std::invalid_argument where the grid's
+/// lists are empty or complaintAbout() has something to say.
 std::vector<FiducialResult> compareFiducials(const FiducialGrid& grid, const PanelMap& map,
                                              const CameraSheet& sheet, const std::filesystem::path& chunks);
 
@@ -47,7 +47,6 @@ struct FiducialPicture {
   std::shared_ptr<const PanelMap> map;             ///< with the family's markers
 };
 std::vector<FiducialPicture> fiducialPictures(const FiducialGrid& grid, const PanelMap& map,
-                                              const CameraSheet& sheet,
-                                              const std::vector<GridImage>& images);
+                                              const CameraSheet& sheet, const std::vector<GridImage>& images);
 
 }  // namespace fathom

@@ -41,8 +41,8 @@ void readList(const YamlMap& y, const std::string& key, const std::vector<Entry>
 }
 
 template <class Value>
-void readNames(const YamlMap& y, const std::string& key,
-               const std::function<Value(const std::string&)>& make, std::vector<Value>& values) {
+void readNames(const YamlMap& y, const std::string& key, const std::function<Value(const std::string&)>& make,
+               std::vector<Value>& values) {
   if (y.has(key)) readList<Value, std::string>(y, key, y.texts(key), make, values);
 }
 

@@ -41,13 +41,12 @@ struct FiducialGrid {
                                     "tag36h11"};
   std::vector<Backend> backends{Backend::aruco, Backend::apriltag};
   std::vector<Preprocess> preprocessings{Preprocess::none};
-  std::vector<double> ranges_m{1, 1.5, 2, 3, 4, 6};                               ///< to the panel's centre
+  std::vector<double> ranges_m{1, 1.5, 2, 3, 4, 6};  ///< to the panel's centre
   std::vector<double> tilts_rad{radians(0), radians(20), radians(40), radians(60)};  ///< from its normal
-  std::vector<NamedWater> waters{
-      {"clear", {{0.32, 0.07, 0.05}, {0.02, 0.14, 0.22}}, {0.78, 0.92, 0.95}},
-      {"moderate", {{0.42, 0.20, 0.19}, {0.03, 0.17, 0.20}}, {0.75, 0.86, 0.82}},
-      {"murky", {{0.68, 0.37, 0.37}, {0.04, 0.20, 0.21}}, {0.68, 0.83, 0.77}},
-      {"turbid", {{1.10, 0.68, 0.74}, {0.05, 0.24, 0.22}}, {0.62, 0.80, 0.72}}};
+  std::vector<NamedWater> waters{{"clear", {{0.32, 0.07, 0.05}, {0.02, 0.14, 0.22}}, {0.78, 0.92, 0.95}},
+                                 {"moderate", {{0.42, 0.20, 0.19}, {0.03, 0.17, 0.20}}, {0.75, 0.86, 0.82}},
+                                 {"murky", {{0.68, 0.37, 0.37}, {0.04, 0.20, 0.21}}, {0.68, 0.83, 0.77}},
+                                 {"turbid", {{1.10, 0.68, 0.74}, {0.05, 0.24, 0.22}}, {0.62, 0.80, 0.72}}};
   /// Sigma of a Gaussian over the light that reaches the sensor, before exposure: what a lens out of focus or
   /// a small motion does, equal in all directions. 0: none but the pixel's own width.
   std::vector<double> blurs_px{0, 1, 2};
@@ -56,9 +55,7 @@ struct FiducialGrid {
   std::uint64_t seed = 1;
 
   std::size_t viewCount() const { return ranges_m.size() * tilts_rad.size() * std::size_t(repeats); }
-  std::size_t imageCount() const {
-    return families.size() * viewCount() * waters.size() * blurs_px.size();
-  }
+  std::size_t imageCount() const { return families.size() * viewCount() * waters.size() * blurs_px.size(); }
 };
 
 /// Strict, see core/yaml.h; keys that are left out keep their defaults. Throws Error: an empty list, an entry

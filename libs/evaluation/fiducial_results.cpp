@@ -48,8 +48,8 @@ std::string formatResults(const FiducialGrid& grid, const std::vector<FiducialRe
     const auto [low, high] = score.detectionRate95();
     text += condition(grid, key, score.images()) + print(",%zu,%zu", score.visible(), score.found()) +
             field(score.detectionRate()) + print(",%.6g,%.6g,%zu", low, high, score.wrong()) +
-            field(score.cornerRms_px()) + print(",%zu", score.posed()) + field(score.medianPositionError_m()) +
-            field(degrees(score.medianAngleError_rad())) + "\n";
+            field(score.cornerRms_px()) + print(",%zu", score.posed()) +
+            field(score.medianPositionError_m()) + field(degrees(score.medianAngleError_rad())) + "\n";
   }
   return text;
 }

@@ -28,9 +28,8 @@ std::vector<GridImage> columnsOf(const FiducialGrid& grid) {
       {0, mid, middle(grid.tilts_rad), 0, middle(grid.waters), middle(grid.blurs_px)}};
   std::vector<GridImage> columns;
   for (const GridImage& image : wanted)
-    if (std::none_of(columns.begin(), columns.end(), [&](const GridImage& other) {
-          return labelOf(grid, other) == labelOf(grid, image);
-        }))
+    if (std::none_of(columns.begin(), columns.end(),
+                     [&](const GridImage& other) { return labelOf(grid, other) == labelOf(grid, image); }))
       columns.push_back(image);
   return columns;
 }

@@ -6,9 +6,9 @@ namespace fathom {
 
 std::string fingerprintOf(const CameraModel& camera) {
   Fingerprint fingerprint;
-  for (const double number : {1.0 * camera.width_px, 1.0 * camera.height_px, camera.fx_px, camera.fy_px,
-                              camera.cx_px, camera.cy_px, camera.k1, camera.k2, camera.p1, camera.p2,
-                              camera.k3})
+  for (const double number :
+       {1.0 * camera.width_px, 1.0 * camera.height_px, camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px,
+        camera.k1, camera.k2, camera.p1, camera.p2, camera.k3})
     fingerprint.add(number);
   return fingerprint.hex();
 }

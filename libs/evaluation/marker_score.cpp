@@ -111,7 +111,8 @@ std::pair<double, double> wilsonInterval(std::size_t hits, std::size_t count) {
   constexpr double z = 1.959963984540054;  // of the standard normal, 97.5 %
   const auto n = static_cast<double>(count);
   const double rate = static_cast<double>(hits) / n;
-  const double centre = rate + z * z / (2 * n), spread = z * std::sqrt((rate * (1 - rate) + z * z / (4 * n)) / n);
+  const double centre = rate + z * z / (2 * n),
+               spread = z * std::sqrt((rate * (1 - rate) + z * z / (4 * n)) / n);
   const double scale = 1 + z * z / n;
   return {std::max(0.0, (centre - spread) / scale), std::min(1.0, (centre + spread) / scale)};
 }

@@ -26,9 +26,9 @@ std::vector<MarkerPlace> placesOf(const PanelMap& map, const CameraModel& camera
 /// One image read once. Detections of markers that are not visible (a handle hides a corner), in their right
 /// place, count neither for nor against.
 struct ImageScore {
-  int visible = 0;        ///< markers that should be found
-  int found = 0;          ///< those whose corners are all within the tolerance
-  int wrong = 0;          ///< detections that are not on the map, farther off, or of a marker found already
+  int visible = 0;         ///< markers that should be found
+  int found = 0;           ///< those whose corners are all within the tolerance
+  int wrong = 0;           ///< detections that are not on the map, farther off, or of a marker found already
   double squares_px2 = 0;  ///< sum of the squared distances of found markers' corners, four each
   bool posed = false;      ///< whether the panel's pose was solved; otherwise the next two are 0
   double position_error_m = 0;

@@ -43,8 +43,10 @@ void addImages(const Sample& sample, const fs::path& folder, std::vector<Recorde
     images.push_back({folder / image->file, modelOf(image->intrinsics), image->T_robot_camera, {}});
   if (const auto* pair = std::get_if<StereoSample>(&sample.reading)) {
     images.push_back({folder / pair->left_file, modelOf(pair->left_intrinsics), pair->T_robot_left, {}});
-    images.push_back({folder / pair->right_file, modelOf(pair->right_intrinsics),
-                      pair->T_robot_left * pair->T_left_right, {}});
+    images.push_back({folder / pair->right_file,
+                      modelOf(pair->right_intrinsics),
+                      pair->T_robot_left * pair->T_left_right,
+                      {}});
   }
 }
 
@@ -82,30 +84,37 @@ cv::Mat readChecked(const RecordedImage& image) {
   return pixels;
 }
 
+Pose T_panel_camera(const RecordedImage& image, const PanelMap& map) {
+  return map.T_odom_panel.inverse() * *image.T_odom_robot * image.T_robot_camera;
+}
+
+std::optional<std::vector<MarkerPlace>> placesIn(const RecordedImage& image,
+                                                 const RecordedFiducialsOptions& options, Tools& tools) {
+  if (!options.map || !image.T_odom_robot) return std::nullopt;
+  const Pose camera = T_panel_camera(image, *options.map);
+  const View clean = tools.renderer->render(camera, Lighting{});
+  return placesOf(*options.map, image.camera, camera.inverse(), clean.range_m);
+}
+
 RecordedResult read(const RecordedImage& image, const RecordedFiducialsOptions& options, Tools& tools) {
   const cv::Mat pixels = readChecked(image);
+  const auto places = placesIn(image, options, tools);
   RecordedResult result;
-  result.truth_known = options.map && image.T_odom_robot;
+  result.truth_known = places.has_value();
   std::vector<std::vector<Detection>> detections;
   for (const auto& detector : tools.detectors) {
     const TimedDetection timed = detectTimed(*detector, pixels);
-    RecordedReading reading{static_cast<int>(timed.detections.size()), 0, {}, timed.cpu_s};
+    detections.push_back(timed.detections);
+    RecordedReading& reading = result.readings.emplace_back();
+    reading.detections = static_cast<int>(timed.detections.size());
+    reading.detect_s = timed.cpu_s;
     if (options.map)
       for (const Detection& detection : timed.detections)
         reading.not_on_map += isOnMap(detection, *options.map) ? 0 : 1;
-    result.readings.push_back(reading);
-    detections.push_back(timed.detections);
-  }
-  if (result.truth_known) {
-    const Pose T_panel_camera =
-        options.map->T_odom_panel.inverse() * *image.T_odom_robot * image.T_robot_camera;
-    const View clean = tools.renderer->render(T_panel_camera, Lighting{});
-    const auto places = placesOf(*options.map, image.camera, T_panel_camera.inverse(), clean.range_m);
-    for (std::size_t i = 0; i < detections.size(); ++i) {
-      ImageScore& score = result.readings[i].score;
-      score = scoreDetections(detections[i], places, options.match_px);
-      scorePose(detections[i], *options.map, image.camera, T_panel_camera.inverse(), score);
-    }
+    if (!places) continue;
+    reading.score = scoreDetections(timed.detections, *places, options.match_px);
+    scorePose(timed.detections, *options.map, image.camera, T_panel_camera(image, *options.map).inverse(),
+              reading.score);
   }
   for (std::size_t i = 0; i < detections.size(); ++i)
     for (std::size_t j = i + 1; j < detections.size(); ++j)
@@ -250,6 +259,22 @@ std::vector<RecordedResult> readRecordedFiducials(const std::vector<RecordedImag
       },
       tbb::simple_partitioner());
   return results;
+}
+
+std::vector<RecordedPicture> recordedPictures(const std::vector<RecordedImage>& images,
+                                              const RecordedFiducialsOptions& options) {
+  const OneOpenCvThread one_thread;
+  ToolsByCamera tools_by_camera;
+  std::vector<RecordedPicture> pictures;
+  for (const RecordedImage& image : images) {
+    Tools& tools = toolsFor(image.camera, options, tools_by_camera);
+    RecordedPicture& picture = pictures.emplace_back();
+    picture.image = readChecked(image);
+    picture.places = placesIn(image, options, tools);
+    for (const auto& detector : tools.detectors)
+      picture.detections.push_back(detector->detect(picture.image));
+  }
+  return pictures;
 }
 
 }  // namespace fathom

@@ -34,8 +34,8 @@ struct RecordedFiducialsOptions {
 /// What one reader made of one image.
 struct RecordedReading {
   int detections = 0;
-  int not_on_map = 0;  ///< of these, where there is a map
-  ImageScore score;    ///< all 0 where truth or map is unknown
+  int not_on_map = 0;   ///< of these, where there is a map
+  ImageScore score;     ///< all 0 where truth or map is unknown
   double detect_s = 0;  ///< CPU time of Detector::detect; measured
 };
 
@@ -55,6 +55,15 @@ struct RecordedResult {
 /// Compares what two readers found.
 ReaderAgreement agreementOf(const std::vector<Detection>& first, const std::vector<Detection>& second,
                             double match_px);
+
+/// One image, to look at.
+struct RecordedPicture {
+  cv::Mat image;                                   ///< CV_8UC1 or CV_8UC3 (BGR)
+  std::optional<std::vector<MarkerPlace>> places;  ///< where truth and map are known
+  std::vector<std::vector<Detection>> detections;  ///< of each reader
+};
+std::vector<RecordedPicture> recordedPictures(const std::vector<RecordedImage>& images,
+                                              const RecordedFiducialsOptions& options);
 
 /// Reads all images with all readers, all cores at once; goes on where an earlier run in the folder `chunks`
 /// was cut short (ChunkStore; an image that has changed since is read anew). Throws Error: an image is
