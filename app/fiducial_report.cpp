@@ -75,7 +75,7 @@ using GroupValue = double (*)(const FiducialGroup&);
 
 double ratePercent(const FiducialGroup& group) { return 100.0 * group.score.detectionRate(); }
 double cornerRms_px(const FiducialGroup& group) { return group.score.cornerRms_px(); }
-double positionError_m(const FiducialGroup& group) { return group.score.medianPositionError_m(); }
+double positionError_mm(const FiducialGroup& group) { return 1e3 * group.score.medianPositionError_m(); }
 double detect_ms(const FiducialGroup& group) { return group.meanDetect_ms(); }
 
 /// A colour a family; lines for AprilTag, dashes for ArUco.
@@ -119,7 +119,7 @@ void addFactor(HtmlReport& report, const FiducialStory& story, const Factor& fac
     };
     add("Detection rate", "[%]", ratePercent);
     add("Corner RMS", "[px]", cornerRms_px);
-    add("Median position error of the panel", "[m]", positionError_m);
+    add("Median position error of the panel", "[mm]", positionError_mm);
     add("CPU time a frame", "[ms]", detect_ms);
   }
 }
@@ -156,6 +156,7 @@ Json toJson(const FiducialGroup& group) {
           {"detection_rate", s.detectionRate()},
           {"detection_rate_interval95", {low, high}},
           {"false_detections", s.wrong()},
+          {"not_on_map", s.unknown()},
           {"corner_rms_px", s.cornerRms_px()},
           {"poses", s.posed()},
           {"position_error_median_m", s.medianPositionError_m()},
@@ -199,7 +200,9 @@ HtmlReport reportOf(const FiducialStory& story) {
                    "views, in the same waters with the same noise.");
   report.paragraph(
       print("A marker counts as found where none of its corners is off by more than %g px; of those that lie "
-            "in the image whole, face the camera and are not hidden. Other detections are false. Corner RMS "
+            "in the image whole, face the camera and are not hidden. Other detections are false: of an id "
+            "that is not on the map, or off the place, as where the image cuts a marker and its corners are "
+            "guessed. Corner RMS "
             "is the root mean square distance of found markers' corners from where they are. Pose errors are "
             "medians over the images in which a pose was found. The interval is Wilson's at 95 %%. Times are "
             "of the processor, measured in this run.",
@@ -216,8 +219,8 @@ HtmlReport reportOf(const FiducialStory& story) {
 }  // namespace
 
 Table overallTable(const FiducialStory& story) {
-  Table table{{"family", "reader", "markers", "found [%]", "95 % interval", "false/1000 images",
-               "corners [px]", "posed [%]", "position [m]", "angle [deg]", "CPU [ms]"},
+  Table table{{"family", "reader", "markers", "found [%]", "95 % interval", "false/1000 images", "not on map",
+               "corners [px]", "posed [%]", "position [mm]", "angle [deg]", "CPU [ms]"},
               {}};
   const auto readers = readersOf(story.grid);
   for (const auto& [key, group] : grouped(story.results, familyAndReader)) {
@@ -225,10 +228,11 @@ Table overallTable(const FiducialStory& story) {
     const auto [low, high] = s.detectionRate95();
     table.rows.push_back({story.grid.families[key[0]], readers[key[1]].name(), std::to_string(s.visible()),
                           percent(s.detectionRate()), percent(low) + " to " + percent(high),
-                          fixed(1000 * falsePerImage(group), 1), fixed(s.cornerRms_px(), 3),
+                          fixed(1000 * falsePerImage(group), 1), std::to_string(s.unknown()),
+                          fixed(s.cornerRms_px(), 3),
                           percent(static_cast<double>(s.posed()) / static_cast<double>(s.images())),
-                          fixed(s.medianPositionError_m(), 4), fixed(degrees(s.medianAngleError_rad()), 3),
-                          fixed(group.meanDetect_ms(), 2)});
+                          fixed(1e3 * s.medianPositionError_m(), 2),
+                          fixed(degrees(s.medianAngleError_rad()), 3), fixed(group.meanDetect_ms(), 2)});
   }
   return table;
 }

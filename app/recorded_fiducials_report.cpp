@@ -202,7 +202,7 @@ HtmlReport reportOf(const RecordedFiducialsStory& story) {
 
 Table readerTable(const RecordedFiducialsStory& story) {
   Table table{{"reader", "images", "detected", "an image", "not on map", "visible", "found [%]",
-               "95 % interval", "false", "corners [px]", "position [m]", "angle [deg]", "CPU [ms]"},
+               "95 % interval", "false", "corners [px]", "position [mm]", "angle [deg]", "CPU [ms]"},
               {}};
   for (std::size_t i = 0; i < story.options.readers.size(); ++i) {
     const ReaderTotal total = totalOf(story, i);
@@ -214,7 +214,7 @@ Table readerTable(const RecordedFiducialsStory& story) {
          fixed(total.perImage(), 2), story.options.map ? std::to_string(total.not_on_map) : "-",
          truth ? std::to_string(s.visible()) : "-", percent(s.detectionRate()),
          truth ? percent(low) + " to " + percent(high) : "-", truth ? std::to_string(s.wrong()) : "-",
-         fixed(s.cornerRms_px(), 3), fixed(s.medianPositionError_m(), 4),
+         fixed(s.cornerRms_px(), 3), fixed(1e3 * s.medianPositionError_m(), 2),
          fixed(degrees(s.medianAngleError_rad()), 3), fixed(total.detect_ms(), 2)});
   }
   return table;

@@ -34,7 +34,8 @@ void outline(cv::Mat& image, const std::array<Vector2d, 4>& corners_px, double s
     const Vector2d scaled = (scale * (corner.array() + 0.5) - 0.5) * (1 << kFraction);
     points.emplace_back(static_cast<int>(std::lround(scaled.x())), static_cast<int>(std::lround(scaled.y())));
   }
-  cv::polylines(image, points, true, colour, 2, cv::LINE_AA, kFraction);
+  const bool small = scale * (corners_px[0] - corners_px[2]).norm() < 30;
+  cv::polylines(image, points, true, colour, small ? 1 : 2, cv::LINE_AA, kFraction);
 }
 
 /// Whether a detection is one of those that show a marker in its place.

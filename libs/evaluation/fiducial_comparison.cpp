@@ -139,8 +139,8 @@ class FamilyStudio {
 std::string format(const std::vector<FiducialResult>& results) {
   std::string text;
   for (const FiducialResult& r : results)
-    text += print("%d %d %d %.17g %d %.17g %.17g %.9g\n", r.score.visible, r.score.found, r.score.wrong,
-                  r.score.squares_px2, r.score.posed ? 1 : 0, r.score.position_error_m,
+    text += print("%d %d %d %d %.17g %d %.17g %.17g %.9g\n", r.score.visible, r.score.found, r.score.wrong,
+                  r.score.unknown, r.score.squares_px2, r.score.posed ? 1 : 0, r.score.position_error_m,
                   r.score.angle_error_rad, r.detect_s);
   return text;
 }
@@ -153,8 +153,9 @@ std::vector<FiducialResult> parse(const std::string& text, const FiducialGrid& g
     for (image.blur = 0; image.blur < grid.blurs_px.size(); ++image.blur)
       for (std::size_t reader = 0; reader < readers; ++reader) {
         FiducialResult& r = results.emplace_back(FiducialResult{image, reader, {}, 0});
-        words >> r.score.visible >> r.score.found >> r.score.wrong >> r.score.squares_px2 >> r.score.posed >>
-            r.score.position_error_m >> r.score.angle_error_rad >> r.detect_s;
+        words >> r.score.visible >> r.score.found >> r.score.wrong >> r.score.unknown >>
+            r.score.squares_px2 >> r.score.posed >> r.score.position_error_m >> r.score.angle_error_rad >>
+            r.detect_s;
       }
   if (!words) throw std::logic_error("a sealed chunk has too few numbers");
   return results;

@@ -41,13 +41,14 @@ FiducialGroups grouped(const std::vector<FiducialResult>& results,
 std::string formatResults(const FiducialGrid& grid, const std::vector<FiducialResult>& results) {
   std::string text = std::string(kConditionHeader) +
                      ",markers_visible,markers_found,detection_rate,detection_rate_low95,"
-                     "detection_rate_high95,false_detections,corner_rms_px,poses,"
+                     "detection_rate_high95,false_detections,not_on_map,corner_rms_px,poses,"
                      "position_error_median_m,angle_error_median_deg\n";
   for (const auto& [key, group] : byCondition(results)) {
     const ScoreTally& score = group.score;
     const auto [low, high] = score.detectionRate95();
     text += condition(grid, key, score.images()) + print(",%zu,%zu", score.visible(), score.found()) +
-            field(score.detectionRate()) + print(",%.6g,%.6g,%zu", low, high, score.wrong()) +
+            field(score.detectionRate()) +
+            print(",%.6g,%.6g,%zu,%zu", low, high, score.wrong(), score.unknown()) +
             field(score.cornerRms_px()) + print(",%zu", score.posed()) +
             field(score.medianPositionError_m()) + field(degrees(score.medianAngleError_rad())) + "\n";
   }

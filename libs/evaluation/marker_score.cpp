@@ -10,9 +10,9 @@ namespace fathom {
 namespace {
 
 constexpr double kNearest_m = 0.05;
-constexpr int kSamplesAlongSide = 15;  // closer together than any handle is thick
+constexpr int kSamplesAlongSide = 16;  // closer together than any handle is thick
 /// What hides a marker stands out by more; the plate around it, which a pixel at its edge may see, by less.
-constexpr double kInFront_m = 0.01;
+constexpr double kInFront_m = 0.02;
 
 /// Whether the camera sees something nearer than the marker through a pixel.
 bool isHiddenAt(int column, int row, const Pose& T_camera_marker, const CameraModel& camera,
@@ -27,7 +27,7 @@ bool isHidden(const Marker& marker, const Pose& T_camera_panel, const CameraMode
               const cv::Mat& range_m) {
   if (range_m.empty()) return false;
   const Pose T_camera_marker = T_camera_panel * marker.T_panel_marker;
-  const auto offset = [&](int i) { return marker.size_m * (double(i) / (kSamplesAlongSide - 1) - 0.5); };
+  const auto offset = [&](int i) { return marker.size_m * ((i + 0.5) / kSamplesAlongSide - 0.5); };
   for (int i = 0; i < kSamplesAlongSide; ++i)
     for (int j = 0; j < kSamplesAlongSide; ++j) {
       const Vector2d pixel = camera.project<double>(T_camera_marker * Vector3d(offset(i), offset(j), 0));
@@ -36,6 +36,10 @@ bool isHidden(const Marker& marker, const Pose& T_camera_panel, const CameraMode
       if (isHiddenAt(column, row, T_camera_marker, camera, range_m)) return true;
     }
   return false;
+}
+
+bool isOf(const Detection& detection, const Marker& marker) {
+  return detection.family == marker.family && detection.id == marker.id;
 }
 
 double farthestCorner_px(const Detection& detection, const MarkerPlace& place) {
@@ -79,9 +83,7 @@ ImageScore scoreDetections(const std::vector<Detection>& detections, const std::
     score.visible += place.visible ? 1 : 0;
     const Detection* nearest = nullptr;
     for (const Detection& detection : detections) {
-      if (detection.family != place.marker->family || detection.id != place.marker->id ||
-          farthestCorner_px(detection, place) > tolerance_px)
-        continue;
+      if (!isOf(detection, *place.marker) || farthestCorner_px(detection, place) > tolerance_px) continue;
       if (nearest == nullptr || farthestCorner_px(detection, place) < farthestCorner_px(*nearest, place))
         nearest = &detection;
     }
@@ -93,6 +95,9 @@ ImageScore scoreDetections(const std::vector<Detection>& detections, const std::
       score.squares_px2 += (nearest->corners_px[k] - place.corners_px[k]).squaredNorm();
   }
   score.wrong = static_cast<int>(detections.size() - right.size());
+  for (const Detection& detection : detections)
+    score.unknown += std::none_of(places.begin(), places.end(),
+                                  [&](const MarkerPlace& place) { return isOf(detection, *place.marker); });
   return score;
 }
 
@@ -122,6 +127,7 @@ void ScoreTally::add(const ImageScore& score) {
   visible_ += static_cast<std::size_t>(score.visible);
   found_ += static_cast<std::size_t>(score.found);
   wrong_ += static_cast<std::size_t>(score.wrong);
+  unknown_ += static_cast<std::size_t>(score.unknown);
   squares_px2_ += score.squares_px2;
   if (!score.posed) return;
   position_errors_m_.push_back(score.position_error_m);

@@ -29,6 +29,7 @@ struct ImageScore {
   int visible = 0;         ///< markers that should be found
   int found = 0;           ///< those whose corners are all within the tolerance
   int wrong = 0;           ///< detections that are not on the map, farther off, or of a marker found already
+  int unknown = 0;         ///< of the wrong ones, those that are not on the map
   double squares_px2 = 0;  ///< sum of the squared distances of found markers' corners, four each
   bool posed = false;      ///< whether the panel's pose was solved; otherwise the next two are 0
   double position_error_m = 0;
@@ -53,6 +54,7 @@ class ScoreTally {
   std::size_t visible() const { return visible_; }
   std::size_t found() const { return found_; }
   std::size_t wrong() const { return wrong_; }
+  std::size_t unknown() const { return unknown_; }
   std::size_t posed() const { return position_errors_m_.size(); }
   double detectionRate() const;
   std::pair<double, double> detectionRate95() const { return wilsonInterval(found_, visible_); }
@@ -61,7 +63,7 @@ class ScoreTally {
   double medianAngleError_rad() const;
 
  private:
-  std::size_t images_ = 0, visible_ = 0, found_ = 0, wrong_ = 0;
+  std::size_t images_ = 0, visible_ = 0, found_ = 0, wrong_ = 0, unknown_ = 0;
   double squares_px2_ = 0;
   std::vector<double> position_errors_m_, angle_errors_rad_;
 };

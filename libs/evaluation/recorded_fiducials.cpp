@@ -127,9 +127,9 @@ RecordedResult read(const RecordedImage& image, const RecordedFiducialsOptions& 
 std::string format(const std::string& image_fingerprint, const RecordedResult& result) {
   std::string text = image_fingerprint + (result.truth_known ? " 1\n" : " 0\n");
   for (const RecordedReading& r : result.readings)
-    text += print("%d %d %d %d %d %.17g %d %.17g %.17g %.9g\n", r.detections, r.not_on_map, r.score.visible,
-                  r.score.found, r.score.wrong, r.score.squares_px2, r.score.posed ? 1 : 0,
-                  r.score.position_error_m, r.score.angle_error_rad, r.detect_s);
+    text += print("%d %d %d %d %d %d %.17g %d %.17g %.17g %.9g\n", r.detections, r.not_on_map,
+                  r.score.visible, r.score.found, r.score.wrong, r.score.unknown, r.score.squares_px2,
+                  r.score.posed ? 1 : 0, r.score.position_error_m, r.score.angle_error_rad, r.detect_s);
   for (const ReaderAgreement& a : result.agreements)
     text += print("%d %d %d %.17g\n", a.both, a.only_first, a.only_second, a.squares_px2);
   return text;
@@ -146,8 +146,8 @@ std::optional<RecordedResult> parse(const std::string& text, const std::string& 
   result.readings.resize(readers);
   for (RecordedReading& r : result.readings)
     words >> r.detections >> r.not_on_map >> r.score.visible >> r.score.found >> r.score.wrong >>
-        r.score.squares_px2 >> r.score.posed >> r.score.position_error_m >> r.score.angle_error_rad >>
-        r.detect_s;
+        r.score.unknown >> r.score.squares_px2 >> r.score.posed >> r.score.position_error_m >>
+        r.score.angle_error_rad >> r.detect_s;
   result.agreements.resize(readers * (readers - 1) / 2);
   for (ReaderAgreement& a : result.agreements)
     words >> a.both >> a.only_first >> a.only_second >> a.squares_px2;
