@@ -200,7 +200,8 @@ HtmlReport reportOf(const FiducialStory& story) {
                    "views, in the same waters with the same noise.");
   report.paragraph(
       print("A marker counts as found where none of its corners is off by more than %g px; of those that lie "
-            "in the image whole, face the camera and are not hidden. Other detections are false: of an id "
+            "in the image whole with an eighth of their side around them, face the camera and are not "
+            "hidden. Other detections are false: of an id "
             "that is not on the map, or off the place, as where the image cuts a marker and its corners are "
             "guessed. Corner RMS "
             "is the root mean square distance of found markers' corners from where they are. Pose errors are "

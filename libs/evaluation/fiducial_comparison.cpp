@@ -5,6 +5,7 @@
 
 #include <mutex>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -145,7 +146,9 @@ std::string format(const std::vector<FiducialResult>& results) {
   return text;
 }
 
-std::vector<FiducialResult> parse(const std::string& text, const FiducialGrid& grid, GridImage image) {
+/// Nothing where these are no results of this grid.
+std::optional<std::vector<FiducialResult>> parse(const std::string& text, const FiducialGrid& grid,
+                                                 GridImage image) {
   const std::size_t readers = grid.backends.size() * grid.preprocessings.size();
   std::istringstream words(text);
   std::vector<FiducialResult> results;
@@ -157,7 +160,7 @@ std::vector<FiducialResult> parse(const std::string& text, const FiducialGrid& g
             r.score.squares_px2 >> r.score.posed >> r.score.position_error_m >> r.score.angle_error_rad >>
             r.detect_s;
       }
-  if (!words) throw std::logic_error("a sealed chunk has too few numbers");
+  if (!words) return std::nullopt;
   return results;
 }
 
@@ -215,8 +218,10 @@ std::vector<FiducialResult> compareFiducials(const FiducialGrid& grid, const Pan
     const FamilyStudio studio(grid, map, sheet, family);
     const auto make = [&](std::size_t view) {
       const std::size_t chunk = family * views + view;
-      if (const auto text = store.read(chunk)) {
-        by_chunk[chunk] = parse(*text, grid, imageOf(grid, family, view));
+      std::optional<std::vector<FiducialResult>> kept;
+      if (const auto text = store.read(chunk)) kept = parse(*text, grid, imageOf(grid, family, view));
+      if (kept) {
+        by_chunk[chunk] = std::move(*kept);
       } else {
         by_chunk[chunk] = studio.read(view);
         store.write(chunk, format(by_chunk[chunk]));

@@ -5,12 +5,15 @@
 #include <limits>
 
 #include "evaluation/statistics.h"
+#include "evaluation/views.h"
 
 namespace fathom {
 namespace {
 
 constexpr double kNearest_m = 0.05;
 constexpr int kSamplesAlongSide = 16;  // closer together than any handle is thick
+/// So many of them may be hidden, at random: far off, several see the same pixel of an edge.
+constexpr int kHiddenSamples = 2;
 /// What hides a marker stands out by more; the plate around it, which a pixel at its edge may see, by less.
 constexpr double kInFront_m = 0.02;
 
@@ -28,14 +31,15 @@ bool isHidden(const Marker& marker, const Pose& T_camera_panel, const CameraMode
   if (range_m.empty()) return false;
   const Pose T_camera_marker = T_camera_panel * marker.T_panel_marker;
   const auto offset = [&](int i) { return marker.size_m * ((i + 0.5) / kSamplesAlongSide - 0.5); };
+  int hidden = 0;
   for (int i = 0; i < kSamplesAlongSide; ++i)
     for (int j = 0; j < kSamplesAlongSide; ++j) {
       const Vector2d pixel = camera.project<double>(T_camera_marker * Vector3d(offset(i), offset(j), 0));
       const int column = std::clamp(int(std::lround(pixel.x())), 0, range_m.cols - 1);
       const int row = std::clamp(int(std::lround(pixel.y())), 0, range_m.rows - 1);
-      if (isHiddenAt(column, row, T_camera_marker, camera, range_m)) return true;
+      hidden += isHiddenAt(column, row, T_camera_marker, camera, range_m) ? 1 : 0;
     }
-  return false;
+  return hidden > kHiddenSamples;
 }
 
 bool isOf(const Detection& detection, const Marker& marker) {
@@ -57,19 +61,15 @@ std::vector<MarkerPlace> placesOf(const PanelMap& map, const CameraModel& camera
   for (const Marker& marker : map.markers) {
     MarkerPlace place{&marker};
     const auto corners_panel = marker.corners_panel();
-    bool in_front = true, in_image = true;
-    for (std::size_t k = 0; k < 4; ++k) {
+    bool in_front = true;
+    for (std::size_t k = 0; k < 4 && in_front; ++k) {
       const Vector3d corner = T_camera_panel * corners_panel[k];
-      in_front = in_front && corner.z() > kNearest_m;
-      if (!in_front) break;
+      in_front = corner.z() > kNearest_m;
       place.corners_px[k] = camera.project(corner);
-      in_image = in_image && camera.contains(place.corners_px[k]);
     }
     if (!in_front) continue;
-    const Vector3d towards_camera = -(T_camera_panel * marker.T_panel_marker.position);
-    const bool faces_camera =
-        (T_camera_panel.rotation * marker.T_panel_marker.rotation).col(2).dot(towards_camera) > 0;
-    place.visible = in_image && faces_camera && !isHidden(marker, T_camera_panel, camera, range_m);
+    place.visible = isWhole(marker, camera, T_camera_panel.inverse()) &&
+                    !isHidden(marker, T_camera_panel, camera, range_m);
     places.push_back(place);
   }
   return places;

@@ -15,7 +15,9 @@ namespace fathom {
 struct MarkerPlace {
   const Marker* marker = nullptr;  ///< of the map
   std::array<Vector2d, 4> corners_px{};
-  bool visible = false;  ///< all corners in the image, its face towards the camera, nothing in front of it
+  /// In the image whole, quiet zone of an eighth of its side included, its face towards the camera, nothing
+  /// in front of it.
+  bool visible = false;
 };
 
 /// The map's markers that are whole in front of the camera. `range_m` is the View's at this pose (see

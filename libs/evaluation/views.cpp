@@ -54,18 +54,21 @@ CameraView drawView(const ViewRanges& ranges, std::uint64_t seed, std::uint64_t 
   return view;
 }
 
-std::size_t wholeMarkers(const PanelMap& map, const CameraModel& camera, const Pose& T_panel_camera) {
+bool isWhole(const Marker& marker, const CameraModel& camera, const Pose& T_panel_camera) {
   const Pose T_camera_panel = T_panel_camera.inverse();
-  const auto isWhole = [&](const Marker& marker) {
-    const Vector3d centre = marker.T_panel_marker.position;
-    if (marker.T_panel_marker.rotation.col(2).dot(T_panel_camera.position - centre) <= 0) return false;
-    const auto corners = marker.corners_panel();
-    return std::all_of(corners.begin(), corners.end(), [&](const Vector3d& corner) {
-      const Vector3d outer = T_camera_panel * (centre + (1.0 + 2.0 * kQuietZone) * (corner - centre));
-      return outer.z() > 0 && camera.contains(camera.project(outer));
-    });
-  };
-  return static_cast<std::size_t>(std::count_if(map.markers.begin(), map.markers.end(), isWhole));
+  const Vector3d centre = marker.T_panel_marker.position;
+  if (marker.T_panel_marker.rotation.col(2).dot(T_panel_camera.position - centre) <= 0) return false;
+  const auto corners = marker.corners_panel();
+  return std::all_of(corners.begin(), corners.end(), [&](const Vector3d& corner) {
+    const Vector3d outer = T_camera_panel * (centre + (1.0 + 2.0 * kQuietZone) * (corner - centre));
+    return outer.z() > 0 && camera.contains(camera.project(outer));
+  });
+}
+
+std::size_t wholeMarkers(const PanelMap& map, const CameraModel& camera, const Pose& T_panel_camera) {
+  return static_cast<std::size_t>(
+      std::count_if(map.markers.begin(), map.markers.end(),
+                    [&](const Marker& marker) { return isWhole(marker, camera, T_panel_camera); }));
 }
 
 ViewStudio::ViewStudio(const PanelMap& map, const Vehicle& vehicle, const Environment& environment,

@@ -40,8 +40,10 @@ struct ViewRanges {
 /// are empty, not positive, or a tilt or roll is not in [0, 89] or [0, 180] degrees.
 CameraView drawView(const ViewRanges& ranges, std::uint64_t seed, std::uint64_t number);
 
-/// How many of a map's markers lie in the image whole, quiet zone of an eighth of their side included, with
-/// their face towards the camera.
+/// Whether a marker lies in the image whole, quiet zone of an eighth of its side included, with its face
+/// towards the camera.
+bool isWhole(const Marker& marker, const CameraModel& camera, const Pose& T_panel_camera);
+/// How many of a map's markers do.
 std::size_t wholeMarkers(const PanelMap& map, const CameraModel& camera, const Pose& T_panel_camera);
 
 /// Makes the camera's image of a panel that stands alone in endless water, by the simulator's forward model:
