@@ -60,7 +60,7 @@ class FamilyStudio {
     GridImage image = imageOf(grid_, family_, view_number);
     const Pose T_camera_panel = viewOf(grid_, image).T_panel_camera().inverse();
     const View clean = render(image);
-    const auto places = placesOf(*map_, sheet_.model, T_camera_panel, clean.range_m);
+    const auto places = placesIn(image);
     std::vector<FiducialResult> results;
     for (image.water = 0; image.water < grid_.waters.size(); ++image.water) {
       const cv::Mat light = lightThrough(image.water, clean);
@@ -83,8 +83,7 @@ class FamilyStudio {
     FiducialPicture picture;
     picture.map = map_;
     picture.image_bgr = expose(lightThrough(image.water, clean), image);
-    picture.places =
-        placesOf(*map_, sheet_.model, viewOf(grid_, image).T_panel_camera().inverse(), clean.range_m);
+    picture.places = placesIn(image);
     for (const auto& detector : tools_.local()->detectors)
       picture.detections.push_back(detector->detect(picture.image_bgr));
     return picture;
@@ -93,11 +92,15 @@ class FamilyStudio {
  private:
   /// What one thread needs.
   struct Tools {
-    Renderer renderer;
+    Renderer renderer, bare_renderer;
     std::vector<std::unique_ptr<Detector>> detectors;
 
-    explicit Tools(const FamilyStudio& studio) : renderer(studio.sheet_.model) {
+    explicit Tools(const FamilyStudio& studio)
+        : renderer(studio.sheet_.model), bare_renderer(studio.sheet_.model) {
+      PanelMap bare = *studio.map_;
+      bare.markers.clear();
       renderer.setScene(surfaceOf(*studio.map_));
+      bare_renderer.setScene(surfaceOf(bare));
       for (const FiducialReader& reader : studio.readers_)
         detectors.push_back(
             makeDetector(reader, {studio.grid_.families[studio.family_]}, studio.sheet_.model));
@@ -107,6 +110,13 @@ class FamilyStudio {
   /// Under full daylight.
   View render(const GridImage& image) const {
     return tools_.local()->renderer.render(viewOf(grid_, image).T_panel_camera(), Lighting{});
+  }
+
+  /// What hides a marker is looked for on the panel without markers, so that it is the same for all families.
+  std::vector<MarkerPlace> placesIn(const GridImage& image) const {
+    const Pose T_panel_camera = viewOf(grid_, image).T_panel_camera();
+    const View bare = tools_.local()->bare_renderer.render(T_panel_camera, Lighting{});
+    return placesOf(*map_, sheet_.model, T_panel_camera.inverse(), bare.range_m);
   }
 
   cv::Mat lightThrough(std::size_t water, const View& clean) const {
@@ -140,7 +150,7 @@ class FamilyStudio {
 std::string format(const std::vector<FiducialResult>& results) {
   std::string text;
   for (const FiducialResult& r : results)
-    text += print("%d %d %d %d %.17g %d %.17g %.17g %.9g\n", r.score.visible, r.score.found, r.score.wrong,
+    text += print("%d %d %d %d %.17g %d %.17g %.17g %.17g\n", r.score.visible, r.score.found, r.score.wrong,
                   r.score.unknown, r.score.squares_px2, r.score.posed ? 1 : 0, r.score.position_error_m,
                   r.score.angle_error_rad, r.detect_s);
   return text;

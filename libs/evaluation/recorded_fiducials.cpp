@@ -127,7 +127,7 @@ RecordedResult read(const RecordedImage& image, const RecordedFiducialsOptions& 
 std::string format(const std::string& image_fingerprint, const RecordedResult& result) {
   std::string text = image_fingerprint + (result.truth_known ? " 1\n" : " 0\n");
   for (const RecordedReading& r : result.readings)
-    text += print("%d %d %d %d %d %d %.17g %d %.17g %.17g %.9g\n", r.detections, r.not_on_map,
+    text += print("%d %d %d %d %d %d %.17g %d %.17g %.17g %.17g\n", r.detections, r.not_on_map,
                   r.score.visible, r.score.found, r.score.wrong, r.score.unknown, r.score.squares_px2,
                   r.score.posed ? 1 : 0, r.score.position_error_m, r.score.angle_error_rad, r.detect_s);
   for (const ReaderAgreement& a : result.agreements)

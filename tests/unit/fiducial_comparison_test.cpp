@@ -54,6 +54,18 @@ TEST(FiducialComparison, NearMarkersAreFoundAndFarOnesAreNot) {
   }
 }
 
+TEST(FiducialComparison, AllFamiliesShowTheSameMarkers) {
+  FiducialGrid grid = smallGrid();
+  grid.families.emplace_back("tag16h5");
+  grid.tilts_rad = {radians(60)};
+  grid.waters.resize(1);
+  grid.blurs_px.resize(1);
+  const auto results = compared(grid, test::scratchFolder() / "chunks", 2);
+  const std::size_t images = results.size() / grid.families.size();
+  for (std::size_t i = 0; i < results.size(); ++i)
+    EXPECT_EQ(results[i].score.visible, results[i % images].score.visible) << i;
+}
+
 TEST(FiducialComparison, IsTheSameOnAnyNumberOfCores) {
   const FiducialGrid grid = smallGrid();
   const auto folder = test::scratchFolder();
