@@ -39,6 +39,16 @@ void addNew(const std::vector<Detection>& more, std::vector<Detection>& detectio
       detections.push_back(candidate);
 }
 
+/// Whether the image's border may cut the marker off: a reader then takes what is left for a square, its
+/// corners pixels off.
+bool mayBeCutOff(const Detection& detection, double cell_px, const cv::Mat& image) {
+  const double margin_px = 0.5 * cell_px;
+  return std::any_of(detection.corners_px.begin(), detection.corners_px.end(), [&](const Vector2d& corner) {
+    return std::min(corner.x(), corner.y()) < margin_px || corner.x() > image.cols - 1 - margin_px ||
+           corner.y() > image.rows - 1 - margin_px;
+  });
+}
+
 /// What is common to the backends: regions and their scale, preprocessing, refinement.
 class ReaderDetector : public Detector {
  public:
@@ -59,6 +69,7 @@ class ReaderDetector : public Detector {
       if (area.width < kSmallestArea_px || area.height < kSmallestArea_px) continue;
       addNew(search(searched, area, region.smallest_side_px), detections);
     }
+    std::erase_if(detections, [&](const auto& d) { return mayBeCutOff(d, cellOf(d), gray); });
     if (options_.refine)
       for (Detection& detection : detections) refine(gray, detection);
     sortByPlace(detections);
@@ -72,6 +83,10 @@ class ReaderDetector : public Detector {
     return std::find_if(border_cells_.begin(), border_cells_.end(),
                         [&](const auto& entry) { return entry.first == family; })
         ->second;
+  }
+
+  double cellOf(const Detection& detection) const {
+    return meanSide_px(detection.corners_px) / cellsOf(detection.family);
   }
 
   /// Whole factor by which a region may be scaled down.
@@ -97,9 +112,8 @@ class ReaderDetector : public Detector {
   }
 
   void refine(const cv::Mat& gray, Detection& detection) const {
-    const double cell_px = meanSide_px(detection.corners_px) / cellsOf(detection.family);
-    const auto refined =
-        refineCorners(gray, detection.corners_px, cell_px, options_.camera ? &*options_.camera : nullptr);
+    const auto refined = refineCorners(gray, detection.corners_px, cellOf(detection),
+                                       options_.camera ? &*options_.camera : nullptr);
     if (!refined) return;
     detection.corners_px = refined->corners_px;
     detection.covariance_px2 = refined->covariance_px2;

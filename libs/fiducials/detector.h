@@ -45,8 +45,9 @@ class Detector {
  public:
   virtual ~Detector() = default;
 
-  /// All markers in the image, CV_8UC1 or CV_8UC3 (BGR), sorted by family, id and place. The same image
-  /// gives the same detections. Throws std::invalid_argument for another type of image or an empty one.
+  /// All markers in the image, CV_8UC1 or CV_8UC3 (BGR), sorted by family, id and place, without those that
+  /// the image's border may cut off (a corner nearer to it than half a cell). The same image gives the same
+  /// detections. Throws std::invalid_argument for another type of image or an empty one.
   std::vector<Detection> detect(const cv::Mat& image);
   /// The same within regions; they may overlap.
   virtual std::vector<Detection> detect(const cv::Mat& image, const std::vector<SearchRegion>& regions) = 0;

@@ -224,18 +224,6 @@ std::vector<Pose> bestStarts(std::vector<Pose> starts, const std::vector<Sightin
   return best;
 }
 
-/// The pose whose planar points look nearly the same from afar: the normal mirrored at the line of sight.
-Pose mirrorImage(const Pose& T_camera_panel, const Vector3d& centre_panel) {
-  const Vector3d centre = T_camera_panel * centre_panel, sight = centre.normalized();
-  const Vector3d normal = T_camera_panel.rotation.col(2);
-  const Vector3d mirrored = 2.0 * sight.dot(normal) * sight - normal;
-  const Matrix3d turn = Eigen::Quaterniond::FromTwoVectors(normal, mirrored).toRotationMatrix();
-  Pose result;
-  result.rotation = turn * T_camera_panel.rotation;
-  result.position = centre - result.rotation * centre_panel;
-  return result;
-}
-
 Vector3d centreOf(const std::vector<Sighting>& sightings) {
   Vector3d sum = Vector3d::Zero();
   for (const Sighting& sighting : sightings) sum += sighting.marker->T_panel_marker.position;
@@ -334,6 +322,17 @@ PanelPoseEstimate solvePanelPose(const std::vector<Detection>& detections, const
     estimate.alternative = {mirrored.pose, increase};
   describeMarkers(sightings, inliers, camera, estimate);
   return estimate;
+}
+
+Pose mirrorImage(const Pose& T_camera_panel, const Vector3d& centre_panel) {
+  const Vector3d centre = T_camera_panel * centre_panel, sight = centre.normalized();
+  const Vector3d normal = T_camera_panel.rotation.col(2);
+  const Vector3d mirrored = 2.0 * sight.dot(normal) * sight - normal;
+  const Matrix3d turn = Eigen::Quaterniond::FromTwoVectors(normal, mirrored).toRotationMatrix();
+  Pose result;
+  result.rotation = turn * T_camera_panel.rotation;
+  result.position = centre - result.rotation * centre_panel;
+  return result;
 }
 
 mrpt::poses::CPose3DPDFGaussian UncertainPose::toMrpt() const {

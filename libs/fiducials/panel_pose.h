@@ -69,6 +69,10 @@ struct PanelPoseEstimate {
 PanelPoseEstimate solvePanelPose(const std::vector<Detection>& detections, const PanelMap& map,
                                  const CameraModel& camera, const PanelPoseOptions& options = {});
 
+/// The pose whose planar points look nearly the same from afar: the normal mirrored at the line of sight
+/// through a point of the panel, which stays in place.
+Pose mirrorImage(const Pose& T_camera_panel, const Vector3d& centre_panel);
+
 /// The robot's pose from the panel's. T_odom_panel and T_robot_camera are taken as exact.
 UncertainPose robotPose(const UncertainPose& T_camera_panel, const Pose& T_odom_panel,
                         const Pose& T_robot_camera);

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "core/fingerprint.h"
 #include "core/progress.h"
 #include "effects/calibration.h"
 #include "render/renderer.h"

@@ -1,22 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <string>
 
 namespace fathom {
-
-/// A 64-bit FNV-1a hash: tells inputs apart, withstands no malice.
-class Fingerprint {
- public:
-  Fingerprint& add(const void* bytes, std::size_t size);
-  Fingerprint& add(double number) { return add(&number, sizeof number); }
-  std::string hex() const;
-
- private:
-  std::uint64_t hash_ = 0xcbf29ce484222325U;
-};
 
 /// The folder of a recording's images, and what they were made from: inputs.txt beside them.
 class ImageStore {

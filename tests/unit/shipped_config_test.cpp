@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 
+#include "evaluation/fiducial_grid.h"
 #include "localization/options.h"
 #include "recording/topic_map.h"
 #include "sensors/vehicle.h"
@@ -32,6 +33,7 @@ const std::map<std::string, std::function<void(const fs::path&)>> kReaders{
     {"navigation.yaml", [](const fs::path& file) { readLocalizationOptions(file); }},
     {"sea_trial.yaml", [](const fs::path& file) { readLocalizationOptions(file); }},
     {"husky.yaml", [](const fs::path& file) { readLocalizationOptions(file); }},
+    {"compare_fiducials.yaml", [](const fs::path& file) { readFiducialGrid(file); }},
     {"_topics.yaml", [](const fs::path& file) { readTopicMap(file); }},
 };
 

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace fathom {
+
+/// A 64-bit FNV-1a hash: tells inputs apart, withstands no malice.
+class Fingerprint {
+ public:
+  Fingerprint& add(const void* bytes, std::size_t size);
+  Fingerprint& add(double number) { return add(&number, sizeof number); }
+  Fingerprint& add(const std::string& text) { return add(text.data(), text.size()); }
+  std::string hex() const;
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325U;
+};
+
+}  // namespace fathom

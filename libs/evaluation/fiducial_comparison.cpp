@@ -1,0 +1,269 @@
+#include "evaluation/fiducial_comparison.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <mutex>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+
+#include "core/progress.h"
+#include "core/text.h"
+#include "evaluation/chunk_store.h"
+#include "evaluation/family_swap.h"
+#include "evaluation/input_fingerprints.h"
+#include "evaluation/timed_detection.h"
+
+namespace fathom {
+namespace {
+
+constexpr double kLargestRoll_rad = radians(30), kLargestAim_m = 0.15;
+
+std::size_t viewNumber(const FiducialGrid& grid, const GridImage& image) {
+  return (image.range * grid.tilts_rad.size() + image.tilt) * static_cast<std::size_t>(grid.repeats) +
+         image.repeat;
+}
+
+/// The inverse, water and blur left 0.
+GridImage imageOf(const FiducialGrid& grid, std::size_t family, std::size_t view_number) {
+  const auto repeats = static_cast<std::size_t>(grid.repeats);
+  const std::size_t station = view_number / repeats;
+  return {family, station / grid.tilts_rad.size(), station % grid.tilts_rad.size(), view_number % repeats};
+}
+
+/// Beyond the numbers that views are drawn from. Every family meets the same noise.
+std::uint64_t noiseStream(const FiducialGrid& grid, const GridImage& image) {
+  const std::size_t number =
+      (viewNumber(grid, image) * grid.waters.size() + image.water) * grid.blurs_px.size() + image.blur;
+  return std::uint64_t{1} << 32U | number;
+}
+
+/// One family on the panel, seen in every way of the grid. For many threads at once.
+class FamilyStudio {
+ public:
+  FamilyStudio(const FiducialGrid& grid, const PanelMap& map, const CameraSheet& sheet, std::size_t family)
+      : grid_(grid),
+        sheet_(sheet),
+        family_(family),
+        map_(std::make_shared<PanelMap>(withFamily(map, grid.families[family]))),
+        readers_(readersOf(grid.backends, grid.preprocessings)),
+        tools_([this] { return std::make_unique<Tools>(*this); }) {
+    for (const NamedWater& water : grid.waters) models_.emplace_back(sheet, water.water);
+  }
+  FamilyStudio(const FamilyStudio&) = delete;
+  FamilyStudio& operator=(const FamilyStudio&) = delete;
+
+  /// All that is made of one view.
+  std::vector<FiducialResult> read(std::size_t view_number) const {
+    GridImage image = imageOf(grid_, family_, view_number);
+    const Pose T_camera_panel = viewOf(grid_, image).T_panel_camera().inverse();
+    const View clean = render(image);
+    const auto places = placesIn(image);
+    std::vector<FiducialResult> results;
+    for (image.water = 0; image.water < grid_.waters.size(); ++image.water) {
+      const cv::Mat light = lightThrough(image.water, clean);
+      for (image.blur = 0; image.blur < grid_.blurs_px.size(); ++image.blur) {
+        const cv::Mat picture = expose(light, image);
+        for (std::size_t reader = 0; reader < readers_.size(); ++reader) {
+          const TimedDetection timed = detectTimed(*tools_.local()->detectors[reader], picture);
+          FiducialResult result{image, reader, {}, timed.cpu_s};
+          result.score = scoreDetections(timed.detections, places, grid_.match_px);
+          scorePose(timed.detections, *map_, sheet_.model, T_camera_panel, result.score);
+          results.push_back(result);
+        }
+      }
+    }
+    return results;
+  }
+
+  FiducialPicture picture(const GridImage& image) const {
+    const View clean = render(image);
+    FiducialPicture picture;
+    picture.map = map_;
+    picture.image_bgr = expose(lightThrough(image.water, clean), image);
+    picture.places = placesIn(image);
+    for (const auto& detector : tools_.local()->detectors)
+      picture.detections.push_back(detector->detect(picture.image_bgr));
+    return picture;
+  }
+
+ private:
+  /// What one thread needs.
+  struct Tools {
+    Renderer renderer, bare_renderer;
+    std::vector<std::unique_ptr<Detector>> detectors;
+
+    explicit Tools(const FamilyStudio& studio)
+        : renderer(studio.sheet_.model), bare_renderer(studio.sheet_.model) {
+      PanelMap bare = *studio.map_;
+      bare.markers.clear();
+      renderer.setScene(surfaceOf(*studio.map_));
+      bare_renderer.setScene(surfaceOf(bare));
+      for (const FiducialReader& reader : studio.readers_)
+        detectors.push_back(
+            makeDetector(reader, {studio.grid_.families[studio.family_]}, studio.sheet_.model));
+    }
+  };
+
+  /// Under full daylight.
+  View render(const GridImage& image) const {
+    return tools_.local()->renderer.render(viewOf(grid_, image).T_panel_camera(), Lighting{});
+  }
+
+  /// What hides a marker is looked for on the panel without markers, so that it is the same for all families.
+  std::vector<MarkerPlace> placesIn(const GridImage& image) const {
+    const Pose T_panel_camera = viewOf(grid_, image).T_panel_camera();
+    const View bare = tools_.local()->bare_renderer.render(T_panel_camera, Lighting{});
+    return placesOf(*map_, sheet_.model, T_panel_camera.inverse(), bare.range_m);
+  }
+
+  cv::Mat lightThrough(std::size_t water, const View& clean) const {
+    const Vector3d& ambient = grid_.waters[water].ambient;
+    cv::Mat lit;  // matt surfaces: each colour's radiance goes with its daylight
+    cv::multiply(clean.radiance, cv::Scalar(ambient[0], ambient[1], ambient[2]), lit);
+    return models_[water].light(lit, clean.range_m);
+  }
+
+  cv::Mat expose(const cv::Mat& light, const GridImage& image) const {
+    cv::Mat blurred = light;
+    const double sigma_px = grid_.blurs_px[image.blur];
+    if (sigma_px > 0) cv::GaussianBlur(light, blurred, {}, sigma_px, sigma_px, cv::BORDER_REFLECT);
+    Random noise = Random::stream(grid_.seed, noiseStream(grid_, image));
+    cv::Mat picture = models_[image.water].expose(blurred, &noise);
+    if (picture.depth() != CV_8U) picture.convertTo(picture, CV_8U, 255.0 / ((1 << sheet_.bits) - 1));
+    return picture;
+  }
+
+  const FiducialGrid& grid_;
+  const CameraSheet& sheet_;
+  std::size_t family_;
+  std::shared_ptr<const PanelMap> map_;
+  std::vector<FiducialReader> readers_;
+  std::vector<ImageModel> models_;
+  mutable tbb::enumerable_thread_specific<std::unique_ptr<Tools>> tools_;
+};
+
+// ---- keeping results
+
+std::string format(const std::vector<FiducialResult>& results) {
+  std::string text;
+  for (const FiducialResult& r : results)
+    text += print("%d %d %d %d %.17g %d %.17g %.17g %.17g\n", r.score.visible, r.score.found, r.score.wrong,
+                  r.score.unknown, r.score.squares_px2, r.score.posed ? 1 : 0, r.score.position_error_m,
+                  r.score.angle_error_rad, r.detect_s);
+  return text;
+}
+
+/// Nothing where these are no results of this grid.
+std::optional<std::vector<FiducialResult>> parse(const std::string& text, const FiducialGrid& grid,
+                                                 GridImage image) {
+  const std::size_t readers = grid.backends.size() * grid.preprocessings.size();
+  std::istringstream words(text);
+  std::vector<FiducialResult> results;
+  for (image.water = 0; image.water < grid.waters.size(); ++image.water)
+    for (image.blur = 0; image.blur < grid.blurs_px.size(); ++image.blur)
+      for (std::size_t reader = 0; reader < readers; ++reader) {
+        FiducialResult& r = results.emplace_back(FiducialResult{image, reader, {}, 0});
+        words >> r.score.visible >> r.score.found >> r.score.wrong >> r.score.unknown >>
+            r.score.squares_px2 >> r.score.posed >> r.score.position_error_m >> r.score.angle_error_rad >>
+            r.detect_s;
+      }
+  if (!words) return std::nullopt;
+  return results;
+}
+
+std::string inputsOf(const FiducialGrid& grid, const PanelMap& map, const CameraSheet& sheet) {
+  std::string text = "What these results were made from; a run with other inputs removes them.\nversion " +
+                     std::string(FATHOM_VERSION) + "\ncamera " + fingerprintOf(sheet) + "\npanel " +
+                     fingerprintOf(map) + "\n";
+  for (const auto& family : grid.families) text += "family " + family + "\n";
+  for (const auto& reader : readersOf(grid.backends, grid.preprocessings))
+    text += "reader " + reader.name() + "\n";
+  for (const double range_m : grid.ranges_m) text += print("range %.17g m\n", range_m);
+  for (const double tilt_rad : grid.tilts_rad) text += print("tilt %.17g rad\n", tilt_rad);
+  for (const NamedWater& water : grid.waters) {
+    text += "water " + water.name;
+    for (const Vector3d& colour : {water.water.attenuation_per_m, water.water.veil, water.ambient})
+      text += print(" %.17g %.17g %.17g", colour[0], colour[1], colour[2]);
+    text += "\n";
+  }
+  for (const double blur_px : grid.blurs_px) text += print("blur %.17g px\n", blur_px);
+  return text + print("repeats %d\nmatch %.17g px\nseed %llu\n", grid.repeats, grid.match_px,
+                      static_cast<unsigned long long>(grid.seed));
+}
+
+void check(const FiducialGrid& grid) {
+  if (grid.backends.empty() || grid.preprocessings.empty() || grid.imageCount() == 0)
+    throw std::invalid_argument("compareFiducials: a list of the grid is empty");
+  if (const auto why = complaintAbout(grid.families, grid.backends); !why.empty())
+    throw std::invalid_argument("compareFiducials: families: " + why);
+}
+
+}  // namespace
+
+CameraView viewOf(const FiducialGrid& grid, const GridImage& image) {
+  ViewRanges exactly;
+  exactly.nearest_m = exactly.farthest_m = grid.ranges_m[image.range];
+  exactly.smallest_tilt_rad = exactly.largest_tilt_rad = grid.tilts_rad[image.tilt];
+  exactly.largest_roll_rad = kLargestRoll_rad;
+  exactly.largest_aim_m = std::min(kLargestAim_m, 0.25 * exactly.nearest_m);
+  return drawView(exactly, grid.seed, viewNumber(grid, image));
+}
+
+std::vector<FiducialResult> compareFiducials(const FiducialGrid& grid, const PanelMap& map,
+                                             const CameraSheet& sheet, const std::filesystem::path& folder) {
+  check(grid);
+  const OneOpenCvThread one_thread;  // images, not parts of one, go to threads
+  const std::size_t views = grid.viewCount(), chunks = grid.families.size() * views;
+  for (const auto& family : grid.families) withFamily(map, family);  // complains before the work begins
+  const ChunkStore store(folder, inputsOf(grid, map, sheet));
+
+  Progress progress("reading " + std::to_string(grid.imageCount()) + " images");
+  std::mutex progress_mutex;
+  std::size_t done = 0;
+  std::vector<std::vector<FiducialResult>> by_chunk(chunks);
+  for (std::size_t family = 0; family < grid.families.size(); ++family) {
+    const FamilyStudio studio(grid, map, sheet, family);
+    const auto make = [&](std::size_t view) {
+      const std::size_t chunk = family * views + view;
+      std::optional<std::vector<FiducialResult>> kept;
+      if (const auto text = store.read(chunk)) kept = parse(*text, grid, imageOf(grid, family, view));
+      if (kept) {
+        by_chunk[chunk] = std::move(*kept);
+      } else {
+        by_chunk[chunk] = studio.read(view);
+        store.write(chunk, format(by_chunk[chunk]));
+      }
+      const std::scoped_lock lock(progress_mutex);
+      progress.update(static_cast<double>(++done) / static_cast<double>(chunks));
+    };
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, views, 1),
+        [&](const auto& range) {
+          for (std::size_t view = range.begin(); view != range.end(); ++view) make(view);
+        },
+        tbb::simple_partitioner());
+  }
+  std::vector<FiducialResult> results;
+  for (const auto& chunk : by_chunk) results.insert(results.end(), chunk.begin(), chunk.end());
+  return results;
+}
+
+std::vector<FiducialPicture> fiducialPictures(const FiducialGrid& grid, const PanelMap& map,
+                                              const CameraSheet& sheet,
+                                              const std::vector<GridImage>& images) {
+  check(grid);
+  const OneOpenCvThread one_thread;
+  std::vector<FiducialPicture> pictures(images.size());
+  for (std::size_t family = 0; family < grid.families.size(); ++family) {
+    const FamilyStudio studio(grid, map, sheet, family);
+    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+      if (images[i].family == family) pictures[i] = studio.picture(images[i]);
+    });
+  }
+  return pictures;
+}
+
+}  // namespace fathom

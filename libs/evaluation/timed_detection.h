@@ -1,0 +1,29 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "fiducials/detector.h"
+
+namespace fathom {
+
+struct TimedDetection {
+  std::vector<Detection> detections;
+  double cpu_s = 0;  ///< of this thread; measured, so another one each time
+};
+TimedDetection detectTimed(Detector& detector, const cv::Mat& image);
+
+/// While it lives, OpenCV works in the thread that calls it: what it takes is that thread's time, and images,
+/// not parts of one, are spread over the cores.
+class OneOpenCvThread {
+ public:
+  OneOpenCvThread() : before_(cv::getNumThreads()) { cv::setNumThreads(1); }
+  ~OneOpenCvThread() { cv::setNumThreads(before_); }
+  OneOpenCvThread(const OneOpenCvThread&) = delete;
+  OneOpenCvThread& operator=(const OneOpenCvThread&) = delete;
+
+ private:
+  int before_;
+};
+
+}  // namespace fathom
