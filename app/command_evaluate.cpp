@@ -55,7 +55,9 @@ PanelEvaluationOptions evaluationOf(const PanelOptions& options) {
   try {
     drawView(evaluation.ranges, evaluation.seed, 0);
   } catch (const std::invalid_argument& refused) {
-    throw Error("command line", "views", refused.what());
+    throw Error("command line",
+                "--nearest, --farthest, --smallest-tilt, --largest-tilt, --largest-roll, --largest-aim",
+                refused.what());
   }
   return evaluation;
 }

@@ -1,0 +1,92 @@
+// `fathom evaluate panel`, as people meet it.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "support/run_program.h"
+
+namespace fathom {
+namespace {
+namespace fs = std::filesystem;
+using test::runFathom;
+using test::scratchFolder;
+using test::shellQuoted;
+
+const std::string kSource = FATHOM_SOURCE_DIR;
+const std::string kMap = kSource + "/maps/dexrov/panel.yaml", kVehicle = kSource + "/config/rov.yaml";
+const std::string kClear = kSource + "/config/water_clear.yaml";
+const std::string kTurbid = kSource + "/config/water_turbid.yaml";
+
+std::string command(const std::string& map, const std::string& vehicle, const std::string& water) {
+  return "evaluate panel --map " + map + " --vehicle " + vehicle + " --water " + water;
+}
+
+/// A map, or a vehicle, without what it needs.
+std::string without(const std::string& source, const std::string& key, const fs::path& target) {
+  std::istringstream lines(readTextFile(source));
+  std::string kept;
+  bool leaving = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with(' ') && !line.starts_with('#')) leaving = line.starts_with(key + ":");
+    if (!leaving) kept += line + "\n";
+    if (leaving && line == "markers:") kept += "markers: []\n";
+  }
+  writeTextFile(target, kept);
+  return target.string();
+}
+
+TEST(EvaluatePanelCommand, WritesAllAndTheSameBytesAgain) {
+  const auto folder = scratchFolder();
+  const std::string run = "cd " + shellQuoted(folder.string()) + " && ";
+  const std::string evaluate = shellQuoted(test::fathomProgram()) + " " +
+                               command(kMap, kVehicle, "E0=" + kClear) + " --water " + kTurbid +
+                               " --views 4 --seed 5 --out out";
+  const auto first = test::runShell(run + evaluate);
+  ASSERT_EQ(first.status, 0) << first.err;
+  for (const char* part : {"E0", "water_turbid", "mean of markers (paper)", "joint", "mean NEES"})
+    EXPECT_NE(first.out.find(part), std::string::npos) << part;
+  const std::string csv = readTextFile(folder / "out/views.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 2 * 4);
+  const auto columns = [&](std::size_t from) {
+    const auto end = csv.find('\n', from);
+    return std::count(csv.begin() + static_cast<std::ptrdiff_t>(from),
+                      csv.begin() + static_cast<std::ptrdiff_t>(end), ',');
+  };
+  EXPECT_EQ(columns(0), columns(csv.find('\n') + 1));
+  const auto json = nlohmann::json::parse(readTextFile(folder / "out/result.json"));
+  EXPECT_EQ(json["run"]["seed"], 5);
+  ASSERT_EQ(json["waters"].size(), 2U);
+  EXPECT_EQ(json["waters"][1]["name"], "water_turbid");
+  EXPECT_EQ(json["waters"][0]["all"]["views"], 4);
+  EXPECT_LT(json["waters"][0]["all"]["joint"]["position_error_m"]["mean"], 0.01);
+  const std::string html = readTextFile(folder / "out/report.html");
+  EXPECT_NE(html.find("<svg"), std::string::npos);
+
+  fs::rename(folder / "out", folder / "first");
+  const auto second = test::runShell(run + "taskset -c 0 " + evaluate);  // one core
+  EXPECT_EQ(second.out, first.out);
+  for (const char* file : {"views.csv", "result.json", "report.html"})
+    EXPECT_EQ(readTextFile(folder / "first" / file), readTextFile(folder / "out" / file)) << file;
+}
+
+TEST(EvaluatePanelCommand, RefusesInOneLine) {
+  const auto folder = scratchFolder();
+  const std::string bare = without(kMap, "markers", folder / "panel.yaml");
+  fs::copy(fs::path(kMap).parent_path() / "panel.obj", folder / "panel.obj");
+  fs::copy(fs::path(kMap).parent_path() / "panel.mtl", folder / "panel.mtl");
+  const std::string blind = without(kVehicle, "camera", folder / "vehicle.yaml");
+  const std::string good = command(kMap, kVehicle, kClear);
+  test::expectBadInput(runFathom(command(kMap, kVehicle, "/no/such.yaml")), "/no/such.yaml");
+  test::expectBadInput(runFathom(command("/no/map.yaml", kVehicle, kClear)), "/no/map.yaml");
+  test::expectBadInput(runFathom(command(bare, kVehicle, kClear)), "panel.yaml: markers");
+  test::expectBadInput(runFathom(command(kMap, blind, kClear)), "vehicle.yaml: camera: the vehicle has none");
+  test::expectBadInput(runFathom(good + " --views 0"), "--views");
+  test::expectBadInput(runFathom(good + " --nearest 5"), "--nearest");
+  test::expectBadInput(runFathom(good + " --water " + kClear), "there twice");
+  test::expectBadInput(runFathom(good + " --water =" + kClear), "the name must");
+  test::expectBadInput(runFathom("evaluate"), "fathom --help");
+}
+
+}  // namespace
+}  // namespace fathom
