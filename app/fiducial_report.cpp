@@ -71,6 +71,8 @@ Table factorTable(const FiducialStory& story, const Factor& factor) {
 
 // ---- plots
 
+constexpr int kPlotHeight_px = 520;  // ten curves have a long legend
+
 using GroupValue = double (*)(const FiducialGroup&);
 
 double ratePercent(const FiducialGroup& group) { return 100.0 * group.score.detectionRate(); }
@@ -82,6 +84,7 @@ double detect_ms(const FiducialGroup& group) { return group.meanDetect_ms(); }
 Plot factorPlot(const FiducialStory& story, const Factor& factor, const FiducialGroups& groups,
                 Preprocess preprocess, Plot plot, GroupValue value) {
   plot.x_label = factor.label;
+  plot.height_px = kPlotHeight_px;
   const auto readers = readersOf(story.grid);
   std::vector<std::size_t> order(factor.x.size());  // waters may come in any order
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -115,6 +118,7 @@ void addFactor(HtmlReport& report, const FiducialStory& story, const Factor& fac
     const auto add = [&](const std::string& title, const std::string& y_label, GroupValue value) {
       Plot plot{.title = title + " against " + factor.name + after, .y_label = y_label};
       if (value == ratePercent) plot.y_range = {0.0, 102.0};
+      plot.log_y = value == positionError_mm;
       report.plot(factorPlot(story, factor, groups, preprocess, plot, value));
     };
     add("Detection rate", "[%]", ratePercent);

@@ -1,5 +1,6 @@
 #include "recorded_fiducials_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -152,6 +153,7 @@ Json jsonOf(const RecordedFiducialsStory& story) {
 
 Plot countPlot(const RecordedFiducialsStory& story) {
   Plot plot{.title = "Markers by image", .x_label = "image", .y_label = "markers"};
+  plot.height_px = 460;
   const auto series = [&](const std::string& name, const auto& value) {
     Series s{.name = name};
     for (std::size_t i = 0; i < story.results.size(); ++i) {
@@ -164,6 +166,9 @@ Plot countPlot(const RecordedFiducialsStory& story) {
     plot.series.push_back(series(
         "detected by " + story.options.readers[r].name(),
         [r](const RecordedResult& result) { return static_cast<double>(result.readings[r].detections); }));
+  double most = 1;
+  for (const Series& s : plot.series) most = std::max(most, *std::max_element(s.y.begin(), s.y.end()));
+  plot.y_range = {0.0, most + 1.0};
   if (anyTruth(story)) {
     plot.series.push_back(series("visible", [](const RecordedResult& result) {
       return result.truth_known ? static_cast<double>(result.readings.front().score.visible) : kNothing;

@@ -96,7 +96,7 @@ std::string drawing(const std::string& data, const Series& series, const std::st
 
 /// Canvas in pixels. With equal axes as high as the data need, within reason, so that no paper is left empty.
 std::string canvas(const Plot& plot) {
-  if (!plot.equal_axes) return "860,380";
+  if (!plot.equal_axes) return "860," + std::to_string(plot.height_px);
   double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
   for (const auto& series : plot.series) {
     const Columns columns = columnsOf(series);

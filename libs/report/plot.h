@@ -30,6 +30,7 @@ struct Plot {
   std::vector<Series> series{};
   bool equal_axes = false;  ///< one metre is as long across as up: for maps
   bool log_y = false;
+  int height_px = 380;  ///< of the canvas, legend included; not with equal axes
   std::optional<std::pair<double, double>> y_range{};  ///< absent: what the data needs
 };
 
