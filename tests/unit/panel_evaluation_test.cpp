@@ -147,7 +147,9 @@ TEST(EvaluatePanel, RefusesWhatCannotBe) {
   const std::string source = FATHOM_SOURCE_DIR;
   const Vehicle vehicle = readVehicle(source + "/config/rov.yaml");
   const Environment water = readEnvironment(source + "/config/water_clear.yaml");
-  EXPECT_THROW(evaluatePanel({}, vehicle, water, {.views = 1}), std::invalid_argument);
+  PanelEvaluationOptions options;
+  options.views = 1;
+  EXPECT_THROW(evaluatePanel({}, vehicle, water, options), std::invalid_argument);
 }
 
 }  // namespace

@@ -67,10 +67,16 @@ TEST(DrawView, FillsItsRangesAndRepeats) {
     EXPECT_GE(wholeMarkers(dexrov(), rov().camera->model, view.T_panel_camera()), 4U);
   }
   // Of 500 uniform numbers the extremes lie within 2 % of the ends (but for one case in 20000 each).
-  EXPECT_GE(nearest, 1.5), EXPECT_LT(nearest, 1.53), EXPECT_LE(farthest, 3), EXPECT_GT(farthest, 2.97);
-  EXPECT_GE(least, radians(10)), EXPECT_LT(least, radians(10.8));
-  EXPECT_LE(most, radians(50)), EXPECT_GT(most, radians(49.2));
-  EXPECT_LT(left, radians(-28.8)), EXPECT_GT(right, radians(28.8));
+  EXPECT_GE(nearest, 1.5);
+  EXPECT_LT(nearest, 1.53);
+  EXPECT_LE(farthest, 3);
+  EXPECT_GT(farthest, 2.97);
+  EXPECT_GE(least, radians(10));
+  EXPECT_LT(least, radians(10.8));
+  EXPECT_LE(most, radians(50));
+  EXPECT_GT(most, radians(49.2));
+  EXPECT_LT(left, radians(-28.8));
+  EXPECT_GT(right, radians(28.8));
 }
 
 TEST(DrawView, RefusesRangesWithoutSense) {
@@ -104,7 +110,9 @@ TEST(ViewStudio, ShowsMarkersWhereTheViewHasThem) {
   const ViewStudio studio(dexrov(), rov(), water);
   const CameraModel& camera = rov().camera->model;
   const auto detector = makeDetector(Backend::apriltag, {"DICT_ARUCO_ORIGINAL"});
-  const CameraView view = drawView({.nearest_m = 2, .farthest_m = 2}, 1, 0);
+  ViewRanges two_metres;
+  two_metres.nearest_m = two_metres.farthest_m = 2;
+  const CameraView view = drawView(two_metres, 1, 0);
   const cv::Mat image = studio.image(view, 1);
   const auto detections = detector->detect(image);
   EXPECT_EQ(detections.size(), 12U);
