@@ -115,7 +115,8 @@ TEST(ViewStudio, ShowsMarkersWhereTheViewHasThem) {
   const CameraView view = drawView(two_metres, 1, 0);
   const cv::Mat image = studio.image(view, 1);
   const auto detections = detector->detect(image);
-  EXPECT_EQ(detections.size(), 12U);
+  EXPECT_EQ(detections.size(), wholeMarkers(dexrov(), camera, view.T_panel_camera()));
+  EXPECT_GE(detections.size(), 10U);
   const Pose T_camera_panel = view.T_panel_camera().inverse();
   for (const Detection& detection : detections)
     for (const Marker& marker : dexrov().markers) {
