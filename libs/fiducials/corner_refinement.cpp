@@ -11,12 +11,12 @@ namespace fathom {
 namespace {
 
 /// What least squares does not see: the pixel's square shape, and with much blur the cells beyond the border.
-/// On images without noise corners err by 0.003 where a pixel is drawn from 144 samples, lens or no lens, and
-/// by 0.01 to 0.02 on our renderer's, whose own edges do. The first term is a choice between the two, with
-/// which poses from rendered images have honest covariances (`fathom evaluate panel`); the second was
-/// measured, see tests/unit/corner_refinement_test.cpp.
+/// The second term was measured, see tests/unit/corner_refinement_test.cpp. The first is what makes poses
+/// from the sample images in tests/interop/panel_pose_sample_test.cpp honest: with 0.010 their median NEES
+/// is 4.6, with 0.006 6.6, where 5.35 is expected. The fit itself errs by 0.003 where a pixel is drawn from
+/// 144 samples.
 double modelSigma_px(double cell_px, double blur_sigma_px) {
-  return 0.006 + 1.0 * blur_sigma_px * std::exp(-0.9 * cell_px / blur_sigma_px);
+  return 0.008 + 1.0 * blur_sigma_px * std::exp(-0.9 * cell_px / blur_sigma_px);
 }
 
 constexpr std::size_t kFewestPixels = 28;                    ///< four times the parameters
