@@ -59,6 +59,7 @@ cv::Mat fiducialSheet(const FiducialGrid& grid, const PanelMap& map, const Camer
       rows.push_back(row);
     }
   std::vector<std::string> labels;
+  labels.reserve(columns.size());
   for (const GridImage& image : columns) labels.push_back(labelOf(grid, image));
   return contactSheet("green: found, orange: missed, red: false", labels, rows);
 }
