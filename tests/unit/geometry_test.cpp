@@ -87,19 +87,21 @@ TEST(Geometry, InverseRightJacobianBeyondPi) {
   }
 }
 
-using Jet = ceres::Jet<double, 3>;
-Vector3<Jet> jetVector(const Vector3d& r) { return {Jet(r[0], 0), Jet(r[1], 1), Jet(r[2], 2)}; }
+using RotationJet = ceres::Jet<double, 3>;
+Vector3<RotationJet> jetVector(const Vector3d& r) {
+  return {RotationJet(r[0], 0), RotationJet(r[1], 1), RotationJet(r[2], 2)};
+}
 
 // d Exp(r)/d r_j = Exp(r) [J_r e_j]x, and d Log(Exp(r))/dr = 1.
 TEST(Geometry, JetsThroughExpAndLog) {
   for (const Vector3d& r : rotationVectors(3.1)) {
-    const Matrix3<Jet> R = expSO3<Jet>(jetVector(r));
-    const Vector3<Jet> back = logSO3<Jet>(R);
+    const Matrix3<RotationJet> R = expSO3<RotationJet>(jetVector(r));
+    const Vector3<RotationJet> back = logSO3<RotationJet>(R);
     for (int j = 0; j < 3; ++j) {
-      const Matrix3d derivative = R.unaryExpr([j](const Jet& x) { return x.v[j]; });
+      const Matrix3d derivative = R.unaryExpr([j](const RotationJet& x) { return x.v[j]; });
       const Matrix3d expected = expSO3(r) * crossMatrix<double>(rightJacobianSO3(r).col(j));
       EXPECT_LT((derivative - expected).norm(), 1e-12) << r.norm();
-      const Vector3d round_trip = back.unaryExpr([j](const Jet& x) { return x.v[j]; });
+      const Vector3d round_trip = back.unaryExpr([j](const RotationJet& x) { return x.v[j]; });
       EXPECT_LT((round_trip - Vector3d::Unit(j)).norm(), 1e-12) << r.norm();
     }
   }
