@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 const fs::path kSource = FATHOM_SOURCE_DIR;
 
-FiducialGrid readText(const std::string& text) {
+FiducialGrid readGrid(const std::string& text) {
   const fs::path file = test::scratchFolder() / "grid.yaml";
   test::writeNew(file, text);
   return readFiducialGrid(file);
@@ -21,7 +21,7 @@ FiducialGrid readText(const std::string& text) {
 
 std::string gridComplaint(const std::string& text) {
   try {
-    readText(text);
+    readGrid(text);
   } catch (const Error& error) {
     return error.what();
   }
@@ -65,7 +65,7 @@ TEST(FiducialGrid, WatersAreTheShippedOnes) {
 }
 
 TEST(FiducialGrid, LeftOutKeysKeepTheirDefaults) {
-  const FiducialGrid grid = readText("ranges_m: [2, 5]\ntilts_deg: [30]\nrepeats: 3\n");
+  const FiducialGrid grid = readGrid("ranges_m: [2, 5]\ntilts_deg: [30]\nrepeats: 3\n");
   EXPECT_EQ(grid.ranges_m, (std::vector<double>{2, 5}));
   EXPECT_DOUBLE_EQ(grid.tilts_rad.at(0), radians(30));
   EXPECT_EQ(grid.families, FiducialGrid{}.families);
