@@ -13,7 +13,6 @@
 namespace fathom {
 namespace {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix86d = Eigen::Matrix<double, 8, 6>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -333,14 +332,6 @@ Pose mirrorImage(const Pose& T_camera_panel, const Vector3d& centre_panel) {
   result.rotation = turn * T_camera_panel.rotation;
   result.position = centre - result.rotation * centre_panel;
   return result;
-}
-
-mrpt::poses::CPose3DPDFGaussian UncertainPose::toMrpt() const {
-  Matrix6d J = Matrix6d::Identity();  // d(p, r) / d(x y z yaw pitch roll)
-  J.bottomRightCorner<3, 3>() = bodyRotationFromYawPitchRoll(yawPitchRollFromRotation(pose.rotation));
-  const Matrix6d inverse = J.inverse();
-  const Matrix6d cov = inverse * covariance * inverse.transpose();
-  return {pose.toMrpt(), mrpt::math::CMatrixDouble66(cov)};
 }
 
 UncertainPose robotPose(const UncertainPose& T_camera_panel, const Pose& T_odom_panel,

@@ -1,28 +1,15 @@
 #pragma once
 
-#include <mrpt/poses/CPose3DPDFGaussian.h>
-
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/camera_model.h"
+#include "core/uncertain_pose.h"
 #include "fiducials/detection.h"
 #include "panel/panel_map.h"
 
 namespace fathom {
-
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
-/// A pose and the covariance of (p, r): true position = p + dp in the outer frame's axes (m), true rotation =
-/// R Exp(dr), dr in the inner frame's axes (rad).
-struct UncertainPose {
-  Pose pose;
-  Matrix6d covariance = Matrix6d::Zero();
-
-  /// MRPT's order x y z yaw pitch roll. Not for a pitch of +-90 degrees, where those angles are degenerate.
-  mrpt::poses::CPose3DPDFGaussian toMrpt() const;
-};
 
 /// What one marker has to say to the panel's pose.
 struct MarkerFit {

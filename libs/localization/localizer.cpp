@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/text.h"
+#include "core/uncertain_pose.h"
 #include "localization/alignment.h"
 #include "localization/chi_square.h"
 #include "localization/measurements.h"
@@ -34,6 +35,13 @@ bool isFinite(const Sample& sample) {
     }
     bool operator()(const ImageSample&) const { return true; }
     bool operator()(const StereoSample&) const { return true; }
+    bool operator()(const PanelSample& s) const {
+      return std::all_of(s.panels.begin(), s.panels.end(), [](const SeenPanel& seen) {
+        const auto& [pose, covariance] = seen.T_camera_panel;
+        return pose.position.allFinite() && pose.rotation.allFinite() && covariance.allFinite();
+      });
+    }
+    bool operator()(const MarkersSample&) const { return true; }
     bool operator()(const RecordingHeader&) const { return true; }
     bool operator()(const UnknownSample&) const { return true; }
   };
@@ -416,17 +424,8 @@ LocalizationSummary run(const LocalizationSetup& setup, const std::function<std:
 }  // namespace
 
 mrpt::poses::CPose3DPDFGaussian posePdf(const Estimate& estimate) {
-  const Pose pose{estimate.state.motion.R_odom_robot, estimate.state.motion.position_odom};
-  // Rotation vector -> yaw, pitch, roll. Near pitch = +-90 degrees the angles lose meaning, so the inverse is
-  // damped.
-  const Matrix3d J = bodyRotationFromYawPitchRoll(yawPitchRollFromRotation(pose.rotation));
-  const Matrix3d inverse = (J.transpose() * J + 1e-6 * Matrix3d::Identity()).ldlt().solve(J.transpose());
-  Eigen::Matrix<double, 6, 6> T = Eigen::Matrix<double, 6, 6>::Identity();
-  T.bottomRightCorner<3, 3>() = inverse;
-  mrpt::poses::CPose3DPDFGaussian pdf;
-  pdf.mean = pose.toMrpt();
-  pdf.cov.asEigen() = T * estimate.pose_covariance * T.transpose();
-  return pdf;
+  const auto& motion = estimate.state.motion;
+  return UncertainPose{{motion.R_odom_robot, motion.position_odom}, estimate.pose_covariance}.toMrpt();
 }
 
 LocalizationSummary localize(const LocalizationSetup& setup,

@@ -274,6 +274,8 @@ struct Encoder {
     observation.hasImageRight = true;
     write(observation);
   }
+  void operator()(const PanelSample&) const { throw std::logic_error("no form yet"); }
+  void operator()(const MarkersSample&) const { throw std::logic_error("no form yet"); }
   void operator()(const RecordingHeader&) const {
     throw std::logic_error("a rawlog's header is written once, by RawlogWriter's constructor");
   }

@@ -24,6 +24,8 @@ struct Kind {
   std::string operator()(const PoseSample&) const { return "pose"; }
   std::string operator()(const ImageSample&) const { return "image"; }
   std::string operator()(const StereoSample&) const { return "stereo image"; }
+  std::string operator()(const PanelSample&) const { return "panels"; }
+  std::string operator()(const MarkersSample&) const { return "markers"; }
   std::string operator()(const RecordingHeader&) const { return "comment"; }
   std::string operator()(const UnknownSample& unknown) const { return unknown.mrpt_class; }
 };

@@ -10,6 +10,7 @@
 
 #include "core/geometry.h"
 #include "core/time.h"
+#include "core/uncertain_pose.h"
 
 /// One entry of a recording as typed data, in the frames and units of the recording convention: right-handed,
 /// metres, radians, z up; T_robot_sensor is the mounting.
@@ -24,7 +25,10 @@ inline constexpr const char* kUsbl = "USBL";
 inline constexpr const char* kCamera = "CAMERA";
 inline constexpr const char* kStereo = "STEREO";
 inline constexpr const char* kTruth = "TRUTH";
-inline constexpr const char* kMarkers = "MARKERS";  ///< results: robot pose from markers
+// Results, never recorded.
+inline constexpr const char* kMarkers = "MARKERS";             ///< robot pose from markers
+inline constexpr const char* kPanel = "PANEL";                 ///< panels as seen from the camera
+inline constexpr const char* kMarkerSights = "MARKER_SIGHTS";  ///< where single markers were seen
 }  // namespace labels
 
 /// First entry of a recording: section [recording].
@@ -79,6 +83,27 @@ struct StereoSample {
   std::string left_file, right_file;
 };
 
+/// Derived: panels seen in one image, or in both of a pair.
+struct SeenPanel {
+  int panel = 0;                 ///< index in the list of panels that the recording is read with
+  UncertainPose T_camera_panel;  ///< from a joint solution over all its markers
+};
+struct PanelSample {
+  Pose T_robot_camera;  ///< of a pair, the left one
+  std::vector<SeenPanel> panels;
+};
+
+/// Derived: single markers seen in an image, as RawLogViewer draws them.
+struct SeenMarker {
+  int id = 0;
+  double range_m = 0, yaw_rad = 0,
+         pitch_rad = 0;  ///< of its centre, in a frame with x along the optical axis, z up
+};
+struct MarkersSample {
+  Pose T_robot_camera_forward;  ///< that frame on the robot
+  std::vector<SeenMarker> markers;
+};
+
 /// An entry the convention does not know. It is counted by `fathom info` and otherwise left alone. Where its
 /// fields cannot be read either (a class this program has no layout for), its label is empty and its time is
 /// that of the entry before it.
@@ -87,7 +112,7 @@ struct UnknownSample {
 };
 
 using Reading = std::variant<InsSample, DvlSample, DvlBeamsSample, DepthSample, PoseSample, ImageSample,
-                             StereoSample, RecordingHeader, UnknownSample>;
+                             StereoSample, PanelSample, MarkersSample, RecordingHeader, UnknownSample>;
 
 struct Sample {
   Time time;          ///< of validity; Time{} where the entry has none

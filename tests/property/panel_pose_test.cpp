@@ -12,7 +12,6 @@
 namespace fathom {
 namespace {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 const CameraModel& camera() {
   static const CameraModel model = [] {
