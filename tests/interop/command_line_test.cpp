@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/run_program.h"
+#include "support/shipped.h"
 
 namespace fathom {
 namespace {
@@ -15,11 +16,11 @@ using test::runShell;
 using test::scratchFolder;
 using test::shellQuoted;
 
-const std::string kConfig = std::string(FATHOM_SOURCE_DIR) + "/config/";
+const std::string kConfigs = (test::kConfig / "").string();
 
 std::string simulateArguments(const fs::path& folder) {
-  return "simulate --trajectory " + shellQuoted(kConfig + "dive_trajectory.yaml") + " --vehicle " +
-         shellQuoted(kConfig + "rov.yaml") + " --duration 20 --name sim --out " +
+  return "simulate --trajectory " + shellQuoted(kConfigs + "dive_trajectory.yaml") + " --vehicle " +
+         shellQuoted(kConfigs + "rov.yaml") + " --duration 20 --name sim --out " +
          shellQuoted(folder.string());
 }
 
@@ -52,7 +53,7 @@ TEST(CommandLine, MistakesAreOneLineAndStatusTwo) {
   test::expectBadInput(runFathom("simulte"), "simulte");
   test::expectBadInput(runFathom("info"), "RECORDING");
   test::expectBadInput(runFathom("info /no/such.rawlog"), "/no/such.rawlog");
-  test::expectBadInput(runFathom("info " + shellQuoted(kConfig + "rov.yaml")), "rov.yaml");
+  test::expectBadInput(runFathom("info " + shellQuoted(kConfigs + "rov.yaml")), "rov.yaml");
   test::expectBadInput(runFathom(simulateArguments(folder) + " --seed many"), "--seed");
   test::expectBadInput(runFathom(simulateArguments(folder) + " --calibration /no/such.yaml"),
                        "/no/such.yaml");
@@ -93,14 +94,14 @@ TEST(CommandLine, ImportSaysWhatItConcluded) {
   test::expectBadInput(runFathom("import csv " + shellQuoted(folder.string()) + " --section 3" + out),
                        "trajectory3");
   test::expectBadInput(
-      runFathom("import bag /no/such.bag --topics " + shellQuoted(kConfig + "husky_topics.yaml") + out),
+      runFathom("import bag /no/such.bag --topics " + shellQuoted(kConfigs + "husky_topics.yaml") + out),
       "/no/such.bag");
   EXPECT_FALSE(fs::exists(folder / "out" / "such.rawlog"));
 
   FATHOM_NEEDS_SHARED("data/robot_localization/test1.bag");
   const auto bag = test::sharedData("data/robot_localization/test1.bag").string();
   const auto made = runFathom("import bag " + shellQuoted(bag) + " --topics " +
-                              shellQuoted(kConfig + "husky_topics.yaml") + " --name husky" + out);
+                              shellQuoted(kConfigs + "husky_topics.yaml") + " --name husky" + out);
   ASSERT_EQ(made.status, 0) << made.err;
   const auto summary = nlohmann::json::parse(readTextFile(folder / "out" / "husky_import.json"));
   ASSERT_FALSE(summary["conclusions"].empty());
@@ -116,7 +117,7 @@ TEST(CommandLine, ImportSaysWhatItConcluded) {
 TEST(CommandLine, InfoFindsWhereRecordingAndVehicleFileDisagree) {
   const auto folder = scratchFolder();
   ASSERT_EQ(runFathom(simulateArguments(folder)).status, 0);
-  std::string vehicle = readTextFile(kConfig + "rov.yaml");
+  std::string vehicle = readTextFile(kConfigs + "rov.yaml");
   const std::string dvl_pose = "pose: {x: -0.2,";
   ASSERT_NE(vehicle.find(dvl_pose), std::string::npos);
   vehicle.replace(vehicle.find(dvl_pose), dvl_pose.size(), "pose: {x: -0.25,");
@@ -151,7 +152,7 @@ TEST(CommandLine, InterruptedRunLeavesNoFile) {
   const auto folder = scratchFolder();
   // A long simulation, asked to stop as soon as its first part file is there.
   const std::string command = "simulate --trajectory " + shellQuoted((folder / "long.yaml").string()) +
-                              " --vehicle " + shellQuoted(kConfig + "rov.yaml") + " --name long --out " +
+                              " --vehicle " + shellQuoted(kConfigs + "rov.yaml") + " --name long --out " +
                               shellQuoted((folder / "out").string());
   std::ofstream(folder / "long.yaml") << "waypoints:\n  - {x: 0, y: 0, z: -3, yaw_deg: 0}\n"
                                          "  - {x: 4, y: 0, z: -3, yaw_deg: 0, t_s: 40000}\n";

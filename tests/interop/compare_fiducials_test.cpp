@@ -13,6 +13,7 @@
 #include "simulation/read_trajectory.h"
 #include "simulation/simulate_recording.h"
 #include "support/run_program.h"
+#include "support/shipped.h"
 #include "support/small_vehicle.h"
 
 namespace fathom {
@@ -21,8 +22,8 @@ namespace fs = std::filesystem;
 using test::runFathom;
 using test::shellQuoted;
 
-const fs::path kSource = FATHOM_SOURCE_DIR;
-const fs::path kMap = kSource / "maps/dexrov/panel.yaml";
+using test::kDexrovMap;
+using test::kSource;
 
 const std::string kGrid =
     "families: [DICT_4X4_50, tag16h5]\nranges_m: [1.5, 2.5]\ntilts_deg: [0, 40]\nblurs_px: [0, 1]\n"
@@ -39,8 +40,8 @@ std::string command(const fs::path& folder) {
   test::writeNew(folder / "grid.yaml", kGrid);
   test::writeSmallVehicle(folder);
   return "cd " + shellQuoted(folder.string()) + " && exec " + shellQuoted(test::fathomProgram()) +
-         " compare-fiducials --grid grid.yaml --vehicle vehicle.yaml --map " + shellQuoted(kMap.string()) +
-         " --out out";
+         " compare-fiducials --grid grid.yaml --vehicle vehicle.yaml --map " +
+         shellQuoted(kDexrovMap.string()) + " --out out";
 }
 
 std::vector<std::map<std::string, std::string>> readCsv(const fs::path& file) {
@@ -109,7 +110,7 @@ TEST(CompareFiducials, GoesOnAfterBeingKilled) {
 TEST(CompareFiducials, TellsWhatIsWrong) {
   const auto folder = test::scratchFolder();
   const std::string vehicle = " --vehicle " + shellQuoted(test::writeSmallVehicle(folder).string());
-  const std::string map = " --map " + shellQuoted(kMap.string());
+  const std::string map = " --map " + shellQuoted(kDexrovMap.string());
   const std::string out = " --out " + shellQuoted((folder / "out").string());
   const auto expectRefused = [&](const std::string& arguments, const std::string& part) {
     test::expectBadInput(runFathom("compare-fiducials " + arguments), part);
@@ -144,9 +145,9 @@ fs::path simulatedRecording(const fs::path& folder) {
       folder / "station.yaml",
       "kind: station\npose: {x: 4.3, y: 0.05, z: -4.25, yaw_deg: 1}\nduration_s: 20\nsway:\n"
       "  - {axis: y, amplitude_m: 0.1, period_s: 7}\n  - {axis: yaw, amplitude_deg: 3, period_s: 8}\n");
-  return simulateRecording(
-             options, readTrajectory(folder / "station.yaml"),
-             {folder, "r", vehicle, kMap, "a test", readEnvironment(kSource / "config/water_moderate.yaml")})
+  return simulateRecording(options, readTrajectory(folder / "station.yaml"),
+                           {folder, "r", vehicle, kDexrovMap, "a test",
+                            readEnvironment(kSource / "config/water_moderate.yaml")})
       .rawlog;
 }
 

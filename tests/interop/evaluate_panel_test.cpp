@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "support/run_program.h"
+#include "support/shipped.h"
 
 namespace fathom {
 namespace {
@@ -13,12 +14,11 @@ using test::runFathom;
 using test::scratchFolder;
 using test::shellQuoted;
 
-const std::string kSource = FATHOM_SOURCE_DIR;
-const std::string kMap = kSource + "/maps/dexrov/panel.yaml", kVehicle = kSource + "/config/rov.yaml";
-const std::string kClear = kSource + "/config/water_clear.yaml";
-const std::string kTurbid = kSource + "/config/water_turbid.yaml";
+const std::string kPanelMap = test::kDexrovMap.string(), kPanelVehicle = test::kRov.string();
+const std::string kClear = (test::kConfig / "water_clear.yaml").string();
+const std::string kTurbid = (test::kConfig / "water_turbid.yaml").string();
 
-std::string command(const std::string& map, const std::string& vehicle, const std::string& water) {
+std::string evaluatePanel(const std::string& map, const std::string& vehicle, const std::string& water) {
   return "evaluate panel --map " + map + " --vehicle " + vehicle + " --water " + water;
 }
 
@@ -40,8 +40,8 @@ TEST(EvaluatePanelCommand, WritesAllAndTheSameBytesAgain) {
   const auto folder = scratchFolder();
   const std::string run = "cd " + shellQuoted(folder.string()) + " && ";
   const std::string evaluate = shellQuoted(test::fathomProgram()) + " " +
-                               command(kMap, kVehicle, "E0=" + kClear) + " --water " + kTurbid +
-                               " --views 4 --seed 5 --out out";
+                               evaluatePanel(kPanelMap, kPanelVehicle, "E0=" + kClear) + " --water " +
+                               kTurbid + " --views 4 --seed 5 --out out";
   const auto first = test::runShell(run + evaluate);
   ASSERT_EQ(first.status, 0) << first.err;
   for (const char* part : {"E0", "water_turbid", "mean of markers (paper)", "joint", "mean NEES"})
@@ -72,15 +72,16 @@ TEST(EvaluatePanelCommand, WritesAllAndTheSameBytesAgain) {
 
 TEST(EvaluatePanelCommand, RefusesInOneLine) {
   const auto folder = scratchFolder();
-  const std::string bare = without(kMap, "markers", folder / "panel.yaml");
-  fs::copy(fs::path(kMap).parent_path() / "panel.obj", folder / "panel.obj");
-  fs::copy(fs::path(kMap).parent_path() / "panel.mtl", folder / "panel.mtl");
-  const std::string blind = without(kVehicle, "camera", folder / "vehicle.yaml");
-  const std::string good = command(kMap, kVehicle, kClear);
-  test::expectBadInput(runFathom(command(kMap, kVehicle, "/no/such.yaml")), "/no/such.yaml");
-  test::expectBadInput(runFathom(command("/no/map.yaml", kVehicle, kClear)), "/no/map.yaml");
-  test::expectBadInput(runFathom(command(bare, kVehicle, kClear)), "panel.yaml: markers");
-  test::expectBadInput(runFathom(command(kMap, blind, kClear)), "vehicle.yaml: camera: the vehicle has none");
+  const std::string bare = without(kPanelMap, "markers", folder / "panel.yaml");
+  fs::copy(fs::path(kPanelMap).parent_path() / "panel.obj", folder / "panel.obj");
+  fs::copy(fs::path(kPanelMap).parent_path() / "panel.mtl", folder / "panel.mtl");
+  const std::string blind = without(kPanelVehicle, "camera", folder / "vehicle.yaml");
+  const std::string good = evaluatePanel(kPanelMap, kPanelVehicle, kClear);
+  test::expectBadInput(runFathom(evaluatePanel(kPanelMap, kPanelVehicle, "/no/such.yaml")), "/no/such.yaml");
+  test::expectBadInput(runFathom(evaluatePanel("/no/map.yaml", kPanelVehicle, kClear)), "/no/map.yaml");
+  test::expectBadInput(runFathom(evaluatePanel(bare, kPanelVehicle, kClear)), "panel.yaml: markers");
+  test::expectBadInput(runFathom(evaluatePanel(kPanelMap, blind, kClear)),
+                       "vehicle.yaml: camera: the vehicle has none");
   test::expectBadInput(runFathom(good + " --views 0"), "--views");
   test::expectBadInput(runFathom(good + " --nearest 5"), "--nearest");
   test::expectBadInput(runFathom(good + " --water " + kClear), "there twice");

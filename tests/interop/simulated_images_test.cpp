@@ -16,13 +16,15 @@
 #include "simulation/simulate_recording.h"
 #include "support/run_program.h"
 #include "support/shared_data.h"
+#include "support/shipped.h"
 
 namespace fathom {
 namespace {
 namespace fs = std::filesystem;
 
-const fs::path kSource = FATHOM_SOURCE_DIR;
-const fs::path kMap = kSource / "maps/dexrov/panel.yaml", kVehicle = kSource / "config/rov.yaml";
+using test::kDexrovMap;
+using test::kRov;
+using test::kSource;
 
 /// Two metres before the panel, moving a little.
 const std::string kStation =
@@ -38,7 +40,7 @@ Trajectory station(const fs::path& folder) {
 /// The shipped vehicle with a camera of 320 x 240 px, ten images.
 SimulationOptions smallCamera() {
   SimulationOptions options;
-  options.vehicle = readVehicle(kVehicle);
+  options.vehicle = readVehicle(kRov);
   CameraModel& model = options.vehicle.camera->model;
   model.width_px /= 2;
   model.height_px /= 2;
@@ -49,7 +51,7 @@ SimulationOptions smallCamera() {
 }
 
 RecordingTarget target(const fs::path& folder) {
-  return {folder, "r", kVehicle, kMap, "a test", readEnvironment(kSource / "config/water_moderate.yaml")};
+  return {folder, "r", kRov, kDexrovMap, "a test", readEnvironment(kSource / "config/water_moderate.yaml")};
 }
 
 /// Every file below a folder, with its bytes.
@@ -178,7 +180,7 @@ TEST(SimulatedImages, StereoDisparityIsFocalLengthTimesBaselineOverDepth) {
   const Contents contents = read(files.rawlog);
   EXPECT_TRUE(contents.images.empty());
   ASSERT_EQ(contents.pairs.size(), 3U);
-  const PanelMap map = readPanelMap(kMap);
+  const PanelMap map = readPanelMap(kDexrovMap);
   int corners = 0;
   for (const auto& [time, pair] : contents.pairs) {
     EXPECT_LT((pair.T_left_right.position - Vector3d(baseline_m, 0, 0)).norm(), 1e-9);
@@ -287,8 +289,8 @@ TEST(SimulatedImages, ThereAreNoneWithoutCameraMapOrWater) {
 
 TEST(SimulatedImages, AMeshElsewhereCannotTravel) {
   const auto folder = test::scratchFolder();
-  std::string map = readTextFile(kMap);
-  map.replace(map.find("panel.obj"), 9, (kMap.parent_path() / "panel.obj").string());
+  std::string map = readTextFile(kDexrovMap);
+  map.replace(map.find("panel.obj"), 9, (kDexrovMap.parent_path() / "panel.obj").string());
   writeTextFile(folder / "panel.yaml", map);
   EXPECT_THROW(copyPanelMap(folder / "panel.yaml", folder / "copy"), Error);
 }
@@ -301,7 +303,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 /// `fathom simulate` of 100 small images into a folder.
 std::string command(const fs::path& folder, const std::string& out) {
-  std::string vehicle = readTextFile(kVehicle);
+  std::string vehicle = readTextFile(kRov);
   for (const auto& [what, by] : {std::pair{"rate_hz: 1\n", "rate_hz: 5\n"},
                                  {"width_px: 640", "width_px: 160"},
                                  {"height_px: 480", "height_px: 120"},
@@ -313,7 +315,7 @@ std::string command(const fs::path& folder, const std::string& out) {
   writeTextFile(folder / "vehicle.yaml", vehicle);
   writeTextFile(folder / "r.yaml", kStation);
   return test::shellQuoted(test::fathomProgram()) + " simulate --trajectory " + (folder / "r.yaml").string() +
-         " --vehicle " + (folder / "vehicle.yaml").string() + " --map " + kMap.string() + " --water " +
+         " --vehicle " + (folder / "vehicle.yaml").string() + " --map " + kDexrovMap.string() + " --water " +
          (kSource / "config/water_turbid.yaml").string() + " --seed 3 --out " + (folder / out).string();
 }
 

@@ -12,7 +12,6 @@
 namespace fathom {
 namespace {
 
-
 const CameraModel& camera() {
   static const CameraModel model = [] {
     CameraModel m;

@@ -6,12 +6,13 @@
 #include "panel/face.h"
 #include "panel/marker_family.h"
 #include "support/panels.h"
+#include "support/shipped.h"
 
 namespace fathom {
 namespace {
 namespace fs = std::filesystem;
 
-const fs::path kSource = FATHOM_SOURCE_DIR;
+using test::kSource;
 
 FiducialGrid readGrid(const std::string& text) {
   const fs::path file = test::scratchFolder() / "grid.yaml";

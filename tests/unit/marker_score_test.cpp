@@ -6,11 +6,12 @@
 #include "evaluation/recorded_fiducials.h"
 #include "render/renderer.h"
 #include "support/panels.h"
+#include "support/shipped.h"
 
 namespace fathom {
 namespace {
 
-const std::filesystem::path kSource = FATHOM_SOURCE_DIR;
+using test::kSource;
 constexpr double kTolerance_px = 3;
 
 /// The dexrov panel from two metres in front, turned half a turn so that it stands upright in the image.

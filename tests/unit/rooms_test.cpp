@@ -8,13 +8,14 @@
 #include <sstream>
 
 #include "core/files.h"
+#include "support/shipped.h"
 
 namespace fathom {
 namespace {
 namespace fs = std::filesystem;
 using Uses = std::map<std::string, std::set<std::string>>;  // room -> rooms it may use
 
-const fs::path kSource = FATHOM_SOURCE_DIR;
+using test::kSource;
 
 /// Rows `| `room` | owns | core, effects |`. "-" is none; "all" is left out of the comparison.
 Uses usesInReadme() {

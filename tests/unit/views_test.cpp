@@ -6,18 +6,19 @@
 #include <stdexcept>
 
 #include "fiducials/detector.h"
+#include "support/shipped.h"
 
 namespace fathom {
 namespace {
 
-const std::string kSource = FATHOM_SOURCE_DIR;
+using test::kSource;
 
 const PanelMap& dexrov() {
-  static const PanelMap map = readPanelMap(kSource + "/maps/dexrov/panel.yaml");
+  static const PanelMap map = readPanelMap(kSource / "maps/dexrov/panel.yaml");
   return map;
 }
 const Vehicle& rov() {
-  static const Vehicle vehicle = readVehicle(kSource + "/config/rov.yaml");
+  static const Vehicle vehicle = readVehicle(kSource / "config/rov.yaml");
   return vehicle;
 }
 
@@ -106,7 +107,7 @@ TEST(WholeMarkers, CountsWhatLiesInTheImageAndFacesIt) {
 }
 
 TEST(ViewStudio, ShowsMarkersWhereTheViewHasThem) {
-  const Environment water = readEnvironment(kSource + "/config/water_clear.yaml");
+  const Environment water = readEnvironment(kSource / "config/water_clear.yaml");
   const ViewStudio studio(dexrov(), rov(), water);
   const CameraModel& camera = rov().camera->model;
   const auto detector = makeDetector(Backend::apriltag, {"DICT_ARUCO_ORIGINAL"});
