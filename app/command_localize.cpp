@@ -1,98 +1,76 @@
 #include <iostream>
 #include <memory>
+#include <set>
 
 #include "commands.h"
 #include "core/error.h"
-#include "core/progress.h"
-#include "effects/calibration.h"
-#include "inputs.h"
-#include "localization/dead_reckoning.h"
-#include "localization_report.h"
-#include "recording/rawlog.h"
+#include "localization_batch.h"
+#include "tasks_report.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
 namespace {
 
 struct LocalizeOptions {
-  std::string rawlog, map, vehicle, config, calibration, reference, start = "auto", folder;
-  bool smooth = false;
+  std::vector<std::string> recordings;
+  std::vector<std::string> tasks;
+  std::string config, improved = "config/improved.yaml", folder;
+  bool paper_only = false, smooth = false;
   std::uint64_t seed = 0;
+  RecordingJob job;  ///< of every recording, but for its name and folder
 };
 
-/// The first TRUTH entry, for `--start reference`; the estimator itself never sees one.
-std::optional<StampedPose> firstTruth(const fs::path& rawlog) {
-  RawlogReader reader(rawlog);
-  while (const auto sample = reader.next())
-    if (sample->label == labels::kTruth)
-      if (const auto* pose = std::get_if<PoseSample>(&sample->reading))
-        return StampedPose{sample->time, Pose::fromMrpt(pose->T_odom_robot.mean)};
-  return std::nullopt;
+/// A task's name stands for config/NAME.yaml.
+LocalizationOptions readTask(const std::string& task) {
+  const bool is_file = task.ends_with(".yaml");
+  return readLocalizationOptions(is_file ? fs::path(task) : fs::path("config") / (task + ".yaml"));
 }
 
-/// The first navigation reading's time: where estimation begins.
-Time firstReading(const fs::path& rawlog) {
-  RawlogReader reader(rawlog);
-  while (const auto sample = reader.next())
-    if (!std::holds_alternative<RecordingHeader>(sample->reading)) return sample->time;
-  throw Error(rawlog.string(), "", "holds no reading");
-}
-
-std::optional<StartPose> startFromReference(const LocalizeOptions& options,
-                                            const std::vector<StampedPose>& reference) {
-  const Time begin = firstReading(options.rawlog);
-  if (!reference.empty()) {
-    if (const auto pose = poseAt(reference, begin))
-      return StartPose{.T_odom_robot = *pose, .source = "first pose of the reference"};
-    throw Error("--start", "reference", "the reference has no pose at the recording's first reading");
+std::vector<TaskSpec> readTasks(const LocalizeOptions& options) {
+  std::vector<TaskSpec> tasks;
+  if (options.tasks.empty()) {
+    tasks.push_back(
+        {options.config.empty() ? LocalizationOptions{} : readLocalizationOptions(options.config), false});
   }
-  const auto truth = firstTruth(options.rawlog);
-  if (!truth)
-    throw Error("--start", "reference",
-                "there is no reference: neither --reference nor TRUTH in the recording");
-  if (std::abs(secondsBetween(begin, truth->time)) > 0.1)
-    throw Error("--start", "reference", "the first TRUTH entry is not at the recording's first reading");
-  return StartPose{.T_odom_robot = truth->T_odom_robot, .source = "first TRUTH entry"};
-}
-
-/// X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]
-StartPose startFromNumbers(const std::string& text) {
-  std::vector<double> v;
-  for (const std::string& word : CLI::detail::split(text, ',')) {
-    double value = 0.0;
-    if (!CLI::detail::lexical_cast(word, value) || !std::isfinite(value))
-      throw Error("--start", text, "must be auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]");
-    v.push_back(value);
+  std::set<std::string> names;
+  for (const std::string& task : options.tasks) {
+    tasks.push_back({readTask(task), false});
+    if (!names.insert(tasks.back().options.task).second)
+      throw Error("--tasks", task, "there is another task of that name");
+    if (!options.paper_only)
+      tasks.push_back({readLocalizationOptions(options.improved, tasks.back().options), true});
   }
-  if (v.size() != 4 && v.size() != 6)
-    throw Error("--start", text, "must have four or six numbers: X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]");
-  v.resize(6, 0.0);
-  return {.T_odom_robot = {rotationFromYawPitchRoll(radians(v[3]), radians(v[4]), radians(v[5])),
-                           Vector3d(v[0], v[1], v[2])},
-          .source = "given on the command line"};
+  if (options.smooth)
+    for (TaskSpec& task : tasks) task.options.smooth = true;
+  return tasks;
 }
 
-std::optional<StartPose> startPose(const LocalizeOptions& options,
-                                   const std::vector<StampedPose>& reference) {
-  if (options.start == "auto") return std::nullopt;
-  if (options.start == "reference") return startFromReference(options, reference);
-  return startFromNumbers(options.start);
+/// Every recording has a folder of its own name; a single one, the whole folder.
+std::vector<RecordingJob> jobsOf(const LocalizeOptions& options, const RunContext& context) {
+  RecordingJob job = options.job;
+  job.tasks = readTasks(options);
+  job.command_line = context.command_line;
+  std::vector<RecordingJob> jobs;
+  std::set<std::string> names;
+  for (const std::string& recording : options.recordings) {
+    job.rawlog = recording;
+    const std::string stem = job.rawlog.stem().string();
+    std::string name = stem;
+    for (int again = 2; !names.insert(name).second; ++again) name = stem + "_" + std::to_string(again);
+    job.folder = options.recordings.size() == 1 ? fs::path(options.folder) : fs::path(options.folder) / name;
+    jobs.push_back(job);
+  }
+  return jobs;
 }
 
-LocalizationSetup readSetup(const LocalizeOptions& options, const RawlogReader& reader) {
-  LocalizationSetup setup;
-  const auto vehicle = vehicleFile(options.vehicle, options.rawlog, reader.header());
-  if (!vehicle)
-    throw Error(options.rawlog, "", "names no vehicle file in its first comment; give one with --vehicle");
-  setup.vehicle = readVehicle(*vehicle);
-  if (!options.config.empty()) setup.options = readLocalizationOptions(options.config);
-  if (options.smooth) setup.options.smooth = true;
-  if (!options.calibration.empty()) setup.calibration = readCalibration(options.calibration);
-  return setup;
+void warnOfLoss(const RecordingStory& story) {
+  if (story.loss)
+    std::cerr << "fathom: " << story.recording.string() << ": byte " << story.loss->at_byte << ": "
+              << story.loss->reason << "; " << story.loss->lost_bytes << " bytes lost\n";
 }
 
-/// Lines for the terminal.
-void print(const LocalizationStory& story, Time time_zero) {
+/// One task, in full.
+void print(const RecordingStory& recording, const TaskStory& story) {
   std::cout << "start: " << story.summary.start_source << "\n\n" << formatTable(channelTable(story.summary));
   for (const auto& [kind, count] : story.summary.event_counts)
     if (kind != "start") std::cout << kind << ": " << count << " times\n";
@@ -104,93 +82,87 @@ void print(const LocalizationStory& story, Time time_zero) {
               << " deg, pose NEES " << fixed(e.nees_mean, 2) << " (6 expected), "
               << fixed(100.0 * e.within_3_sigma, 2) << " % inside 3 sigma\n";
   };
-  std::cout << "\nagainst " << story.reference_name << " (path " << fixed(story.filter->path_m, 1) << " m)\n";
+  std::cout << "\nagainst " << recording.reference_name << " (path " << fixed(story.filter->path_m, 1)
+            << " m)\n";
   show("filter", *story.filter);
   if (story.smoother) show("smoother", *story.smoother);
-  std::cout << "\n" << formatTable(errorsOverTime(story, time_zero));
+  std::cout << "\n" << formatTable(errorsOverTime(recording, story));
 }
 
-void localizeRecording(const LocalizeOptions& options, const RunContext& context) {
-  RawlogReader reader(options.rawlog);
-  LocalizationSetup setup = readSetup(options, reader);
-  LocalizationStory story;
-  story.run = {.command_line = context.command_line};
-  story.recording = options.rawlog;
-  story.remarks = disagreements(inspectRecording(options.rawlog), setup.vehicle);
-  if (!options.reference.empty()) {
-    story.reference = readTum(options.reference);
-    story.reference_name = fs::path(options.reference).filename().string();
-  }
-  const bool reference_from_truth = options.reference.empty();
-  setup.start = startPose(options, story.reference);
+/// Several tasks, side by side.
+void print(const LocalizedRecording& recording) {
+  const RecordingStory& story = *recording.story;
+  std::cout << story.image_times.size() << " images, markers seen in " << story.marker_poses.size() << "\n\n"
+            << formatTable(taskTable(recording)) << "\n";
+  for (const auto& task : recording.tasks)
+    for (const auto& [kind, count] : task->story().summary.event_counts)
+      if (kind != "start") std::cout << task->spec().name() << ": " << kind << " " << count << " times\n";
+}
 
-  auto first = reader.next();
-  setup.time_zero = first->time;
-  story.options = setup.options;
-  LocalizationOutputs outputs(options.folder, fs::path(options.rawlog).stem().string(), setup.options.task,
-                              setup.time_zero, setup.options.smooth);
+void localizeOne(const RecordingJob& job) {
+  const LocalizedRecording done = localizeAndReport(job);
+  warnOfLoss(*done.story);
+  for (const std::string& remark : done.story->remarks) std::cout << "note: " << remark << "\n";
+  if (done.tasks.size() == 1)
+    print(*done.story, done.tasks[0]->story());
+  else
+    print(done);
+  std::cout << "\nwrote " << (job.folder / "report.html").string() << ", result.json, "
+            << job.rawlog.stem().string() << "_results.rawlog";
+  if (done.tasks.size() == 1)
+    std::cout << ", trajectory.tum" << (job.tasks[0].options.smooth ? ", trajectory_smoothed.tum" : "")
+              << " and innovations.csv.gz beside it\n";
+  else
+    std::cout << " and a folder for each task\n";
+}
 
-  // One pass: the reference's TRUTH entries are set aside for the evaluation, the rest goes to the filter.
-  Progress progress("localizing");
-  std::optional<DeadReckoning> dead_reckoning;
-  Evaluator evaluator(story.reference), smooth_evaluator(story.reference);
-  const auto next = [&]() -> std::optional<Sample> {
-    auto sample = std::exchange(first, std::nullopt);
-    if (!sample) sample = reader.next();
-    if (!sample) return sample;
-    progress.update(reader.fraction());
-    if (sample->label == labels::kTruth && reference_from_truth)
-      if (const auto* pose = std::get_if<PoseSample>(&sample->reading))
-        story.reference.push_back({sample->time, Pose::fromMrpt(pose->T_odom_robot.mean)});
-    if (dead_reckoning) dead_reckoning->add(*sample);
-    return sample;
-  };
-  if (setup.start) dead_reckoning.emplace(setup.start->T_odom_robot);
-  LocalizationSink sink;
-  sink.estimate = [&](const Estimate& e) {
-    outputs.estimate(e);
-    evaluator.add(e);  // final only after history_s, so TRUTH has come as far
-  };
-  sink.smoothed = [&](const Estimate& e) {
-    outputs.smoothed(e);
-    smooth_evaluator.add(e);
-  };
-  sink.innovation = [&](const Innovation& i) { outputs.innovation(i); };
-  sink.event = [&](const Event& e) { outputs.event(e); };
-  story.summary = localize(setup, next, sink);
-  story.loss = reader.loss();
-  if (!story.summary.started) throw Error(options.rawlog, "", story.summary.failure);
+void localizeMany(const std::vector<RecordingJob>& jobs, const LocalizeOptions& options,
+                  const RunContext& context) {
+  const std::vector<BatchEntry> entries = runBatch(jobs);
+  writeBatchReport(options.folder, entries, {.command_line = context.command_line});
+  std::cout << "\n"
+            << formatTable(batchTable(entries)) << "\nwrote "
+            << (fs::path(options.folder) / "report.html").string() << " and summary.json beside it\n";
+  const auto failed =
+      std::count_if(entries.begin(), entries.end(), [](const BatchEntry& e) { return !e.failure.empty(); });
+  if (failed > 0)
+    throw Error(options.folder, "",
+                std::to_string(failed) + " of " + std::to_string(entries.size()) +
+                    " recordings could not be localized; the rest is done");
+}
 
-  if (reference_from_truth && !story.reference.empty()) story.reference_name = "TRUTH";
-  story.filter = evaluator.finish();
-  story.smoother = smooth_evaluator.finish();
-  if (dead_reckoning) {
-    story.plain = dead_reckoning->plain();
-    story.by_reference_attitude = dead_reckoning->byAttitudeOf(story.reference);
-  }
-  if (story.loss)
-    std::cerr << "fathom: " << options.rawlog << ": byte " << story.loss->at_byte << ": "
-              << story.loss->reason << "; " << story.loss->lost_bytes << " bytes lost\n";
-
-  outputs.finish();
-  const fs::path folder = options.folder;
-  writeJson(folder / "result.json", toJson(story, outputs, setup.time_zero));
-  writeReport(folder / "report.html", story, outputs, setup.time_zero);
-  print(story, setup.time_zero);
-  std::cout << "\nwrote " << (folder / "report.html").string() << ", result.json, trajectory.tum"
-            << (setup.options.smooth ? ", trajectory_smoothed.tum" : "") << ", innovations.csv.gz and "
-            << fs::path(options.rawlog).stem().string() << "_results.rawlog beside it\n";
+void localize(const LocalizeOptions& options, const RunContext& context) {
+  const std::vector<RecordingJob> jobs = jobsOf(options, context);
+  if (jobs.size() == 1)
+    localizeOne(jobs[0]);
+  else
+    localizeMany(jobs, options, context);
 }
 
 }  // namespace
 
 void addLocalize(const RunContext& context) {
-  auto* command = context.root->add_subcommand("localize", "Estimate the robot's path from a recording");
+  auto* command = context.root->add_subcommand("localize", "Estimate the robot's path from recordings");
   command->footer(
-      "Runs the error-state Kalman filter (the paper's 15 states; with bias_states 23) over the recording: "
-      "task T_L2,\n"
-      "INS and DVL only, unless --config says otherwise. Writes report.html, result.json, trajectory.tum,\n"
-      "NAME_results.rawlog (opens in RawLogViewer) and innovations.csv.gz (every NIS, fused or gated).\n"
+      "Runs the error-state Kalman filter over a recording: INS and DVL only, unless --config or --tasks "
+      "say\n"
+      "otherwise. Writes report.html, result.json, trajectory.tum, NAME_results.rawlog (opens in\n"
+      "RawLogViewer) and innovations.csv.gz (every NIS, fused or gated).\n"
+      "\n"
+      "--tasks runs several tasks side by side and compares them. A name stands for config/NAME.yaml:\n"
+      "  TL1  landmarks only            TL4  TL3, with the markers' measured covariance\n"
+      "  TL2  INS and DVL only          TL5  TL4, rejecting marker poses beyond 1 m or 12 deg\n"
+      "  TL3  TL2 and markers\n"
+      "These are the paper's; beside each runs what --improved makes of it: one pose from all corners of "
+      "all\n"
+      "markers with its covariance, a Mahalanobis gate, biases, the smoother. Errors are mean ± sigma over\n"
+      "the marker sightings, against the markers' pose M and, where there is one, the reference S. m_A is\n"
+      "the lag-one autocorrelation of the path's increments from image to image, Pearson's r, the mean over\n"
+      "three axes of position and three of rotation: near 1 where the path is smooth, low where it jerks.\n"
+      "Markers are detected once; detections are kept beside the recording, by content and settings.\n"
+      "\n"
+      "Several recordings go to a folder each, with a summary over all. What was done before with the same\n"
+      "inputs is not done again; a broken recording is reported, the rest goes on, the exit status is 2.\n"
       "\n"
       "Where the path starts: `auto` aligns from the first seconds (gravity, INS attitude, USBL, pressure; "
       "what no\n"
@@ -200,32 +172,50 @@ void addLocalize(const RunContext& context) {
       "\n"
       "Examples:\n"
       "  fathom localize rawlogs/dive/dive.rawlog --start reference --out out/dive\n"
-      "  fathom localize dive.rawlog --config config/navigation.yaml --smooth --out out/dive\n"
+      "  fathom localize rawlogs/trial/trial.rawlog --tasks TL1,TL2,TL3,TL4,TL5 --out out/trial\n"
+      "  fathom localize dives/*.rawlog --tasks TL2,TL5 --out out/dives\n"
+      "  fathom localize trial.rawlog --tasks TL5 --faults config/degrade_dvl_outage.yaml --out out/outage\n"
       "  fathom localize section1.rawlog --reference section1_reference.tum --start reference --out "
       "out/section1");
   const auto options = std::make_shared<LocalizeOptions>();
-  command->add_option("RECORDING", options->rawlog, "The recording")->required()->type_name(values::kRawlog);
+  RecordingJob& job = options->job;
+  command->add_option("RECORDING", options->recordings, "The recordings")
+      ->required()
+      ->type_name(values::kRawlog);
   command->add_option("--out", options->folder, "Where the results go")
       ->required()
       ->type_name(values::kFolder);
-  command->add_option("--vehicle", options->vehicle, "Vehicle file (default: the one the recording names)")
+  auto* tasks = command->add_option("--tasks", options->tasks, "Names, or YAML files, with commas between")
+                    ->delimiter(',');
+  command->add_option("--improved", options->improved, "What is changed in each task, beside it")
+      ->capture_default_str()
       ->type_name(values::kYaml);
+  command->add_flag("--paper-only", options->paper_only, "Run the tasks as they are only");
   command
       ->add_option("--config", options->config,
-                   "Which sensors, noise, gate (default: config/TL2.yaml's values)")
+                   "One task: which sensors, noise, gate (default: config/defaults.yaml's values)")
+      ->excludes(tasks)
       ->type_name(values::kYaml);
-  command->add_option("--calibration", options->calibration, "Effects known to be there")
+  command->add_option("--vehicle", job.vehicle, "Vehicle file (default: the one the recording names)")
       ->type_name(values::kYaml);
-  command->add_option("--reference", options->reference, "Path to judge by (default: TRUTH in the recording)")
+  command->add_option("--map", job.map, "Panel map (default: the one the recording names)")
+      ->type_name(values::kYaml);
+  command->add_flag("--panel-unknown", job.panel_unknown,
+                    "Estimate the panels' poses too: the map's are not believed");
+  command->add_option("--calibration", job.calibration, "Effects known to be there")
+      ->type_name(values::kYaml);
+  command->add_option("--sources", job.sources, "Which sensors come from a simulation or another recording")
+      ->type_name(values::kYaml);
+  command->add_option("--faults", job.faults, "What befalls the samples on their way (config/degrade_*.yaml)")
+      ->type_name(values::kYaml);
+  command->add_option("--reference", job.reference, "Path to judge by (default: TRUTH in the recording)")
       ->type_name(values::kTum);
-  command->add_option("--start", options->start, "auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]")
+  command->add_option("--start", job.start, "auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]")
       ->capture_default_str();
   command->add_flag("--smooth", options->smooth,
                     "Also run the RTS smoother (2.4 kB or, with biases, 3.6 kB a step)");
-  command->add_option("--map", options->map, "Panel map: its landmarks are not used by navigation tasks")
-      ->type_name(values::kYaml);
   command->add_option("--seed", options->seed, "Accepted for uniformity: nothing here is random");
-  command->callback([options, &context] { localizeRecording(*options, context); });
+  command->callback([options, &context] { localize(*options, context); });
 }
 
 }  // namespace fathom

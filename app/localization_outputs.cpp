@@ -50,11 +50,11 @@ void LocalizationOutputs::TumFile::finish() {
   file.commit();
 }
 
-LocalizationOutputs::LocalizationOutputs(const std::filesystem::path& folder, const std::string& name,
-                                         const std::string& task, Time time_zero, bool smoothed)
+LocalizationOutputs::LocalizationOutputs(const std::filesystem::path& folder, const std::string& task,
+                                         bool smoothed, ResultsLog& results, std::size_t stream)
     : label_("EKF_" + task),
-      results_(folder / (name + "_results.rawlog"), {"", "", "results of fathom localize, task " + task},
-               time_zero),
+      results_(results),
+      stream_(stream),
       trajectory_(folder / "trajectory.tum"),
       innovations_(folder / "innovations.csv.gz") {
   if (smoothed) smoothed_ = std::make_unique<TumFile>(folder / "trajectory_smoothed.tum");
@@ -62,15 +62,17 @@ LocalizationOutputs::LocalizationOutputs(const std::filesystem::path& folder, co
 
 void LocalizationOutputs::estimate(const Estimate& e) {
   const KinematicState<double>& m = e.state.motion;
-  writeTumLine(trajectory_.out, {e.time, {m.R_odom_robot, m.position_odom}});
-  results_.write({e.time, label_, PoseSample{posePdf(e)}});
+  poses_.push_back({e.time, {m.R_odom_robot, m.position_odom}});
+  writeTumLine(trajectory_.out, poses_.back());
+  results_.add(stream_, {e.time, label_, PoseSample{posePdf(e)}});
   path_.push_back({e.t_s, m.position_odom, m.velocity_robot, yawPitchRollFromRotation(m.R_odom_robot),
                    std::sqrt(std::max(0.0, e.pose_covariance.topLeftCorner<3, 3>().trace()))});
   last_ = e;
 }
 
 void LocalizationOutputs::smoothed(const Estimate& e) {
-  writeTumLine(smoothed_->out, {e.time, {e.state.motion.R_odom_robot, e.state.motion.position_odom}});
+  smoothed_poses_.push_back({e.time, {e.state.motion.R_odom_robot, e.state.motion.position_odom}});
+  writeTumLine(smoothed_->out, smoothed_poses_.back());
 }
 
 void LocalizationOutputs::innovation(const Innovation& innovation) {
@@ -86,7 +88,6 @@ void LocalizationOutputs::finish() {
   trajectory_.finish();
   if (smoothed_) smoothed_->finish();
   innovations_.finish();
-  results_.finish();
 }
 
 }  // namespace fathom

@@ -8,7 +8,7 @@
 
 #include "core/files.h"
 #include "localization/evaluation.h"
-#include "recording/rawlog.h"
+#include "results_log.h"
 
 namespace fathom {
 
@@ -51,22 +51,24 @@ struct PathPoint {
   double position_sigma_m = 0.0;
 };
 
-/// Writes what a localization run gives while it runs (trajectory, results rawlog, innovations), and keeps
-/// what the report needs.
+/// Writes what a task gives while it runs (trajectory, innovations, its poses in the results rawlog), and
+/// keeps what the report needs.
 class LocalizationOutputs {
  public:
-  /// `name` is the recording's; files go to `folder`.
-  LocalizationOutputs(const std::filesystem::path& folder, const std::string& name, const std::string& task,
-                      Time time_zero, bool smoothed);
+  /// Files go to `folder`, poses to a stream of `results` under the label EKF_TASK.
+  LocalizationOutputs(const std::filesystem::path& folder, const std::string& task, bool smoothed,
+                      ResultsLog& results, std::size_t stream);
 
   void estimate(const Estimate& estimate);
   void smoothed(const Estimate& estimate);
   void innovation(const Innovation& innovation);
   void event(const Event& event);
-  /// Puts all files under their names. Throws Error.
+  /// Puts its files under their names. Throws Error.
   void finish();
 
   const std::vector<PathPoint>& path() const { return path_; }
+  const std::vector<StampedPose>& poses() const { return poses_; }
+  const std::vector<StampedPose>& smoothedPoses() const { return smoothed_poses_; }
   const std::vector<Event>& events() const { return events_; }
   const std::map<Channel, NisWindows>& nis() const { return nis_; }
   std::optional<Estimate> last() const { return last_; }
@@ -82,11 +84,13 @@ class LocalizationOutputs {
   };
 
   std::string label_;
-  RawlogWriter results_;
+  ResultsLog& results_;
+  std::size_t stream_;
   TumFile trajectory_;
   std::unique_ptr<TumFile> smoothed_;
   InnovationLog innovations_;
   std::vector<PathPoint> path_;
+  std::vector<StampedPose> poses_, smoothed_poses_;
   std::vector<Event> events_;  ///< the first kEventsKept
   std::map<Channel, NisWindows> nis_;
   std::optional<Estimate> last_;

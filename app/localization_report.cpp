@@ -10,9 +10,10 @@ namespace {
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
-double deadReckoningErrorAt(const std::vector<StampedPose>& path, const LocalizationStory& story, Time time) {
+double deadReckoningErrorAt(const std::vector<StampedPose>& path, const RecordingStory& recording,
+                            Time time) {
   const auto estimate = poseAt(path, time);
-  const auto truth = poseAt(story.reference, time);
+  const auto truth = poseAt(recording.reference, time);
   if (!estimate || !truth) return std::numeric_limits<double>::quiet_NaN();
   return (estimate->position - truth->position).norm();
 }
@@ -36,7 +37,7 @@ Series path(const std::string& name, const std::vector<StampedPose>& poses, Seri
   return series;
 }
 
-Plot pathPlot(const LocalizationStory& story, const LocalizationOutputs& outputs) {
+Plot pathPlot(const RecordingStory& recording, const LocalizationOutputs& outputs) {
   Plot plot{.title = "Path from above", .x_label = "x in odom [m]", .y_label = "y in odom [m]"};
   plot.equal_axes = true;
   Series filter{.name = "filter"};
@@ -45,10 +46,10 @@ Plot pathPlot(const LocalizationStory& story, const LocalizationOutputs& outputs
     filter.y.push_back(point.position_odom.y());
   }
   plot.series.push_back(filter);
-  if (!story.reference.empty())
-    plot.series.push_back(path("reference", story.reference, Series::Style::kDashed));
-  if (!story.plain.empty())
-    plot.series.push_back(path("plain integration", story.plain, Series::Style::kLine));
+  if (!recording.reference.empty())
+    plot.series.push_back(path("reference", recording.reference, Series::Style::kDashed));
+  if (!recording.plain.empty())
+    plot.series.push_back(path("plain integration", recording.plain, Series::Style::kLine));
   return plot;
 }
 
@@ -126,27 +127,55 @@ nlohmann::ordered_json toJson(const Evaluation& e) {
           {"reference_path_m", e.path_m}};
 }
 
+nlohmann::ordered_json toJson(const PathErrors& e) {
+  return {{"sightings", e.count},
+          {"position_mean_m", e.position_m.mean},
+          {"position_sigma_m", e.position_m.sigma},
+          {"angle_mean_deg", degrees(e.angle_rad.mean)},
+          {"angle_sigma_deg", degrees(e.angle_rad.sigma)}};
+}
+
+nlohmann::ordered_json toJson(const TaskMeasures& measures) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  if (measures.against_markers) json["against_markers"] = toJson(*measures.against_markers);
+  if (measures.against_reference) json["against_reference"] = toJson(*measures.against_reference);
+  if (measures.smoothness) {
+    json["m_A"] = measures.smoothness->increments_r;
+    json["mean_product_m2"] = measures.smoothness->mean_product_m2;
+  }
+  return json;
+}
+
 nlohmann::ordered_json jsonList(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 }  // namespace
 
-Table errorsOverTime(const LocalizationStory& story, Time time_zero) {
+TaskMeasures measuresOf(const std::vector<StampedPose>& path, const RecordingStory& recording) {
+  std::vector<StampedPose> reference;
+  for (const StampedPose& sighting : recording.marker_poses)
+    if (const auto pose = poseAt(recording.reference, sighting.time))
+      reference.push_back({sighting.time, *pose});
+  return {errorsAgainst(recording.marker_poses, path), errorsAgainst(reference, path),
+          smoothnessOf(path, recording.image_times)};
+}
+
+Table errorsOverTime(const RecordingStory& recording, const TaskStory& task) {
   Table table{.header = {"time [s]", "filter [m]", "smoother [m]", "reference attitude + DVL [m]",
                          "plain integration [m]"},
               .rows = {}};
-  if (!story.filter) return table;
+  if (!task.filter) return table;
   std::vector<double> times;
   for (const double t_s : {60.0, 100.0, 200.0, 400.0, 600.0, 1200.0, 3600.0, 36000.0})
-    if (t_s < story.filter->errors.back().t_s + 1.5) times.push_back(t_s);
-  const double end_s = story.filter->errors.back().t_s;
+    if (t_s < task.filter->errors.back().t_s + 1.5) times.push_back(t_s);
+  const double end_s = task.filter->errors.back().t_s;
   if (times.empty() || end_s - times.back() > 1.5) times.push_back(end_s);
   for (const double wanted_s : times) {
     const double t_s = std::min(wanted_s, end_s);
-    const Time time = after(time_zero, t_s);
-    table.rows.push_back({fixed(wanted_s, 0), fixed(positionErrorAt(story.filter->errors, t_s), 2),
-                          story.smoother ? fixed(positionErrorAt(story.smoother->errors, t_s), 2) : "-",
-                          fixed(deadReckoningErrorAt(story.by_reference_attitude, story, time), 2),
-                          fixed(deadReckoningErrorAt(story.plain, story, time), 2)});
+    const Time time = after(recording.time_zero, t_s);
+    table.rows.push_back({fixed(wanted_s, 0), fixed(positionErrorAt(task.filter->errors, t_s), 2),
+                          task.smoother ? fixed(positionErrorAt(task.smoother->errors, t_s), 2) : "-",
+                          fixed(deadReckoningErrorAt(recording.by_reference_attitude, recording, time), 2),
+                          fixed(deadReckoningErrorAt(recording.plain, recording, time), 2)});
   }
   return table;
 }
@@ -161,12 +190,28 @@ Table channelTable(const LocalizationSummary& summary) {
   return table;
 }
 
-nlohmann::ordered_json toJson(const LocalizationStory& story, const LocalizationOutputs& outputs,
-                              Time time_zero) {
+nlohmann::ordered_json toJson(const RecordingStory& recording) {
   nlohmann::ordered_json json;
-  json["run"] = toJson(story.run);
-  json["recording"] = story.recording.filename().string();
+  json["run"] = toJson(recording.run);
+  json["recording"] = recording.recording.filename().string();
+  if (!recording.reference_name.empty()) json["reference"] = recording.reference_name;
+  json["images"] = recording.image_times.size();
+  json["sightings"] = recording.marker_poses.size();
+  json["recording_loss"] = nullptr;
+  if (recording.loss)
+    json["recording_loss"] = {{"at_byte", recording.loss->at_byte},
+                              {"lost_bytes", recording.loss->lost_bytes},
+                              {"lost_s", recording.loss->lost_seconds},
+                              {"reason", recording.loss->reason}};
+  json["remarks"] = recording.remarks;
+  return json;
+}
+
+nlohmann::ordered_json toJson(const RecordingStory& recording, const TaskStory& story,
+                              const LocalizationOutputs& outputs) {
+  nlohmann::ordered_json json;
   json["task"] = story.options.task;
+  json["improved"] = story.improved;
   json["states"] = story.options.bias_states ? kFullSize : kCoreSize;
   json["started"] = story.summary.started;
   if (!story.summary.started) json["failure"] = story.summary.failure;
@@ -194,30 +239,24 @@ nlohmann::ordered_json toJson(const LocalizationStory& story, const Localization
         {"pressure_offset_pa", x.pressure_offset_pa},
         {"sea_floor_z_m", x.sea_floor_z_m}};
   }
+  json["filter_measures"] = toJson(story.filter_measures);
+  if (story.options.smooth) json["smoother_measures"] = toJson(story.smoother_measures);
   if (story.filter) {
-    json["reference"] = story.reference_name;
     json["filter_error"] = toJson(*story.filter);
     if (story.smoother) json["smoother_error"] = toJson(*story.smoother);
-    const Table table = errorsOverTime(story, time_zero);
+    const Table table = errorsOverTime(recording, story);
     json["position_error_over_time"] = {{"columns", table.header}, {"rows", table.rows}};
   }
   json["event_counts"] = story.summary.event_counts;
   json["events"] = nlohmann::ordered_json::array();
   for (const Event& event : outputs.events())
     json["events"].push_back({{"t_s", event.t_s}, {"kind", event.kind}, {"text", event.text}});
-  json["recording_loss"] = nullptr;
-  if (story.loss)
-    json["recording_loss"] = {{"at_byte", story.loss->at_byte},
-                              {"lost_bytes", story.loss->lost_bytes},
-                              {"lost_s", story.loss->lost_seconds},
-                              {"reason", story.loss->reason}};
-  json["remarks"] = story.remarks;
   return json;
 }
 
-void writeReport(const std::filesystem::path& file, const LocalizationStory& story,
-                 const LocalizationOutputs& outputs, Time time_zero) {
-  HtmlReport report("Localization of " + story.recording.filename().string());
+void writeReport(const std::filesystem::path& file, const RecordingStory& recording, const TaskStory& story,
+                 const LocalizationOutputs& outputs) {
+  HtmlReport report("Localization of " + recording.recording.filename().string());
   const LocalizationSummary& summary = story.summary;
   std::vector<std::pair<std::string, std::string>> values{
       {"task", story.options.task},
@@ -233,13 +272,13 @@ void writeReport(const std::filesystem::path& file, const LocalizationStory& sto
   }
   report.keyValues(values);
   report.paragraph("Start: " + summary.start_source + ".");
-  if (story.loss)
-    report.warning("The recording is damaged: " + story.loss->reason + "; " +
-                   std::to_string(story.loss->lost_bytes) + " bytes lost.");
-  for (const std::string& remark : story.remarks) report.warning(remark);
+  if (recording.loss)
+    report.warning("The recording is damaged: " + recording.loss->reason + "; " +
+                   std::to_string(recording.loss->lost_bytes) + " bytes lost.");
+  for (const std::string& remark : recording.remarks) report.warning(remark);
 
   report.heading("Path");
-  report.plot(pathPlot(story, outputs));
+  report.plot(pathPlot(recording, outputs));
   report.plot(overTime("Position in odom", "[m]", outputs, {"x", "y", "z"},
                        [](const PathPoint& p, int axis) { return p.position_odom[axis]; }));
   report.plot(overTime("Orientation", "[deg]", outputs, {"yaw", "pitch", "roll"},
@@ -248,8 +287,8 @@ void writeReport(const std::filesystem::path& file, const LocalizationStory& sto
                        [](const PathPoint& p, int axis) { return p.velocity_robot[axis]; }));
 
   if (story.filter) {
-    report.heading("Error against " + story.reference_name);
-    report.table(errorsOverTime(story, time_zero), "Distance from the reference at fixed times.");
+    report.heading("Error against " + recording.reference_name);
+    report.table(errorsOverTime(recording, story), "Distance from the reference at fixed times.");
     addErrors(report, *story.filter);
   }
 
@@ -272,7 +311,7 @@ void writeReport(const std::filesystem::path& file, const LocalizationStory& sto
   report.table(events,
                "The first hundred; all kinds are counted in result.json, every innovation is in "
                "innovations.csv.gz.");
-  report.footer(story.run);
+  report.footer(recording.run);
   report.write(file);
 }
 

@@ -1,5 +1,7 @@
 #include "core/text.h"
 
+#include <array>
+#include <charconv>
 #include <cstdarg>
 #include <cstdio>
 
@@ -15,6 +17,12 @@ std::string print(const char* format, ...) {
   va_end(again);
   va_end(arguments);
   return text;
+}
+
+std::string shortest(double value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value + 0.0).ptr;
+  return {text.data(), end};
 }
 
 }  // namespace fathom

@@ -1,17 +1,12 @@
 #include "effects/calibration.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+
+#include "core/text.h"
 
 namespace fathom {
 namespace {
-
-std::string shortest(double value) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
-  return {text, end};
-}
 
 /// Reads one effect's parameters where the entry's id is its id; false where it is another effect's.
 template <class Effect>

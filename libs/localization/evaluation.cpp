@@ -7,14 +7,6 @@
 namespace fathom {
 namespace {
 
-MeanAndSigma meanAndSigma(const std::vector<double>& values) {
-  const double n = static_cast<double>(values.size());
-  double sum = 0.0, squares = 0.0;
-  for (const double value : values) sum += value;
-  for (const double value : values) squares += (value - sum / n) * (value - sum / n);
-  return {sum / n, values.size() > 1 ? std::sqrt(squares / (n - 1.0)) : 0.0};
-}
-
 double rms(const std::vector<double>& values) {
   double squares = 0.0;
   for (const double value : values) squares += value * value;
@@ -22,6 +14,14 @@ double rms(const std::vector<double>& values) {
 }
 
 }  // namespace
+
+MeanAndSigma meanAndSigma(const std::vector<double>& values) {
+  const double n = static_cast<double>(values.size());
+  double sum = 0.0, squares = 0.0;
+  for (const double value : values) sum += value;
+  for (const double value : values) squares += (value - sum / n) * (value - sum / n);
+  return {sum / n, values.size() > 1 ? std::sqrt(squares / (n - 1.0)) : 0.0};
+}
 
 std::optional<Pose> poseAt(const std::vector<StampedPose>& reference, const Time& time) {
   const auto next = std::lower_bound(reference.begin(), reference.end(), time,

@@ -25,6 +25,9 @@ struct MeanAndSigma {
   double mean = 0.0, sigma = 0.0;
 };
 
+/// The mean and the standard deviation about it (1/(n-1); 0 of a single value). Not of nothing.
+MeanAndSigma meanAndSigma(const std::vector<double>& values);
+
 struct Evaluation {
   std::vector<PoseError> errors;  ///< in time order
   MeanAndSigma position_m;        ///< of the errors' norms

@@ -1,5 +1,8 @@
 #include "localization/options.h"
 
+#include <sstream>
+
+#include "core/text.h"
 #include "core/yaml.h"
 
 namespace fathom {
@@ -53,8 +56,7 @@ void readDensity(const YamlMap& y, const std::string& key, Vector3d& density) {
   if (density.minCoeff() < 0.0) throw y.error(key, "must not be negative");
 }
 
-ProcessNoise readProcessNoise(const YamlMap& y) {
-  ProcessNoise noise;
+ProcessNoise readProcessNoise(const YamlMap& y, ProcessNoise noise) {
   readDensity(y, "position_m2_s", noise.position);
   readDensity(y, "orientation_rad2_s", noise.orientation);
   readDensity(y, "velocity_m2_s3", noise.velocity);
@@ -83,21 +85,43 @@ Gate readGate(const YamlMap& y) {
   return gate;
 }
 
+LandmarkOptions readLandmarks(const YamlMap& y, LandmarkOptions landmarks) {
+  if (y.has("pose")) {
+    const std::string form = y.text("pose");
+    if (form != "mean" && form != "joint") throw y.error("pose", "must be mean or joint");
+    landmarks.form = form == "mean" ? LandmarkOptions::Form::mean : LandmarkOptions::Form::joint;
+  }
+  if (y.has("position_sigma_m")) landmarks.position_sigma_m = y.positive("position_sigma_m");
+  if (y.has("angle_sigma_deg")) landmarks.angle_sigma_rad = radians(y.positive("angle_sigma_deg"));
+  return landmarks;
+}
+
+LostOptions readLost(const YamlMap& y, LostOptions lost) {
+  if (y.has("position_sigma_m")) lost.position_sigma_m = y.positive("position_sigma_m");
+  if (y.has("angle_sigma_deg")) lost.angle_sigma_rad = radians(y.positive("angle_sigma_deg"));
+  if (y.has("contradiction_s")) lost.contradiction_s = y.positive("contradiction_s");
+  if (y.has("blind_s")) lost.blind_s = y.positive("blind_s");
+  return lost;
+}
+
 void readPositive(const YamlMap& y, const std::string& key, double& value) {
   if (y.has(key)) value = y.positive(key);
 }
 
-}  // namespace
-
-LocalizationOptions readLocalizationOptions(const std::filesystem::path& file) {
+/// `bases` counts the files that led here by their key `base`.
+LocalizationOptions readOnto(LocalizationOptions options, const std::filesystem::path& file, int bases) {
+  constexpr int kMostBases = 20;
   const YamlFile yaml(file);
   const YamlMap& y = yaml.root();
-  LocalizationOptions options;
+  if (bases > kMostBases) throw y.error("base", "these files name each other in a circle");
+  if (y.has("base")) options = readOnto(std::move(options), file.parent_path() / y.text("base"), bases + 1);
   y.read("task", options.task);
   if (y.has("fuse")) options.fuse = readChannels(y);
   y.read("bias_states", options.bias_states);
-  if (y.has("process_noise")) options.noise = readProcessNoise(y.map("process_noise"));
+  if (y.has("process_noise")) options.noise = readProcessNoise(y.map("process_noise"), options.noise);
   if (y.has("gate")) options.gate = readGate(y.map("gate"));
+  if (y.has("landmarks")) options.landmarks = readLandmarks(y.map("landmarks"), options.landmarks);
+  if (y.has("lost")) options.lost = readLost(y.map("lost"), options.lost);
   if (y.has("history_s")) options.history_s = y.notNegative("history_s");
   readPositive(y, "gap_s", options.gap_s);
   readPositive(y, "alignment_s", options.alignment_s);
@@ -105,6 +129,58 @@ LocalizationOptions readLocalizationOptions(const std::filesystem::path& file) {
   y.read("smooth", options.smooth);
   yaml.rejectUnknownKeys();
   return options;
+}
+
+std::string axes(const Vector3d& v) {
+  return print("[%s, %s, %s]", shortest(v.x()).c_str(), shortest(v.y()).c_str(), shortest(v.z()).c_str());
+}
+
+std::string channelsText(const std::vector<Channel>& channels) {
+  std::string text;
+  for (const Channel channel : channels) text.append(text.empty() ? "" : ", ").append(nameOf(channel));
+  return print("[%s]", text.c_str());
+}
+
+std::string gateText(const Gate& gate) {
+  switch (gate.kind) {
+    case Gate::Kind::none:
+      return "{kind: none}";
+    case Gate::Kind::chi_square:
+      return "{kind: chi-square, probability: " + shortest(gate.probability) + "}";
+    case Gate::Kind::fixed:
+      return "{kind: fixed, max_position_m: " + shortest(gate.max_position_m) +
+             ", max_angle_deg: " + shortest(degrees(gate.max_angle_rad)) + "}";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string formatLocalizationOptions(const LocalizationOptions& o) {
+  std::ostringstream y;
+  y << "task: " << o.task << "\nfuse: " << channelsText(o.fuse)
+    << "\nbias_states: " << (o.bias_states ? "true" : "false")
+    << "\nprocess_noise:\n  position_m2_s: " << axes(o.noise.position)
+    << "\n  orientation_rad2_s: " << axes(o.noise.orientation)
+    << "\n  velocity_m2_s3: " << axes(o.noise.velocity)
+    << "\n  angular_velocity_rad2_s3: " << axes(o.noise.angular_velocity)
+    << "\n  acceleration_m2_s5: " << axes(o.noise.acceleration)
+    << "\n  sea_floor_m2_s: " << shortest(o.noise.sea_floor) << "\ngate: " << gateText(o.gate)
+    << "\nlandmarks: {pose: " << (o.landmarks.form == LandmarkOptions::Form::mean ? "mean" : "joint")
+    << ", position_sigma_m: " << shortest(o.landmarks.position_sigma_m)
+    << ", angle_sigma_deg: " << shortest(degrees(o.landmarks.angle_sigma_rad)) << "}"
+    << "\nlost: {position_sigma_m: " << shortest(o.lost.position_sigma_m)
+    << ", angle_sigma_deg: " << shortest(degrees(o.lost.angle_sigma_rad))
+    << ", contradiction_s: " << shortest(o.lost.contradiction_s) << ", blind_s: " << shortest(o.lost.blind_s)
+    << "}\nhistory_s: " << shortest(o.history_s) << "\ngap_s: " << shortest(o.gap_s)
+    << "\nalignment_s: " << shortest(o.alignment_s) << "\noutput_rate_hz: " << shortest(o.output_rate_hz)
+    << "\nsmooth: " << (o.smooth ? "true" : "false") << "\n";
+  return y.str();
+}
+
+LocalizationOptions readLocalizationOptions(const std::filesystem::path& file,
+                                            const LocalizationOptions& base) {
+  return readOnto(base, file, 0);
 }
 
 }  // namespace fathom

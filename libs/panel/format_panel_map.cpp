@@ -1,27 +1,13 @@
 #include <yaml-cpp/yaml.h>
 
-#include <array>
-#include <charconv>
-
+#include "core/text.h"
 #include "panel/panel_map.h"
 
 namespace fathom {
 namespace {
 
-/// The shortest text that reads back to the same number.
-std::string exactly(double value) {
-  std::array<char, 40> text{};
-  const auto [end, problem] = std::to_chars(text.data(), text.data() + text.size(), value + 0.0);  // no "-0"
-  return {text.data(), end};
-}
-
 /// Degrees, to 1e-12 of a radian: 30, not 29.999999999999996.
-std::string inDegrees(double angle_rad) {
-  std::array<char, 40> text{};
-  const double rounded = std::round(degrees(angle_rad) * 1e11) / 1e11;
-  const auto [end, problem] = std::to_chars(text.data(), text.data() + text.size(), rounded + 0.0);
-  return {text.data(), end};
-}
+std::string inDegrees(double angle_rad) { return shortest(std::round(degrees(angle_rad) * 1e11) / 1e11); }
 
 using Entry = std::pair<const char*, std::string>;
 
@@ -33,9 +19,9 @@ void writeFlow(YAML::Emitter& out, std::initializer_list<Entry> entries) {
 
 void writePose(YAML::Emitter& out, const Pose& T) {
   const Vector3d ypr = yawPitchRollFromRotation(T.rotation);
-  writeFlow(out, {{"x", exactly(T.position.x())},
-                  {"y", exactly(T.position.y())},
-                  {"z", exactly(T.position.z())},
+  writeFlow(out, {{"x", shortest(T.position.x())},
+                  {"y", shortest(T.position.y())},
+                  {"z", shortest(T.position.z())},
                   {"yaw_deg", inDegrees(ypr[0])},
                   {"pitch_deg", inDegrees(ypr[1])},
                   {"roll_deg", inDegrees(ypr[2])}});
@@ -44,10 +30,10 @@ void writePose(YAML::Emitter& out, const Pose& T) {
 void writeMarker(YAML::Emitter& out, const Marker& m) {
   writeFlow(out, {{"family", m.family},
                   {"id", std::to_string(m.id)},
-                  {"size_m", exactly(m.size_m)},
-                  {"x", exactly(m.T_panel_marker.position.x())},
-                  {"y", exactly(m.T_panel_marker.position.y())},
-                  {"z", exactly(m.T_panel_marker.position.z())},
+                  {"size_m", shortest(m.size_m)},
+                  {"x", shortest(m.T_panel_marker.position.x())},
+                  {"y", shortest(m.T_panel_marker.position.y())},
+                  {"z", shortest(m.T_panel_marker.position.z())},
                   {"rotation_deg", inDegrees(yawPitchRollFromRotation(m.T_panel_marker.rotation)[0])}});
 }
 
@@ -58,11 +44,11 @@ void writeHandle(YAML::Emitter& out, const Handle& h) {
   };
   write("id", h.id);
   write("kind", std::string(nameOf(h.kind)));
-  write("x", exactly(h.position_panel.x()));
-  write("y", exactly(h.position_panel.y()));
-  write("z", exactly(h.position_panel.z()));
-  write("radius_m", exactly(h.radius_m));
-  write("length_m", exactly(h.length_m));
+  write("x", shortest(h.position_panel.x()));
+  write("y", shortest(h.position_panel.y()));
+  write("z", shortest(h.position_panel.z()));
+  write("radius_m", shortest(h.radius_m));
+  write("length_m", shortest(h.length_m));
   out << YAML::Key << "range_deg" << YAML::Value << YAML::Flow << YAML::BeginSeq
       << inDegrees(h.smallest_angle_rad) << inDegrees(h.largest_angle_rad) << YAML::EndSeq;
   write("angle_deg", inDegrees(h.angle_rad));
@@ -78,10 +64,10 @@ std::string formatPanelMap(const PanelMap& map) {
   writePose(out, map.T_odom_panel);
   out << YAML::Key << "pose_sigma" << YAML::Value;
   writeFlow(out,
-            {{"position_m", exactly(map.position_sigma_m)}, {"angle_deg", inDegrees(map.angle_sigma_rad)}});
+            {{"position_m", shortest(map.position_sigma_m)}, {"angle_deg", inDegrees(map.angle_sigma_rad)}});
   out << YAML::Key << "mesh" << YAML::Value << map.mesh_file;
-  out << YAML::Key << "white_albedo" << YAML::Value << exactly(map.white_albedo);
-  out << YAML::Key << "black_albedo" << YAML::Value << exactly(map.black_albedo);
+  out << YAML::Key << "white_albedo" << YAML::Value << shortest(map.white_albedo);
+  out << YAML::Key << "black_albedo" << YAML::Value << shortest(map.black_albedo);
   out << YAML::Key << "markers" << YAML::Value << YAML::BeginSeq;
   for (const Marker& marker : map.markers) writeMarker(out, marker);
   out << YAML::EndSeq << YAML::Key << "handles" << YAML::Value << YAML::BeginSeq;

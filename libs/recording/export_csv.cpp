@@ -1,12 +1,12 @@
 #include "recording/export_csv.h"
 
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <map>
 
 #include "core/error.h"
 #include "core/files.h"
+#include "core/text.h"
 #include "recording/fields.h"
 #include "recording/time_text.h"
 
@@ -30,9 +30,7 @@ std::string fileName(const std::string& label) {
 
 std::string numberText(const std::optional<double>& value) {
   if (!value || std::isnan(*value)) return "NaN";
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, *value).ptr;
-  return {text, end};
+  return shortest(*value);
 }
 
 /// RFC 4180.

@@ -12,14 +12,16 @@
 #include "sensors/water.h"
 #include "simulation/read_trajectory.h"
 #include "support/shared_data.h"
+#include "support/shipped.h"
 
 namespace fathom {
 namespace {
 namespace fs = std::filesystem;
 
-const fs::path kConfig = fs::path(FATHOM_SOURCE_DIR) / "config";
+using test::kConfig;
 
 /// By the end of the file's name.
+const auto kLocalization = [](const fs::path& file) { readLocalizationOptions(file); };
 const std::map<std::string, std::function<void(const fs::path&)>> kReaders{
     {"rov.yaml", [](const fs::path& file) { readVehicle(file); }},
     {"_trajectory.yaml", [](const fs::path& file) { readTrajectory(file); }},
@@ -29,10 +31,16 @@ const std::map<std::string, std::function<void(const fs::path&)>> kReaders{
     {"water_clear.yaml", [](const fs::path& file) { readEnvironment(file); }},
     {"water_moderate.yaml", [](const fs::path& file) { readEnvironment(file); }},
     {"water_turbid.yaml", [](const fs::path& file) { readEnvironment(file); }},
-    {"TL2.yaml", [](const fs::path& file) { readLocalizationOptions(file); }},
-    {"navigation.yaml", [](const fs::path& file) { readLocalizationOptions(file); }},
-    {"sea_trial.yaml", [](const fs::path& file) { readLocalizationOptions(file); }},
-    {"husky.yaml", [](const fs::path& file) { readLocalizationOptions(file); }},
+    {"TL1.yaml", kLocalization},
+    {"TL2.yaml", kLocalization},
+    {"TL3.yaml", kLocalization},
+    {"TL4.yaml", kLocalization},
+    {"TL5.yaml", kLocalization},
+    {"improved.yaml", kLocalization},
+    {"defaults.yaml", kLocalization},
+    {"navigation.yaml", kLocalization},
+    {"sea_trial.yaml", kLocalization},
+    {"husky.yaml", kLocalization},
     {"compare_fiducials.yaml", [](const fs::path& file) { readFiducialGrid(file); }},
     {"_topics.yaml", [](const fs::path& file) { readTopicMap(file); }},
 };

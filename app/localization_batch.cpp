@@ -1,0 +1,158 @@
+#include "localization_batch.h"
+
+#include <iostream>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "core/fingerprint.h"
+#include "core/progress.h"
+#include "evaluation/statistics.h"
+#include "report/html_report.h"
+#include "tasks_report.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+/// Tells whether a result is of the same inputs: files by what they hold, images by name, size and time.
+std::string fingerprintOf(const RecordingJob& job) {
+  Fingerprint print;
+  print.add(std::string(FATHOM_VERSION)).add(job.start).add(job.panel_unknown ? 1.0 : 0.0);
+  print.add(readTextFile(job.rawlog));
+  for (const std::string& file :
+       {job.vehicle, job.map, job.calibration, job.reference, job.sources, job.faults})
+    print.add(file.empty() ? "" : readTextFile(file));
+  for (const TaskSpec& task : job.tasks) print.add(task.id()).add(formatLocalizationOptions(task.options));
+  return print.hex();
+}
+
+std::optional<nlohmann::ordered_json> earlierResult(const RecordingJob& job, const std::string& inputs) {
+  const fs::path file = job.folder / "result.json";
+  if (!fs::exists(file)) return std::nullopt;
+  const auto json = nlohmann::ordered_json::parse(readTextFile(file), nullptr, false);
+  if (json.is_discarded() || !json.is_object() || json.value("inputs", "") != inputs) return std::nullopt;
+  return json;
+}
+
+/// A number deep in a result, NaN where it is not there.
+double numberAt(const nlohmann::ordered_json& json, const std::string& pointer) {
+  const nlohmann::ordered_json::json_pointer path(pointer);
+  if (!json.contains(path) || !json.at(path).is_number()) return std::numeric_limits<double>::quiet_NaN();
+  return json.at(path).get<double>();
+}
+
+std::vector<std::string> taskIds(const std::vector<BatchEntry>& entries) {
+  std::vector<std::string> ids;
+  for (const BatchEntry& entry : entries) {
+    if (!entry.failure.empty()) continue;
+    for (const auto& [id, task] : entry.result["tasks"].items())
+      if (std::find(ids.begin(), ids.end(), id) == ids.end()) ids.push_back(id);
+  }
+  return ids;
+}
+
+}  // namespace
+
+LocalizedRecording localizeAndReport(const RecordingJob& job) {
+  const std::string inputs = fingerprintOf(job);
+  LocalizedRecording done = localizeRecording(job);
+  nlohmann::ordered_json json = toJson(done);
+  json["inputs"] = inputs;
+  const fs::path report = job.folder / "report.html";
+  if (done.tasks.size() == 1)
+    writeReport(report, *done.story, done.tasks[0]->story(), done.tasks[0]->outputs());
+  else
+    writeTasksReport(report, done);
+  writeJson(job.folder / "result.json", json);  // last: it tells that all is there
+  return done;
+}
+
+BatchEntry runJob(const RecordingJob& job) {
+  BatchEntry entry{job.rawlog, job.folder, {}, false, {}};
+  const std::string inputs = fingerprintOf(job);
+  if (auto earlier = earlierResult(job, inputs)) {
+    entry.result = std::move(*earlier);
+    entry.done_before = true;
+  } else {
+    localizeAndReport(job);
+    entry.result = nlohmann::ordered_json::parse(readTextFile(job.folder / "result.json"));
+  }
+  return entry;
+}
+
+std::vector<BatchEntry> runBatch(const std::vector<RecordingJob>& jobs) {
+  std::vector<BatchEntry> entries;
+  for (const RecordingJob& job : jobs) {
+    try {
+      entries.push_back(runJob(job));
+    } catch (const Error& error) {
+      entries.push_back({job.rawlog, job.folder, error.what(), false, {}});
+      std::cerr << "fathom: " << error.what() << "\n";
+    }
+    std::cout << entries.size() << "/" << jobs.size() << " " << job.rawlog.string() << ": "
+              << (!entries.back().failure.empty() ? "failed"
+                  : entries.back().done_before    ? "done before"
+                                                  : "done")
+              << "\n"
+              << std::flush;
+  }
+  return entries;
+}
+
+Table batchTable(const std::vector<BatchEntry>& entries) {
+  Table table{.header = {"task", "recordings", "position to S [m]: mean", "median", "largest",
+                         "angle to S [deg]: mean", "median", "largest", "position to M [m]: mean",
+                         "m_A: mean", "lost at the end"}};
+  for (const std::string& id : taskIds(entries)) {
+    std::vector<double> position, angle, to_markers, smoothness;
+    int recordings = 0, lost = 0;
+    const auto note = [](double value, std::vector<double>& values) {
+      if (std::isfinite(value)) values.push_back(value);
+    };
+    for (const BatchEntry& entry : entries) {
+      if (!entry.failure.empty() || !entry.result["tasks"].contains(id)) continue;
+      const auto& task = entry.result["tasks"][id];
+      const std::string measures =
+          task.contains("smoother_measures") ? "/smoother_measures" : "/filter_measures";
+      ++recordings;
+      note(numberAt(task, measures + "/against_reference/position_mean_m"), position);
+      note(numberAt(task, measures + "/against_reference/angle_mean_deg"), angle);
+      note(numberAt(task, measures + "/against_markers/position_mean_m"), to_markers);
+      note(numberAt(task, measures + "/m_A"), smoothness);
+      if (task.contains("lost_since_s") && task["lost_since_s"].is_number()) ++lost;
+    }
+    const ErrorSummary p = summaryOf(position), a = summaryOf(angle);
+    table.rows.push_back({id, std::to_string(recordings), fixed(p.mean, 3), fixed(p.median, 3),
+                          fixed(p.largest, 3), fixed(a.mean, 3), fixed(a.median, 3), fixed(a.largest, 3),
+                          fixed(summaryOf(to_markers).mean, 3), fixed(summaryOf(smoothness).mean, 3),
+                          std::to_string(lost)});
+  }
+  return table;
+}
+
+void writeBatchReport(const fs::path& folder, const std::vector<BatchEntry>& entries, const RunInfo& run) {
+  Table each{.header = {"recording", "outcome", "folder"}};
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  std::size_t failed = 0;
+  for (const BatchEntry& entry : entries) {
+    if (!entry.failure.empty()) ++failed;
+    const std::string outcome = entry.failure.empty() ? "done" : entry.failure;
+    each.rows.push_back({entry.recording.string(), outcome, fs::relative(entry.folder, folder).string()});
+    list.push_back({{"recording", entry.recording.string()}, {"outcome", outcome}});
+  }
+  const Table table = batchTable(entries);
+  HtmlReport report("Localization of " + std::to_string(entries.size()) + " recordings");
+  report.keyValues({{"recordings", std::to_string(entries.size())}, {"failed", std::to_string(failed)}});
+  report.table(table,
+               "Of each recording's mean error over its sightings; of the smoother where a task has one.");
+  report.heading("Each recording");
+  report.table(each);
+  report.footer(run);
+  report.write(folder / "report.html");
+  writeJson(folder / "summary.json", {{"run", toJson(run)},
+                                      {"recordings", list},
+                                      {"failed", failed},
+                                      {"table", {{"columns", table.header}, {"rows", table.rows}}}});
+}
+
+}  // namespace fathom

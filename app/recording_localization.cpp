@@ -1,0 +1,163 @@
+#include "recording_localization.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/progress.h"
+#include "effects/calibration.h"
+#include "inputs.h"
+#include "localization/dead_reckoning.h"
+#include "localization/run_tasks.h"
+#include "start_pose.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+/// How far behind the newest sample a task may still deliver: its history, and its alignment before that.
+double delay_s(const std::vector<TaskSpec>& tasks) {
+  double longest_s = 0;
+  for (const TaskSpec& task : tasks)
+    longest_s = std::max(longest_s, task.options.history_s + task.options.alignment_s);
+  return longest_s + 1.0;
+}
+
+bool isLandmark(const Sample& sample) {
+  return sample.label == labels::kMarkers || sample.label == labels::kPanel ||
+         sample.label == labels::kMarkerSights;
+}
+
+/// Notes what the evaluation needs of the samples that pass.
+class Witness {
+ public:
+  Witness(RecordingStory& story, bool collect_truth) : story_(story), collect_truth_(collect_truth) {}
+
+  void see(const Sample& sample) {
+    if (std::holds_alternative<ImageSample>(sample.reading) ||
+        std::holds_alternative<StereoSample>(sample.reading))
+      story_.image_times.push_back(sample.time);
+    const auto* pose = std::get_if<PoseSample>(&sample.reading);
+    if (pose == nullptr) return;
+    const StampedPose stamped{sample.time, Pose::fromMrpt(pose->T_odom_robot.mean)};
+    if (sample.label == labels::kTruth && collect_truth_) story_.reference.push_back(stamped);
+    if (sample.label == labels::kMarkers) story_.marker_poses.push_back(stamped);
+  }
+
+ private:
+  RecordingStory& story_;
+  bool collect_truth_;
+};
+
+LocalizationSetup commonSetup(const RecordingJob& job, const RecordingHeader& header) {
+  LocalizationSetup setup;
+  const auto vehicle = vehicleFile(job.vehicle, job.rawlog, header);
+  if (!vehicle)
+    throw Error(job.rawlog.string(), "",
+                "names no vehicle file in its first comment; give one with --vehicle");
+  setup.vehicle = readVehicle(*vehicle);
+  if (!job.calibration.empty()) setup.calibration = readCalibration(job.calibration);
+  return setup;
+}
+
+/// A source that tells its first sample before it hands it out.
+class PeekedSource : public SampleSource {
+ public:
+  explicit PeekedSource(std::unique_ptr<SampleSource> source)
+      : source_(std::move(source)), first_(source_->next()) {}
+
+  /// The first sample; a source always has one, its header's.
+  const Sample& peek() const { return *first_; }
+
+  const RecordingHeader& header() const override { return source_->header(); }
+  std::optional<Sample> next() override {
+    if (first_) return std::exchange(first_, std::nullopt);
+    return source_->next();
+  }
+  fs::path imageFolder() const override { return source_->imageFolder(); }
+  double fraction() const override { return source_->fraction(); }
+  std::optional<RecordingLoss> loss() const override { return source_->loss(); }
+
+ private:
+  std::unique_ptr<SampleSource> source_;
+  std::optional<Sample> first_;
+};
+
+bool fusesLandmarks(const TaskSpec& task) {
+  const auto& fuse = task.options.fuse;
+  return std::find(fuse.begin(), fuse.end(), Channel::landmark) != fuse.end();
+}
+
+/// Several tasks are compared at the sightings, whether they fuse them or not.
+bool needsLandmarks(const RecordingJob& job) {
+  return job.tasks.size() > 1 || std::any_of(job.tasks.begin(), job.tasks.end(), fusesLandmarks);
+}
+
+std::vector<std::unique_ptr<TaskRun>> makeTasks(const RecordingJob& job, const LocalizationSetup& setup,
+                                                const RecordingStory& story, ResultsLog& results) {
+  std::vector<std::unique_ptr<TaskRun>> tasks;
+  for (const TaskSpec& spec : job.tasks) {
+    const fs::path folder = job.tasks.size() == 1 ? job.folder : job.folder / spec.id();
+    tasks.push_back(std::make_unique<TaskRun>(spec, setup, story, folder, results, tasks.size()));
+  }
+  return tasks;
+}
+
+}  // namespace
+
+LocalizedRecording localizeRecording(const RecordingJob& job) {
+  LocalizedRecording done;
+  done.story = std::make_unique<RecordingStory>();
+  RecordingStory& story = *done.story;
+  story.run = {.command_line = job.command_line};
+  story.recording = job.rawlog;
+  if (!job.reference.empty()) {
+    story.reference = readTum(job.reference);
+    story.reference_name = fs::path(job.reference).filename().string();
+  }
+
+  std::unique_ptr<SampleSource> source = std::make_unique<RecordingSource>(job.rawlog);
+  LocalizationSetup setup = commonSetup(job, source->header());
+  story.remarks = disagreements(inspectRecording(job.rawlog), setup.vehicle);
+  setup.start = startPose(job.start, job.rawlog, story.reference);
+  PeekedSource samples(std::move(source));
+  setup.time_zero = story.time_zero = samples.peek().time;
+
+  const fs::path results_file = job.folder / (job.rawlog.stem().string() + "_results.rawlog");
+  ResultsLog results(results_file, {"", "", "results of fathom localize"}, story.time_zero,
+                     job.tasks.size() + 1);
+  done.tasks = makeTasks(job, setup, story, results);
+  std::vector<Localizer*> localizers;
+  for (const auto& task : done.tasks) localizers.push_back(&task->localizer());
+
+  Progress progress("localizing " + job.rawlog.filename().string());
+  Witness witness(story, job.reference.empty());
+  std::optional<DeadReckoning> dead_reckoning;
+  if (setup.start) dead_reckoning.emplace(setup.start->T_odom_robot);
+  const double behind_s = delay_s(job.tasks);
+  TaskHooks hooks;
+  hooks.sample = [&](const Sample& sample) {
+    witness.see(sample);
+    if (dead_reckoning) dead_reckoning->add(sample);
+    if (isLandmark(sample)) results.add(job.tasks.size(), sample);
+  };
+  hooks.block = [&](double newest_t_s) {
+    progress.update(samples.fraction());
+    results.writeBefore(after(story.time_zero, newest_t_s - behind_s));
+  };
+  auto summaries = runTasks(samples, localizers, story.time_zero, hooks);
+
+  story.loss = samples.loss();
+  if (story.reference_name.empty() && !story.reference.empty()) story.reference_name = "TRUTH";
+  if (dead_reckoning) {
+    story.plain = dead_reckoning->plain();
+    story.by_reference_attitude = dead_reckoning->byAttitudeOf(story.reference);
+  }
+  for (std::size_t i = 0; i < done.tasks.size(); ++i) done.tasks[i]->finish(std::move(summaries[i]));
+  if (std::none_of(done.tasks.begin(), done.tasks.end(),
+                   [](const auto& task) { return task->story().summary.started; }))
+    throw Error(job.rawlog.string(), "", done.tasks.front()->story().summary.failure);
+  results.finish();
+  return done;
+}
+
+}  // namespace fathom

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "task_run.h"
+
+namespace fathom {
+
+/// What is to be done with one recording.
+struct RecordingJob {
+  std::filesystem::path rawlog, folder;
+  std::vector<TaskSpec> tasks;
+  std::string vehicle, map;                             ///< files; empty: those that the recording names
+  std::string calibration, reference, sources, faults;  ///< files; empty: none
+  std::string start = "auto";  ///< auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]
+  bool panel_unknown = false;  ///< the map's panel poses are not to be believed
+  std::string command_line;
+};
+
+/// A recording with all its tasks done and all files written but for the reports.
+struct LocalizedRecording {
+  std::unique_ptr<RecordingStory> story;  ///< where it is, the tasks look at it
+  std::vector<std::unique_ptr<TaskRun>> tasks;
+};
+
+/// Detects (or takes the cached detections), runs all tasks side by side, and writes NAME_results.rawlog and
+/// each task's files: in the folder itself where there is one task, else in a folder of the task's id. Throws
+/// Error, Interrupted.
+LocalizedRecording localizeRecording(const RecordingJob& job);
+
+}  // namespace fathom

@@ -1,0 +1,73 @@
+#include "start_pose.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+#include "core/error.h"
+#include "localization/evaluation.h"
+#include "recording/rawlog.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+/// The first TRUTH entry; the estimator itself never sees one.
+std::optional<StampedPose> firstTruth(const fs::path& rawlog) {
+  RawlogReader reader(rawlog);
+  while (const auto sample = reader.next())
+    if (sample->label == labels::kTruth)
+      if (const auto* pose = std::get_if<PoseSample>(&sample->reading))
+        return StampedPose{sample->time, Pose::fromMrpt(pose->T_odom_robot.mean)};
+  return std::nullopt;
+}
+
+/// The first reading's time: where estimation begins.
+Time firstReading(const fs::path& rawlog) {
+  RawlogReader reader(rawlog);
+  while (const auto sample = reader.next())
+    if (!std::holds_alternative<RecordingHeader>(sample->reading)) return sample->time;
+  throw Error(rawlog.string(), "", "holds no reading");
+}
+
+StartPose startFromReference(const fs::path& rawlog, const std::vector<StampedPose>& reference) {
+  const Time begin = firstReading(rawlog);
+  if (!reference.empty()) {
+    if (const auto pose = poseAt(reference, begin))
+      return StartPose{.T_odom_robot = *pose, .source = "first pose of the reference"};
+    throw Error("--start", "reference", "the reference has no pose at the recording's first reading");
+  }
+  const auto truth = firstTruth(rawlog);
+  if (!truth)
+    throw Error("--start", "reference",
+                "there is no reference: neither --reference nor TRUTH in the recording");
+  if (std::abs(secondsBetween(begin, truth->time)) > 0.1)
+    throw Error("--start", "reference", "the first TRUTH entry is not at the recording's first reading");
+  return StartPose{.T_odom_robot = truth->T_odom_robot, .source = "first TRUTH entry"};
+}
+
+StartPose startFromNumbers(const std::string& text) {
+  std::vector<double> v;
+  for (const std::string& word : CLI::detail::split(text, ',')) {
+    double value = 0.0;
+    if (!CLI::detail::lexical_cast(word, value) || !std::isfinite(value))
+      throw Error("--start", text, "must be auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]");
+    v.push_back(value);
+  }
+  if (v.size() != 4 && v.size() != 6)
+    throw Error("--start", text, "must have four or six numbers: X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]");
+  v.resize(6, 0.0);
+  return {.T_odom_robot = {rotationFromYawPitchRoll(radians(v[3]), radians(v[4]), radians(v[5])),
+                           Vector3d(v[0], v[1], v[2])},
+          .source = "given on the command line"};
+}
+
+}  // namespace
+
+std::optional<StartPose> startPose(const std::string& start, const fs::path& rawlog,
+                                   const std::vector<StampedPose>& reference) {
+  if (start == "auto") return std::nullopt;
+  if (start == "reference") return startFromReference(rawlog, reference);
+  return startFromNumbers(start);
+}
+
+}  // namespace fathom

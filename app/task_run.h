@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "localization/localizer.h"
+#include "localization_outputs.h"
+#include "localization_report.h"
+
+namespace fathom {
+
+/// A task as it is to be run: one of the paper's, or what fathom makes of it.
+struct TaskSpec {
+  LocalizationOptions options;
+  bool improved = false;
+
+  /// For people: "TL5", "TL5 improved".
+  std::string name() const { return options.task + (improved ? " improved" : ""); }
+  /// For files and labels: "TL5", "TL5_IMPROVED".
+  std::string id() const { return options.task + (improved ? "_IMPROVED" : ""); }
+};
+
+/// One task on one recording: its filter, the files it writes, and what the reports need.
+class TaskRun {
+ public:
+  /// `setup` lacks the options, which the spec has. `recording` grows while the task runs.
+  TaskRun(const TaskSpec& spec, LocalizationSetup setup, const RecordingStory& recording,
+          const std::filesystem::path& folder, ResultsLog& results, std::size_t stream);
+
+  Localizer& localizer() { return localizer_; }
+  const TaskSpec& spec() const { return spec_; }
+  /// When all samples have been seen. Throws Error where a file cannot be written.
+  void finish(LocalizationSummary summary);
+
+  const TaskStory& story() const { return story_; }
+  const LocalizationOutputs& outputs() const { return outputs_; }
+
+ private:
+  LocalizationSink sink();
+
+  TaskSpec spec_;
+  const RecordingStory& recording_;
+  LocalizationOutputs outputs_;
+  Evaluator evaluator_, smooth_evaluator_;
+  TaskStory story_;
+  Localizer localizer_;
+};
+
+}  // namespace fathom
