@@ -234,39 +234,49 @@ class InputWatch {
   bool any_ = false;
 };
 
-template <int N>
-class Run {
+}  // namespace
+
+/// A localizer whatever the size of its state.
+class Localizer::Run {
  public:
-  Run(const LocalizationSetup& setup, const LocalizationSink& sink)
-      : setup_(setup),
-        sink_(sink),
-        fuser_(setup),
-        watch_(setup,
+  virtual ~Run() = default;
+  virtual void add(const Sample& sample) = 0;
+  virtual LocalizationSummary finish() = 0;
+};
+
+template <int N>
+class Localizer::RunOf : public Run {
+ public:
+  RunOf(LocalizationSetup setup, LocalizationSink sink)
+      : setup_(std::move(setup)),
+        sink_(std::move(sink)),
+        fuser_(setup_),
+        watch_(setup_,
                [this](double t, const char* kind, std::string text) { report(t, kind, std::move(text)); }) {
-    noise_ = setup.options.noise;
-    if (const auto& ins = setup.vehicle.ins) {
+    noise_ = setup_.options.noise;
+    if (const auto& ins = setup_.vehicle.ins) {
       noise_.gyro_bias_sigma_rad_s.setConstant(ins->gyro_bias_sigma_rad_s);
       noise_.accelerometer_bias_sigma_m_s2.setConstant(ins->accelerometer_bias_sigma_m_s2);
       noise_.bias_time_constant_s = ins->bias_time_constant_s;
     }
-    dvl_offset_s_ = dvlValidityOffset(setup.calibration);
+    dvl_offset_s_ = dvlValidityOffset(setup_.calibration);
   }
 
-  void add(Sample sample) {
+  void add(const Sample& sample) override {
     if (!isFusible(sample)) return;
     ++summary_.samples;
     const double stamp_s = secondsBetween(setup_.time_zero, sample.time);
     if (!watch_.accept(sample, stamp_s)) return;
     if (summary_.started) {
       const double t_s = validity_s(sample);
-      return insert(t_s, std::move(sample));
+      return insert(t_s, sample);
     }
-    waiting_.push_back(std::move(sample));
+    waiting_.push_back(sample);
     if (stamp_s - secondsBetween(setup_.time_zero, waiting_.front().time) >= setup_.options.alignment_s)
       start();
   }
 
-  LocalizationSummary finish() {
+  LocalizationSummary finish() override {
     if (!summary_.started && !waiting_.empty()) start();
     if (!summary_.started) {
       summary_.failure = "no entry of a navigation sensor";
@@ -368,7 +378,7 @@ class Run {
   Estimate makeEstimate(double t_s, const NavigationState<double>& x,
                         const typename ErrorStateFilter<N>::Matrix& P) const {
     return {after(setup_.time_zero, t_s), t_s, x, P.template topLeftCorner<6, 6>(),
-            P.diagonal().template segment<3>(kVelocity).cwiseMax(0.0).cwiseSqrt()};
+            P.diagonal().template segment<3>(kVelocity).cwiseMax(0.0).cwiseSqrt(), false};
   }
 
   void smooth() {
@@ -397,8 +407,8 @@ class Run {
     sink_.event({t_s, kind, std::move(text)});
   }
 
-  const LocalizationSetup& setup_;
-  const LocalizationSink& sink_;
+  const LocalizationSetup setup_;
+  const LocalizationSink sink_;
   ProcessNoise noise_;
   Fuser<N> fuser_;
   InputWatch watch_;
@@ -413,25 +423,30 @@ class Run {
   Smoother<N> smoother_;
 };
 
-template <int N>
-LocalizationSummary run(const LocalizationSetup& setup, const std::function<std::optional<Sample>()>& next,
-                        const LocalizationSink& sink) {
-  Run<N> filter(setup, sink);
-  while (auto sample = next()) filter.add(std::move(*sample));
-  return filter.finish();
+Localizer::Localizer(LocalizationSetup setup, LocalizationSink sink) {
+  if (setup.options.bias_states)
+    run_ = std::make_unique<RunOf<kFullSize>>(std::move(setup), std::move(sink));
+  else
+    run_ = std::make_unique<RunOf<kCoreSize>>(std::move(setup), std::move(sink));
 }
+Localizer::~Localizer() = default;
+Localizer::Localizer(Localizer&&) noexcept = default;
+Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 
-}  // namespace
-
-mrpt::poses::CPose3DPDFGaussian posePdf(const Estimate& estimate) {
-  const auto& motion = estimate.state.motion;
-  return UncertainPose{{motion.R_odom_robot, motion.position_odom}, estimate.pose_covariance}.toMrpt();
-}
+void Localizer::add(const Sample& sample) { run_->add(sample); }
+LocalizationSummary Localizer::finish() { return run_->finish(); }
 
 LocalizationSummary localize(const LocalizationSetup& setup,
                              const std::function<std::optional<Sample>()>& next,
                              const LocalizationSink& sink) {
-  return setup.options.bias_states ? run<kFullSize>(setup, next, sink) : run<kCoreSize>(setup, next, sink);
+  Localizer localizer(setup, sink);
+  while (const auto sample = next()) localizer.add(*sample);
+  return localizer.finish();
+}
+
+mrpt::poses::CPose3DPDFGaussian posePdf(const Estimate& estimate) {
+  const auto& motion = estimate.state.motion;
+  return UncertainPose{{motion.R_odom_robot, motion.position_odom}, estimate.pose_covariance}.toMrpt();
 }
 
 }  // namespace fathom

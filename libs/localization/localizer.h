@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 
 #include "localization/options.h"
 #include "recording/samples.h"
@@ -15,6 +16,7 @@ struct Estimate {
   NavigationState<double> state;
   Eigen::Matrix<double, 6, 6> pose_covariance;  ///< position (odom, m), rotation vector (robot axes, rad)
   Vector3d velocity_sigma_robot_m_s = Vector3d::Zero();
+  bool lost = false;  ///< not to be relied on: event `lost` says why
 };
 
 /// MRPT's Gaussian pose with its covariance in MRPT's order and angles.
@@ -33,7 +35,9 @@ struct Innovation {
 /// Something about the input that must not pass in silence.
 struct Event {
   double t_s = 0.0;
-  std::string kind;  ///< start, gap, silent, time-jump, duplicate, not-a-number, too-late, rejected
+  /// start, gap, silent, time-jump, duplicate, not-a-number, too-late, rejected; of landmarks: fix-rejected,
+  /// reacquired, panel-moved, panel-prior, unknown-panel; lost, found
+  std::string kind;
   std::string text;
 };
 
@@ -44,6 +48,32 @@ struct ChannelSummary {
   double nis_band95_low = 0.0, nis_band95_high = 0.0;  ///< where the mean lies if the filter is consistent
 };
 
+/// A panel that sightings refer to by its index in LocalizationSetup::panels.
+struct PanelPrior {
+  std::string name;
+  Pose T_odom_panel;
+  /// Of each axis. Both zero: the pose is exact. Both infinite: it is not known, and T_odom_panel not used.
+  double position_sigma_m = 0.0, angle_sigma_rad = 0.0;
+};
+
+/// A panel that was pushed while the robot worked.
+struct PanelMove {
+  double t_s = 0.0;              ///< of the first fix that shows it
+  UncertainPose T_before_after;  ///< offset and rotation in axes of the panel as it was
+};
+
+struct PanelResult {
+  enum class State {
+    known,      ///< exact from the start, and not moved
+    unseen,     ///< to be estimated, and never seen
+    estimated,  ///< a state of the filter
+  };
+  std::string name;
+  State state = State::unseen;
+  UncertainPose T_odom_panel;  ///< at the end; of a panel unseen: the prior's pose
+  std::vector<PanelMove> moves;
+};
+
 struct LocalizationSummary {
   bool started = false;  ///< false: no estimate was made; `failure` says why
   std::string failure = "not run";
@@ -52,6 +82,9 @@ struct LocalizationSummary {
   std::size_t samples = 0, late_fused = 0;
   std::map<Channel, ChannelSummary> channels;
   std::map<std::string, std::size_t> event_counts;
+  std::vector<PanelResult> panels;     ///< as in the setup
+  std::optional<double> lost_since_s;  ///< where it ends lost
+  std::string lost_reason;
 };
 
 /// Receives results in time order, as soon as they are final (history_s behind the newest reading).
@@ -68,11 +101,33 @@ struct LocalizationSetup {
   LocalizationOptions options;
   std::optional<StartPose> start;  ///< absent: aligned from the first seconds
   Time time_zero;                  ///< the recording's first entry
+  std::vector<PanelPrior> panels;  ///< that PanelSamples refer to
 };
 
-/// Runs the filter over all samples, in the order in which they arrive. Late ones (by stamp or by a
-/// calibrated latency) are fused at their own time. TRUTH and images are not looked at; landmark poses come
-/// as PoseSample with the label MARKERS.
+/// The filter, fed with samples in the order in which they arrive. Late ones (by stamp or by a calibrated
+/// latency) are fused at their own time. TRUTH and images are not looked at. Landmarks come as PoseSample with
+/// the label MARKERS or as PanelSample with the label PANEL; LandmarkOptions::form says which are fused.
+/// Several localizers may run in as many threads.
+class Localizer {
+ public:
+  Localizer(LocalizationSetup setup, LocalizationSink sink);
+  ~Localizer();
+  Localizer(Localizer&&) noexcept;
+  Localizer& operator=(Localizer&&) noexcept;
+
+  /// May hand results to the sink.
+  void add(const Sample& sample);
+  /// Hands out what is left. Nothing may be added after it.
+  LocalizationSummary finish();
+
+ private:
+  class Run;
+  template <int N>
+  class RunOf;
+  std::unique_ptr<Run> run_;
+};
+
+/// Feeds a localizer with all that `next` gives.
 LocalizationSummary localize(const LocalizationSetup& setup,
                              const std::function<std::optional<Sample>()>& next,
                              const LocalizationSink& sink);

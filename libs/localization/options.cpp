@@ -83,6 +83,27 @@ Gate readGate(const YamlMap& y) {
   return gate;
 }
 
+LandmarkOptions readLandmarks(const YamlMap& y) {
+  LandmarkOptions landmarks;
+  if (y.has("pose")) {
+    const std::string form = y.text("pose");
+    if (form != "mean" && form != "joint") throw y.error("pose", "must be mean or joint");
+    landmarks.form = form == "mean" ? LandmarkOptions::Form::mean : LandmarkOptions::Form::joint;
+  }
+  if (y.has("position_sigma_m")) landmarks.position_sigma_m = y.positive("position_sigma_m");
+  if (y.has("angle_sigma_deg")) landmarks.angle_sigma_rad = radians(y.positive("angle_sigma_deg"));
+  return landmarks;
+}
+
+LostOptions readLost(const YamlMap& y) {
+  LostOptions lost;
+  if (y.has("position_sigma_m")) lost.position_sigma_m = y.positive("position_sigma_m");
+  if (y.has("angle_sigma_deg")) lost.angle_sigma_rad = radians(y.positive("angle_sigma_deg"));
+  if (y.has("contradiction_s")) lost.contradiction_s = y.positive("contradiction_s");
+  if (y.has("blind_s")) lost.blind_s = y.positive("blind_s");
+  return lost;
+}
+
 void readPositive(const YamlMap& y, const std::string& key, double& value) {
   if (y.has(key)) value = y.positive(key);
 }
@@ -98,6 +119,8 @@ LocalizationOptions readLocalizationOptions(const std::filesystem::path& file) {
   y.read("bias_states", options.bias_states);
   if (y.has("process_noise")) options.noise = readProcessNoise(y.map("process_noise"));
   if (y.has("gate")) options.gate = readGate(y.map("gate"));
+  if (y.has("landmarks")) options.landmarks = readLandmarks(y.map("landmarks"));
+  if (y.has("lost")) options.lost = readLost(y.map("lost"));
   if (y.has("history_s")) options.history_s = y.notNegative("history_s");
   readPositive(y, "gap_s", options.gap_s);
   readPositive(y, "alignment_s", options.alignment_s);

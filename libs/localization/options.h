@@ -31,6 +31,22 @@ struct Gate {
   double max_angle_rad = radians(12);
 };
 
+/// How landmarks are fused.
+struct LandmarkOptions {
+  /// A robot pose averaged over single markers (the paper), or each panel's pose from all its markers at once.
+  enum class Form { mean, joint } form = Form::joint;
+  /// Of each axis of a mean: the paper's covariance is 1e-3 m², 1e-3 rad². A joint pose brings its own.
+  double position_sigma_m = 0.0316, angle_sigma_rad = 0.0316;
+};
+
+/// When an estimate is said to be lost.
+struct LostOptions {
+  double position_sigma_m = 5.0;  ///< the filter's own sigma (root of the covariance's trace) is larger
+  double angle_sigma_rad = radians(45.0);
+  double contradiction_s = 10.0;  ///< readings of a channel have been rejected, or far too large, for so long
+  double blind_s = 30.0;          ///< nothing has told the velocity or the position for so long
+};
+
 struct LocalizationOptions {
   std::string task = "TL2";  ///< names the results: EKF_TL2
   /// Which channels are fused; one that the recording lacks does no harm.
@@ -39,6 +55,8 @@ struct LocalizationOptions {
   bool bias_states = true;  ///< 23 states instead of the paper's 15 (sigma and time constant: vehicle file)
   ProcessNoise noise;
   Gate gate;
+  LandmarkOptions landmarks;
+  LostOptions lost;
   double history_s = 2.0;        ///< a reading up to this late is fused at its own time
   double gap_s = 1.0;            ///< a longer pause of all sensors is named in the result
   double alignment_s = 2.0;      ///< initial alignment from the first seconds, where no start pose is given

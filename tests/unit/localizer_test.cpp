@@ -16,9 +16,9 @@ struct Outcome {
   std::vector<Event> events;
 };
 
-class Localizer : public testing::Test {
+class LocalizerTest : public testing::Test {
  protected:
-  Localizer() {
+  LocalizerTest() {
     simulation_.vehicle = readVehicle(std::filesystem::path(FATHOM_SOURCE_DIR) / "config/rov.yaml");
     simulation_.duration_s = 40.0;
     simulation_.sea_floor_z_m = -6.0;
@@ -65,7 +65,7 @@ class Localizer : public testing::Test {
   LocalizationSetup setup_;
 };
 
-TEST_F(Localizer, FollowsTheTruth) {
+TEST_F(LocalizerTest, FollowsTheTruth) {
   const Outcome outcome = run(samples_);
   ASSERT_TRUE(outcome.summary.started);
   // 40 s at 0.5 m/s: the start's 0.1 m and 0.5 degrees, and 1 cm/s of DVL noise averaged over 200 readings.
@@ -75,7 +75,7 @@ TEST_F(Localizer, FollowsTheTruth) {
 
 // A DVL that arrives 0.5 s late is fused at its own time: the result is that of the ordered stream, to
 // rounding.
-TEST_F(Localizer, LateReadingsChangeNothing) {
+TEST_F(LocalizerTest, LateReadingsChangeNothing) {
   std::vector<Sample> late;
   std::vector<Sample> held;
   for (const Sample& sample : samples_) {
@@ -107,7 +107,7 @@ TEST_F(Localizer, LateReadingsChangeNothing) {
 
 // One ping gives a DVL's velocity and its beams' ranges: stamps that are late by a known latency change
 // nothing.
-TEST_F(Localizer, CalibratedLatencyMovesVelocityAndBeams) {
+TEST_F(LocalizerTest, CalibratedLatencyMovesVelocityAndBeams) {
   setup_.options.fuse.push_back(Channel::altitude);
   setup_.options.bias_states = true;
   const Outcome expected = run(samples_);
@@ -133,7 +133,7 @@ TEST_F(Localizer, CalibratedLatencyMovesVelocityAndBeams) {
   EXPECT_NEAR(a.sea_floor_z_m, b.sea_floor_z_m, 0.01);
 }
 
-TEST_F(Localizer, NamesWhatIsWrongWithTheInput) {
+TEST_F(LocalizerTest, NamesWhatIsWrongWithTheInput) {
   std::vector<Sample> bad;
   for (const Sample& sample : samples_) {
     const double t_s = secondsBetween(setup_.time_zero, sample.time);
@@ -157,7 +157,7 @@ TEST_F(Localizer, NamesWhatIsWrongWithTheInput) {
 }
 
 // A DVL that lies by 2 m/s for a second is an outlier; one that keeps contradicting the filter is named.
-TEST_F(Localizer, GatesOutliersAndNamesContradiction) {
+TEST_F(LocalizerTest, GatesOutliersAndNamesContradiction) {
   auto outliers = samples_, contradiction = samples_;
   for (std::size_t k = 0; k < samples_.size(); ++k) {
     const double t_s = secondsBetween(setup_.time_zero, samples_[k].time);
@@ -171,7 +171,7 @@ TEST_F(Localizer, GatesOutliersAndNamesContradiction) {
   EXPECT_TRUE(contradicted.summary.event_counts.contains("rejected"));
 }
 
-TEST_F(Localizer, SmootherIsNoWorseAndSurer) {
+TEST_F(LocalizerTest, SmootherIsNoWorseAndSurer) {
   setup_.options.smooth = true;
   const Outcome outcome = run(samples_);
   ASSERT_EQ(outcome.smoothed.size(), outcome.estimates.size());
