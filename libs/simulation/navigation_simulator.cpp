@@ -326,18 +326,36 @@ double simulatedDuration_s(const SimulationOptions& options, const Trajectory& t
   return *options.duration_s;
 }
 
+struct NavigationSimulator::Impl {
+  Impl(const SimulationOptions& options, const Trajectory& trajectory)
+      : scene{options, trajectory, {options.vehicle.gravityOdom(), options.sea_floor_z_m}, options.effects},
+        duration_s(simulatedDuration_s(options, trajectory)),
+        end(after(options.start, duration_s)),
+        channels(channelsOf(scene)) {}
+
+  Scene scene;
+  double duration_s;
+  Time end;
+  std::vector<std::unique_ptr<Channel>> channels;
+};
+
+NavigationSimulator::NavigationSimulator(const SimulationOptions& options, const Trajectory& trajectory)
+    : impl_(std::make_unique<Impl>(options, trajectory)) {}
+NavigationSimulator::~NavigationSimulator() = default;
+
+double NavigationSimulator::duration_s() const { return impl_->duration_s; }
+
+std::optional<Sample> NavigationSimulator::next() {
+  const auto earlier = [](const auto& a, const auto& b) { return a->nextTime() < b->nextTime(); };
+  Channel& channel = **std::min_element(impl_->channels.begin(), impl_->channels.end(), earlier);
+  if (channel.nextTime() > impl_->end) return std::nullopt;
+  return channel.next();
+}
+
 void simulateNavigation(const SimulationOptions& options, const Trajectory& trajectory,
                         const std::function<void(const Sample&)>& sink) {
-  const Time end = after(options.start, simulatedDuration_s(options, trajectory));
-  const Scene scene{
-      options, trajectory, {options.vehicle.gravityOdom(), options.sea_floor_z_m}, options.effects};
-  const auto channels = channelsOf(scene);
-  const auto earlier = [](const auto& a, const auto& b) { return a->nextTime() < b->nextTime(); };
-  for (;;) {
-    Channel& next = **std::min_element(channels.begin(), channels.end(), earlier);
-    if (next.nextTime() > end) return;
-    sink(next.next());
-  }
+  NavigationSimulator simulator(options, trajectory);
+  while (const auto sample = simulator.next()) sink(*sample);
 }
 
 }  // namespace fathom

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,21 +32,37 @@ struct SimulationOptions {
   double beam_min_range_m = 0.05, beam_max_range_m = 50.0;
 };
 
-/// Runs the forward model (sensors/models.h) along the trajectory and hands every sample to the sink, in time
-/// order: sample k of a sensor at start + k / rate, rounded to the 100 ns tick.
+/// Runs the forward model (sensors/models.h) along the trajectory, one sample a call, in time order: sample k
+/// of a sensor at start + k / rate, rounded to the 100 ns tick. Keeps nothing of what it has handed out.
 ///
 /// - INS: gyro, specific force; attitude where the vehicle file has attitude_sigma_deg. White noise and
 ///   first-order Gauss-Markov biases, which begin stationary and enter through the bias effects.
 /// - DVL, DVL_BEAMS: the motion at stamp + dvlValidityOffset(), one ping for both; no velocity without bottom
-/// lock, nor where
-///   that time is outside the trajectory. A beam without echo has no range.
+///   lock, nor where that time is outside the trajectory. A beam without echo has no range.
 /// - DEPTH: white noise and one random offset a run, which enters through the effect pressure-offset.
 /// - USBL: position of the transponder, 3 x 3 block of its covariance; orientation variance 1e6 rad².
 /// - CAMERA, or STEREO where the camera has a second one: names of files (imageFiles), intrinsics.
 /// - TRUTH: T_odom_robot, covariance 1e-12 on the diagonal.
 ///
 /// Each sensor draws from a random stream of its own: leaving one out changes no other.
-/// Throws Error where begin or duration lie outside the trajectory.
+class NavigationSimulator {
+ public:
+  /// Both are referred to and must outlive it. Throws Error where begin or
+  /// duration lie outside the trajectory.
+  NavigationSimulator(const SimulationOptions& options, const Trajectory& trajectory);
+  ~NavigationSimulator();
+  NavigationSimulator(const NavigationSimulator&) = delete;
+  NavigationSimulator& operator=(const NavigationSimulator&) = delete;
+
+  std::optional<Sample> next();  ///< nothing at the end
+  double duration_s() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The same, pushed: hands every sample to the sink.
 void simulateNavigation(const SimulationOptions& options, const Trajectory& trajectory,
                         const std::function<void(const Sample&)>& sink);
 

@@ -29,7 +29,7 @@ std::vector<StampedPose> truthOf(const fs::path& rawlog) {
 }
 
 Trajectory asRecorded(const fs::path& file) {
-  return Trajectory::fromTum(file.extension() == ".rawlog" ? truthOf(file) : readTum(file), file.string());
+  return Trajectory::fromTum(readRecordedPoses(file), file.string());
 }
 
 Trajectory asPlanned(const YamlFile& yaml, ReadPlan read, const fs::path& file) {
@@ -43,6 +43,10 @@ Trajectory asPlanned(const YamlFile& yaml, ReadPlan read, const fs::path& file) 
 }
 
 }  // namespace
+
+std::vector<StampedPose> readRecordedPoses(const fs::path& file) {
+  return file.extension() == ".rawlog" ? truthOf(file) : readTum(file);
+}
 
 Trajectory readTrajectory(const fs::path& file) {
   if (file.extension() != ".yaml") return asRecorded(file);

@@ -57,4 +57,7 @@ namespace fathom {
 ///   file: truth.tum                # relative to this file
 Trajectory readTrajectory(const std::filesystem::path& file);
 
+/// The poses of a file "as recorded" with their stamps: NAME.rawlog's TRUTH, or TUM text. Throws Error.
+std::vector<StampedPose> readRecordedPoses(const std::filesystem::path& file);
+
 }  // namespace fathom
