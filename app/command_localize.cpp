@@ -53,8 +53,8 @@ std::vector<RecordingJob> jobsOf(const LocalizeOptions& options, const RunContex
   std::vector<RecordingJob> jobs;
   std::set<std::string> names;
   for (const std::string& recording : options.recordings) {
-    job.rawlog = recording;
-    const std::string stem = job.rawlog.stem().string();
+    job.chain.rawlog = recording;
+    const std::string stem = job.chain.rawlog.stem().string();
     std::string name = stem;
     for (int again = 2; !names.insert(name).second; ++again) name = stem + "_" + std::to_string(again);
     job.folder = options.recordings.size() == 1 ? fs::path(options.folder) : fs::path(options.folder) / name;
@@ -108,7 +108,7 @@ void localizeOne(const RecordingJob& job) {
   else
     print(done);
   std::cout << "\nwrote " << (job.folder / "report.html").string() << ", result.json, "
-            << job.rawlog.stem().string() << "_results.rawlog";
+            << job.chain.rawlog.stem().string() << "_results.rawlog";
   if (done.tasks.size() == 1)
     std::cout << ", trajectory.tum" << (job.tasks[0].options.smooth ? ", trajectory_smoothed.tum" : "")
               << " and innovations.csv.gz beside it\n";
@@ -196,15 +196,17 @@ void addLocalize(const RunContext& context) {
                    "One task: which sensors, noise, gate (default: config/defaults.yaml's values)")
       ->excludes(tasks)
       ->type_name(values::kYaml);
-  command->add_option("--vehicle", job.vehicle, "Vehicle file (default: the one the recording names)")
+  command->add_option("--vehicle", job.chain.vehicle, "Vehicle file (default: the one the recording names)")
       ->type_name(values::kYaml);
-  command->add_option("--map", job.map, "Panel map (default: the one the recording names)")
+  command->add_option("--map", job.chain.map, "Panel map (default: the one the recording names)")
       ->type_name(values::kYaml);
-  command->add_flag("--panel-unknown", job.panel_unknown,
+  command->add_flag("--panel-unknown", job.chain.panel_unknown,
                     "Estimate the panels' poses too: the map's are not believed");
-  command->add_option("--calibration", job.calibration, "Effects known to be there")
+  command->add_option("--calibration", job.chain.calibration, "Effects known to be there")
       ->type_name(values::kYaml);
-  command->add_option("--sources", job.sources, "Which sensors come from a simulation or another recording")
+  command
+      ->add_option("--sources", job.chain.sources,
+                   "Which sensors come from a simulation or another recording")
       ->type_name(values::kYaml);
   command->add_option("--faults", job.faults, "What befalls the samples on their way (config/degrade_*.yaml)")
       ->type_name(values::kYaml);

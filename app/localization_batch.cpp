@@ -17,10 +17,10 @@ namespace {
 /// Tells whether a result is of the same inputs: files by what they hold, images by name, size and time.
 std::string fingerprintOf(const RecordingJob& job) {
   Fingerprint print;
-  print.add(std::string(FATHOM_VERSION)).add(job.start).add(job.panel_unknown ? 1.0 : 0.0);
-  print.add(readTextFile(job.rawlog));
-  for (const std::string& file :
-       {job.vehicle, job.map, job.calibration, job.reference, job.sources, job.faults})
+  print.add(std::string(FATHOM_VERSION)).add(job.start).add(job.chain.panel_unknown ? 1.0 : 0.0);
+  print.add(readTextFile(job.chain.rawlog));
+  for (const std::string& file : {job.chain.vehicle, job.chain.map, job.chain.calibration, job.chain.sources,
+                                  job.reference, job.faults})
     print.add(file.empty() ? "" : readTextFile(file));
   for (const TaskSpec& task : job.tasks) print.add(task.id()).add(formatLocalizationOptions(task.options));
   return print.hex();
@@ -68,7 +68,7 @@ LocalizedRecording localizeAndReport(const RecordingJob& job) {
 }
 
 BatchEntry runJob(const RecordingJob& job) {
-  BatchEntry entry{job.rawlog, job.folder, {}, false, {}};
+  BatchEntry entry{job.chain.rawlog, job.folder, {}, false, {}};
   const std::string inputs = fingerprintOf(job);
   if (auto earlier = earlierResult(job, inputs)) {
     entry.result = std::move(*earlier);
@@ -86,10 +86,10 @@ std::vector<BatchEntry> runBatch(const std::vector<RecordingJob>& jobs) {
     try {
       entries.push_back(runJob(job));
     } catch (const Error& error) {
-      entries.push_back({job.rawlog, job.folder, error.what(), false, {}});
+      entries.push_back({job.chain.rawlog, job.folder, error.what(), false, {}});
       std::cerr << "fathom: " << error.what() << "\n";
     }
-    std::cout << entries.size() << "/" << jobs.size() << " " << job.rawlog.string() << ": "
+    std::cout << entries.size() << "/" << jobs.size() << " " << job.chain.rawlog.string() << ": "
               << (!entries.back().failure.empty() ? "failed"
                   : entries.back().done_before    ? "done before"
                                                   : "done")

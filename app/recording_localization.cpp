@@ -4,10 +4,9 @@
 
 #include "core/error.h"
 #include "core/progress.h"
-#include "effects/calibration.h"
-#include "inputs.h"
 #include "localization/dead_reckoning.h"
 #include "localization/run_tasks.h"
+#include "sources/degraded_source.h"
 #include "start_pose.h"
 
 namespace fathom {
@@ -48,40 +47,6 @@ class Witness {
   bool collect_truth_;
 };
 
-LocalizationSetup commonSetup(const RecordingJob& job, const RecordingHeader& header) {
-  LocalizationSetup setup;
-  const auto vehicle = vehicleFile(job.vehicle, job.rawlog, header);
-  if (!vehicle)
-    throw Error(job.rawlog.string(), "",
-                "names no vehicle file in its first comment; give one with --vehicle");
-  setup.vehicle = readVehicle(*vehicle);
-  if (!job.calibration.empty()) setup.calibration = readCalibration(job.calibration);
-  return setup;
-}
-
-/// A source that tells its first sample before it hands it out.
-class PeekedSource : public SampleSource {
- public:
-  explicit PeekedSource(std::unique_ptr<SampleSource> source)
-      : source_(std::move(source)), first_(source_->next()) {}
-
-  /// The first sample; a source always has one, its header's.
-  const Sample& peek() const { return *first_; }
-
-  const RecordingHeader& header() const override { return source_->header(); }
-  std::optional<Sample> next() override {
-    if (first_) return std::exchange(first_, std::nullopt);
-    return source_->next();
-  }
-  fs::path imageFolder() const override { return source_->imageFolder(); }
-  double fraction() const override { return source_->fraction(); }
-  std::optional<RecordingLoss> loss() const override { return source_->loss(); }
-
- private:
-  std::unique_ptr<SampleSource> source_;
-  std::optional<Sample> first_;
-};
-
 bool fusesLandmarks(const TaskSpec& task) {
   const auto& fuse = task.options.fuse;
   return std::find(fuse.begin(), fuse.end(), Channel::landmark) != fuse.end();
@@ -109,27 +74,29 @@ LocalizedRecording localizeRecording(const RecordingJob& job) {
   done.story = std::make_unique<RecordingStory>();
   RecordingStory& story = *done.story;
   story.run = {.command_line = job.command_line};
-  story.recording = job.rawlog;
+  story.recording = job.chain.rawlog;
   if (!job.reference.empty()) {
     story.reference = readTum(job.reference);
     story.reference_name = fs::path(job.reference).filename().string();
   }
 
-  std::unique_ptr<SampleSource> source = std::make_unique<RecordingSource>(job.rawlog);
-  LocalizationSetup setup = commonSetup(job, source->header());
-  story.remarks = disagreements(inspectRecording(job.rawlog), setup.vehicle);
-  setup.start = startPose(job.start, job.rawlog, story.reference);
-  PeekedSource samples(std::move(source));
-  setup.time_zero = story.time_zero = samples.peek().time;
+  const SampleChain chain(job.chain, needsLandmarks(job));
+  story.remarks = chain.remarks();
+  LocalizationSetup setup = chain.setup();
+  setup.start = startPose(job.start, job.chain.rawlog, story.reference);
+  story.time_zero = setup.time_zero;
+  std::unique_ptr<SampleSource> samples = chain.open();
+  if (!job.faults.empty())
+    samples = std::make_unique<DegradedSource>(std::move(samples), readDegradation(job.faults));
 
-  const fs::path results_file = job.folder / (job.rawlog.stem().string() + "_results.rawlog");
+  const fs::path results_file = job.folder / (job.chain.rawlog.stem().string() + "_results.rawlog");
   ResultsLog results(results_file, {"", "", "results of fathom localize"}, story.time_zero,
                      job.tasks.size() + 1);
   done.tasks = makeTasks(job, setup, story, results);
   std::vector<Localizer*> localizers;
   for (const auto& task : done.tasks) localizers.push_back(&task->localizer());
 
-  Progress progress("localizing " + job.rawlog.filename().string());
+  Progress progress("localizing " + job.chain.rawlog.filename().string());
   Witness witness(story, job.reference.empty());
   std::optional<DeadReckoning> dead_reckoning;
   if (setup.start) dead_reckoning.emplace(setup.start->T_odom_robot);
@@ -141,12 +108,12 @@ LocalizedRecording localizeRecording(const RecordingJob& job) {
     if (isLandmark(sample)) results.add(job.tasks.size(), sample);
   };
   hooks.block = [&](double newest_t_s) {
-    progress.update(samples.fraction());
+    progress.update(samples->fraction());
     results.writeBefore(after(story.time_zero, newest_t_s - behind_s));
   };
-  auto summaries = runTasks(samples, localizers, story.time_zero, hooks);
+  auto summaries = runTasks(*samples, localizers, story.time_zero, hooks);
 
-  story.loss = samples.loss();
+  story.loss = samples->loss();
   if (story.reference_name.empty() && !story.reference.empty()) story.reference_name = "TRUTH";
   if (dead_reckoning) {
     story.plain = dead_reckoning->plain();
@@ -155,7 +122,7 @@ LocalizedRecording localizeRecording(const RecordingJob& job) {
   for (std::size_t i = 0; i < done.tasks.size(); ++i) done.tasks[i]->finish(std::move(summaries[i]));
   if (std::none_of(done.tasks.begin(), done.tasks.end(),
                    [](const auto& task) { return task->story().summary.started; }))
-    throw Error(job.rawlog.string(), "", done.tasks.front()->story().summary.failure);
+    throw Error(job.chain.rawlog.string(), "", done.tasks.front()->story().summary.failure);
   results.finish();
   return done;
 }

@@ -5,18 +5,18 @@
 #include <string>
 #include <vector>
 
+#include "sample_chain.h"
 #include "task_run.h"
 
 namespace fathom {
 
 /// What is to be done with one recording.
 struct RecordingJob {
-  std::filesystem::path rawlog, folder;
+  ChainOptions chain;
+  std::filesystem::path folder;
   std::vector<TaskSpec> tasks;
-  std::string vehicle, map;                             ///< files; empty: those that the recording names
-  std::string calibration, reference, sources, faults;  ///< files; empty: none
-  std::string start = "auto";  ///< auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]
-  bool panel_unknown = false;  ///< the map's panel poses are not to be believed
+  std::string reference, faults;  ///< files; empty: none
+  std::string start = "auto";     ///< see startPose()
   std::string command_line;
 };
 

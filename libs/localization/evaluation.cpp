@@ -36,9 +36,9 @@ std::optional<Pose> poseAt(const std::vector<StampedPose>& reference, const Time
   return Pose{a.rotation * expSO3<double>(share * turn), a.position + share * (b.position - a.position)};
 }
 
-void Evaluator::add(const Estimate& estimate) {
+bool Evaluator::add(const Estimate& estimate) {
   const auto truth = poseAt(reference_, estimate.time);
-  if (!truth) return;
+  if (!truth) return false;
   const KinematicState<double>& m = estimate.state.motion;
   PoseError error;
   error.t_s = estimate.t_s;
@@ -51,6 +51,7 @@ void Evaluator::add(const Estimate& estimate) {
   e << error.position_m, error.rotation_rad;
   error.nees = e.dot(estimate.pose_covariance.ldlt().solve(e));
   errors_.push_back(error);
+  return true;
 }
 
 std::optional<Evaluation> Evaluator::finish() const {

@@ -42,7 +42,8 @@ struct Evaluation {
 class Evaluator {
  public:
   explicit Evaluator(const std::vector<StampedPose>& reference) : reference_(reference) {}
-  void add(const Estimate& estimate);
+  /// False where the reference does not cover its time.
+  bool add(const Estimate& estimate);
   /// Nothing where no estimate lies within the reference's time.
   std::optional<Evaluation> finish() const;
 

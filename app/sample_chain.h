@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "localization/localizer.h"
+#include "recording/sample_source.h"
+
+namespace fathom {
+
+/// What stands between a recording and the filter.
+struct ChainOptions {
+  std::filesystem::path rawlog;
+  std::string vehicle, map;          ///< files; empty: those that the recording names
+  std::string calibration, sources;  ///< files; empty: none
+  bool panel_unknown = false;        ///< the map's panel poses are not to be believed
+};
+
+/// A recording's samples on their way to a filter: from where --sources says, with what the images tell of
+/// the panels. What takes long (finding the markers) is done once, by prepare; open() begins anew each time.
+class SampleChain {
+ public:
+  /// With `landmarks`, finds the markers in all images, or takes the cached detections. Throws Error,
+  /// Interrupted.
+  SampleChain(const ChainOptions& options, bool landmarks);
+
+  std::unique_ptr<SampleSource> open() const;
+  /// Vehicle, calibration, panels, and the time of the first sample; no options, no start.
+  const LocalizationSetup& setup() const { return setup_; }
+  /// What a user should know, one line each.
+  const std::vector<std::string>& remarks() const { return remarks_; }
+
+ private:
+  std::unique_ptr<SampleSource> openBare() const;
+
+  ChainOptions options_;
+  LocalizationSetup setup_;
+  std::vector<std::string> remarks_;
+};
+
+}  // namespace fathom
