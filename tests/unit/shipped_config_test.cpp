@@ -11,6 +11,8 @@
 #include "sensors/vehicle.h"
 #include "sensors/water.h"
 #include "simulation/read_trajectory.h"
+#include "sources/make_source.h"
+#include "sources/stress.h"
 #include "support/shared_data.h"
 #include "support/shipped.h"
 
@@ -19,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 using test::kConfig;
+const fs::path kDive = test::kSource / "rawlogs/dive/dive.rawlog";
 
 /// By the end of the file's name.
 const auto kLocalization = [](const fs::path& file) { readLocalizationOptions(file); };
@@ -41,6 +44,12 @@ const std::map<std::string, std::function<void(const fs::path&)>> kReaders{
     {"navigation.yaml", kLocalization},
     {"sea_trial.yaml", kLocalization},
     {"husky.yaml", kLocalization},
+    {"degrade_bottom_lock.yaml", [](const fs::path& file) { readDegradation(file); }},
+    {"degrade_dvl_outage.yaml", [](const fs::path& file) { readDegradation(file); }},
+    {"degrade_landmarks.yaml", [](const fs::path& file) { readDegradation(file); }},
+    {"degrade_poor_bus.yaml", [](const fs::path& file) { readDegradation(file); }},
+    {"stress.yaml", [](const fs::path& file) { readStress(file); }},
+    {"sources_simulated_dvl.yaml", [](const fs::path& file) { makeSource(file, kDive); }},
     {"compare_fiducials.yaml", [](const fs::path& file) { readFiducialGrid(file); }},
     {"_topics.yaml", [](const fs::path& file) { readTopicMap(file); }},
 };
