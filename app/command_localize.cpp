@@ -20,12 +20,6 @@ struct LocalizeOptions {
   RecordingJob job;  ///< of every recording, but for its name and folder
 };
 
-/// A task's name stands for config/NAME.yaml.
-LocalizationOptions readTask(const std::string& task) {
-  const bool is_file = task.ends_with(".yaml");
-  return readLocalizationOptions(is_file ? fs::path(task) : fs::path("config") / (task + ".yaml"));
-}
-
 std::vector<TaskSpec> readTasks(const LocalizeOptions& options) {
   std::vector<TaskSpec> tasks;
   if (options.tasks.empty()) {
@@ -196,18 +190,7 @@ void addLocalize(const RunContext& context) {
                    "One task: which sensors, noise, gate (default: config/defaults.yaml's values)")
       ->excludes(tasks)
       ->type_name(values::kYaml);
-  command->add_option("--vehicle", job.chain.vehicle, "Vehicle file (default: the one the recording names)")
-      ->type_name(values::kYaml);
-  command->add_option("--map", job.chain.map, "Panel map (default: the one the recording names)")
-      ->type_name(values::kYaml);
-  command->add_flag("--panel-unknown", job.chain.panel_unknown,
-                    "Estimate the panels' poses too: the map's are not believed");
-  command->add_option("--calibration", job.chain.calibration, "Effects known to be there")
-      ->type_name(values::kYaml);
-  command
-      ->add_option("--sources", job.chain.sources,
-                   "Which sensors come from a simulation or another recording")
-      ->type_name(values::kYaml);
+  addChainOptions(*command, job.chain);
   command->add_option("--faults", job.faults, "What befalls the samples on their way (config/degrade_*.yaml)")
       ->type_name(values::kYaml);
   command->add_option("--reference", job.reference, "Path to judge by (default: TRUTH in the recording)")

@@ -47,14 +47,10 @@ class Witness {
   bool collect_truth_;
 };
 
-bool fusesLandmarks(const TaskSpec& task) {
-  const auto& fuse = task.options.fuse;
-  return std::find(fuse.begin(), fuse.end(), Channel::landmark) != fuse.end();
-}
-
 /// Several tasks are compared at the sightings, whether they fuse them or not.
 bool needsLandmarks(const RecordingJob& job) {
-  return job.tasks.size() > 1 || std::any_of(job.tasks.begin(), job.tasks.end(), fusesLandmarks);
+  return job.tasks.size() > 1 || std::any_of(job.tasks.begin(), job.tasks.end(),
+                                             [](const TaskSpec& task) { return task.fusesLandmarks(); });
 }
 
 std::vector<std::unique_ptr<TaskRun>> makeTasks(const RecordingJob& job, const LocalizationSetup& setup,

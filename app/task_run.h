@@ -6,19 +6,9 @@
 #include "localization/localizer.h"
 #include "localization_outputs.h"
 #include "localization_report.h"
+#include "task_spec.h"
 
 namespace fathom {
-
-/// A task as it is to be run: one of the paper's, or what fathom makes of it.
-struct TaskSpec {
-  LocalizationOptions options;
-  bool improved = false;
-
-  /// For people: "TL5", "TL5 improved".
-  std::string name() const { return options.task + (improved ? " improved" : ""); }
-  /// For files and labels: "TL5", "TL5_IMPROVED".
-  std::string id() const { return options.task + (improved ? "_IMPROVED" : ""); }
-};
 
 /// One task on one recording: its filter, the files it writes, and what the reports need.
 class TaskRun {

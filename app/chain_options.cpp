@@ -1,0 +1,20 @@
+#include "commands.h"
+#include "sample_chain.h"
+
+namespace fathom {
+
+void addChainOptions(CLI::App& command, ChainOptions& options) {
+  command.add_option("--vehicle", options.vehicle, "Vehicle file (default: the one the recording names)")
+      ->type_name(values::kYaml);
+  command.add_option("--map", options.map, "Panel map (default: the one the recording names)")
+      ->type_name(values::kYaml);
+  command.add_flag("--panel-unknown", options.panel_unknown,
+                   "Estimate the panels' poses too: the map's are not believed");
+  command.add_option("--calibration", options.calibration, "Effects known to be there")
+      ->type_name(values::kYaml);
+  command
+      .add_option("--sources", options.sources, "Which sensors come from a simulation or another recording")
+      ->type_name(values::kYaml);
+}
+
+}  // namespace fathom
