@@ -23,7 +23,7 @@ using Vector8f = Eigen::Matrix<float, 8, 1>;
 using Matrix8f = Eigen::Matrix<float, 8, 8>;
 
 constexpr std::size_t kFewestPixels = 28;                    ///< four times the parameters
-constexpr int kRoughColumns = 12, kFinalColumns = 64;        ///< at least, where there are as many
+constexpr int kRoughColumns = 20, kFinalColumns = 64;        ///< at least, where there are as many
 constexpr double kRoughStep_px = 0.1, kFinalStep_px = 0.02;  ///< settled; the next step is about its square
 constexpr double kShortestReach_px = 1.3, kFinalReach_px = 3.5;
 constexpr double kLargestEdgeSigma_px = 1.0;

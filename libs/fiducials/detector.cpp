@@ -14,7 +14,7 @@ namespace fathom {
 namespace {
 
 /// Of a marker confirmed: chance makes differences too, by a digital number or less.
-constexpr double kSmallestMargin = 2.0;
+constexpr double kConfirmedMargin = 2.0;
 /// Corners better than this (three sigma) need no search from afar.
 constexpr double kNear_px = 1.0;
 /// What refinement asks for, of a cell; and how far it may then move a corner.
@@ -86,7 +86,7 @@ class ReaderDetector : public Detector {
       if ((detection.corners_px[k] - rough_px[k]).norm() > kFarthestMove * cell_px) return std::nullopt;
 
     const CellReading reading = readCells(gray, pattern, detection.corners_px);
-    if (!reading.border_is_whole || reading.margin < kSmallestMargin ||
+    if (!reading.border_is_whole || reading.margin < kConfirmedMargin ||
         reading.wrong_bits > correctableBits(expected.family, options_.largest_corrected_bits))
       return std::nullopt;
     detection.corrected_bits = reading.wrong_bits;

@@ -10,7 +10,7 @@ namespace {
 /// Cells this wide suffice to tell how far a marker is off; larger ones are scaled down to it.
 constexpr double kComparableCell_px = 3.0;
 constexpr double kSmallestCorrelation = 0.5;
-constexpr double kSigmas = 3.0;
+constexpr double kReachSigmas = 3.0;
 
 std::array<cv::Point2f, 4> toPoints(const std::array<Vector2d, 4>& corners) {
   std::array<cv::Point2f, 4> points;
@@ -109,7 +109,7 @@ std::optional<std::array<Vector2d, 4>> locateMarker(const cv::Mat& gray, const M
   const cv::Rect box = boundingBox({transformed(H, -1, -1), transformed(H, n + 1, -1),
                                     transformed(H, n + 1, n + 1), transformed(H, -1, n + 1)});
   const cv::Size size((box.width + scale - 1) / scale, (box.height + scale - 1) / scale);
-  const int reach = cvCeil(kSigmas * expected.sigma_px / scale);
+  const int reach = cvCeil(kReachSigmas * expected.sigma_px / scale);
   const cv::Rect wanted(box.x - reach * scale, box.y - reach * scale, (size.width + 2 * reach) * scale,
                         (size.height + 2 * reach) * scale);
   cv::Rect area = wanted & cv::Rect(0, 0, gray.cols, gray.rows);
