@@ -19,6 +19,9 @@ double modelSigma_px(double cell_px, double blur_sigma_px) {
   return 0.008 + 1.0 * blur_sigma_px * std::exp(-0.9 * cell_px / blur_sigma_px);
 }
 
+using Vector8f = Eigen::Matrix<float, 8, 1>;
+using Matrix8f = Eigen::Matrix<float, 8, 8>;
+
 constexpr std::size_t kFewestPixels = 28;                    ///< four times the parameters
 constexpr int kRoughColumns = 20, kFinalColumns = 64;        ///< at least, where there are as many
 constexpr double kRoughStep_px = 0.1, kFinalStep_px = 0.02;  ///< settled; the next step is about its square
@@ -26,34 +29,39 @@ constexpr double kShortestReach_px = 1.3, kFinalReach_px = 3.5;
 constexpr double kLargestEdgeSigma_px = 1.0;
 constexpr int kLargestIterationCount = 12;
 constexpr double kSettledLogSigma = 0.1;
+constexpr double kSmallestBlur_px = 0.08;
+constexpr double kCentred_px = 0.3;    ///< pixels are gathered anew about an edge farther off
 constexpr double kSmallestStep = 0.5;  ///< half a digital number on each side of the mean
 
 /// erf, tabulated with its derivative: the fit spends its time here. Linear interpolation errs by 1e-5.
 class ErrorFunction {
  public:
   ErrorFunction() {
-    for (int i = 0; i <= kSteps; ++i) {
-      const double u = -kLimit + i * kStep;
-      value_[static_cast<std::size_t>(i)] = std::erf(u);
-      slope_[static_cast<std::size_t>(i)] = 2.0 * std::numbers::inv_sqrtpi * std::exp(-u * u);
+    const auto slope = [](double u) { return 2.0 * std::numbers::inv_sqrtpi * std::exp(-u * u); };
+    for (std::size_t i = 0; i <= kSteps; ++i) {
+      const double u = -kLimit + static_cast<double>(i) * kStep;
+      knots_[i] = {std::erf(u), std::erf(u + kStep) - std::erf(u), slope(u), slope(u + kStep) - slope(u)};
     }
   }
   struct Sample {
     double value, slope, integral;
   };
   Sample at(double u) const {
-    const double position = (std::clamp(u, -kLimit, kLimit) + kLimit) / kStep;
-    const auto i = std::min(static_cast<std::size_t>(position), static_cast<std::size_t>(kSteps - 1));
-    const double f = position - static_cast<double>(i);
-    const double value = value_[i] + f * (value_[i + 1] - value_[i]);
-    const double slope = slope_[i] + f * (slope_[i + 1] - slope_[i]);
+    const double position = (std::clamp(u, -kLimit, kLimit) + kLimit) * (1.0 / kStep);
+    const int i = static_cast<int>(position);
+    const double f = position - i;
+    const Knot& knot = knots_[static_cast<std::size_t>(i)];
+    const double value = knot.value + f * knot.value_rise, slope = knot.slope + f * knot.slope_rise;
     return {value, slope, u * value + 0.5 * slope};
   }
 
  private:
-  static constexpr int kSteps = 1024;
+  static constexpr std::size_t kSteps = 1024;
   static constexpr double kLimit = 4.0, kStep = 2.0 * kLimit / kSteps;
-  std::array<double, kSteps + 1> value_{}, slope_{};
+  struct Knot {
+    double value, value_rise, slope, slope_rise;
+  };
+  std::array<Knot, kSteps + 1> knots_{};
 };
 
 /// A side of the square: along runs from its first corner to its second, across points out of the square.
@@ -154,12 +162,15 @@ void startLevels(const std::vector<Pixel>& pixels, EdgeFit& fit) {
 bool fitEdge(const std::vector<Pixel>& pixels, double width, double reach, double settled_px, EdgeFit& fit) {
   static const ErrorFunction kErf;
   if (pixels.size() < kFewestPixels) return false;
+  // The derivatives and, last, the residual. Single precision is twice as fast; what it rounds moves the edge
+  // by less than 1e-4 px.
+  std::vector<Vector8f> rows(pixels.size());
   for (int iteration = 0; iteration < kLargestIterationCount; ++iteration) {
-    Matrix8d normal = Matrix8d::Zero();  // of the derivatives and, last, the residual
     const double scale = 1.0 / (std::numbers::sqrt2 * std::exp(fit.p[EdgeFit::log_sigma]));
     const double average = 1.0 / (width * scale), half_width = 0.5 * width * scale,
                  inverse_width = 1.0 / width;
-    for (const Pixel& pixel : pixels) {
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      const Pixel& pixel = pixels[i];
       const double d = pixel.d - fit.p[EdgeFit::offset] - fit.p[EdgeFit::turn] * pixel.s;
       const auto near = kErf.at(scale * d - half_width), far = kErf.at(scale * d + half_width);
       const double value = (far.integral - near.integral) * average;
@@ -168,12 +179,14 @@ bool fitEdge(const std::vector<Pixel>& pixels, double width, double reach, doubl
           pixel.value - (fit.p[EdgeFit::level0] + fit.p[EdgeFit::level1] * pixel.s + step * value);
       const double by_offset = -step * (far.value - near.value) * inverse_width;
       const double by_log_sigma = step * 0.5 * (far.slope - near.slope) * average;
-      Vector8d row;
-      row << by_offset, by_offset * pixel.s, 1.0, pixel.s, value, value * pixel.s, by_log_sigma, residual;
-      normal.noalias() += row * row.transpose();
+      const Vector8d derivatives{by_offset, by_offset * pixel.s, 1.0,          pixel.s,
+                                 value,     value * pixel.s,     by_log_sigma, residual};
+      rows[i] = derivatives.cast<float>();
     }
-    EdgeFit::Matrix H = normal.topLeftCorner<EdgeFit::kCount, EdgeFit::kCount>();
-    const EdgeFit::Vector g = normal.topRightCorner<EdgeFit::kCount, 1>();
+    Matrix8f normal = Matrix8f::Zero();  // summed apart: waiting for each row costs more than computing it
+    for (const Vector8f& row : rows) normal.noalias() += row * row.transpose();
+    EdgeFit::Matrix H = normal.topLeftCorner<EdgeFit::kCount, EdgeFit::kCount>().cast<double>();
+    const EdgeFit::Vector g = normal.topRightCorner<EdgeFit::kCount, 1>().cast<double>();
     const double squares = normal(EdgeFit::kCount, EdgeFit::kCount);
     if (std::abs(fit.p[EdgeFit::step0]) < kSmallestStep) return false;
     H.diagonal() *= 1.0 + 1e-9;
@@ -187,7 +200,8 @@ bool fitEdge(const std::vector<Pixel>& pixels, double width, double reach, doubl
     fit.p += step / largest;
     if (std::abs(fit.p[EdgeFit::offset]) + std::abs(fit.p[EdgeFit::turn]) > 1.5 * reach) return false;
     const double log_sigma = fit.p[EdgeFit::log_sigma] - step[EdgeFit::log_sigma] / largest;
-    fit.p[EdgeFit::log_sigma] = std::clamp(fit.p[EdgeFit::log_sigma], std::log(0.08), std::log(reach));
+    fit.p[EdgeFit::log_sigma] =
+        std::clamp(fit.p[EdgeFit::log_sigma], std::log(kSmallestBlur_px), std::log(reach));
     const bool settled = step.head<2>().cwiseAbs().maxCoeff() < settled_px &&
                          std::abs(fit.p[EdgeFit::log_sigma] - log_sigma) < kSettledLogSigma;
     if (settled || iteration + 1 == kLargestIterationCount) {
@@ -206,32 +220,58 @@ struct FittedSide {
   EdgeFit fit;
 };
 
-/// Two rounds: first with a wide blurred edge, which finds its way from afar, then with the pixels around the
-/// line found.
+/// The wide blurred edge that finds its way from afar. False where there is none.
+bool fitFromAfar(const cv::Mat& gray, const Side& side, double cell_px, std::vector<Pixel>& pixels,
+                 EdgeFit& fit) {
+  const double reach = std::max(0.65 * cell_px, std::min(2.2, cell_px));
+  gatherPixels(gray, side, reach, kRoughColumns, pixels);
+  fit.p[EdgeFit::log_sigma] = std::log(0.4 * reach);
+  startLevels(pixels, fit);
+  return fitEdge(pixels, side.boxWidth(), reach, kRoughStep_px, fit);
+}
+
+/// The edge from the pixels around the side, which is near it. False where there is none.
+bool fitFromNear(const cv::Mat& gray, const Side& side, double cell_px, std::vector<Pixel>& pixels,
+                 EdgeFit& fit) {
+  // Blur carries the next cells over; 1.8 sigma away they have lost all but a thirtieth.
+  const double sigma_px = std::exp(fit.p[EdgeFit::log_sigma]);
+  const double reach = std::clamp(cell_px - 1.8 * sigma_px, kShortestReach_px, kFinalReach_px);
+  gatherPixels(gray, side, reach, kFinalColumns, pixels);
+  if (fit.p[EdgeFit::step0] == 0) startLevels(pixels, fit);
+  return fitEdge(pixels, side.boxWidth(), reach, kFinalStep_px, fit);
+}
+
+/// Shifts the side to where the fit found the edge.
+void moveToEdge(FittedSide& fitted) {
+  auto& [side, fit] = fitted;
+  const Vector3d bulge = side.bulge;
+  const Vector2d first = side.middle - side.half_length * side.along + fit.position(-1.0) * side.across;
+  const Vector2d second = side.middle + side.half_length * side.along + fit.position(1.0) * side.across;
+  side = Side(first, second);
+  side.bulge = bulge;
+  fit.p[EdgeFit::offset] = fit.p[EdgeFit::turn] = 0;
+}
+
 std::optional<FittedSide> fitSide(const cv::Mat& gray, const Vector2d& first, const Vector2d& second,
-                                  double cell_px, const CameraModel* camera, std::vector<Pixel>& pixels) {
+                                  double cell_px, const CameraModel* camera,
+                                  const std::optional<double>& blur_sigma_px, std::vector<Pixel>& pixels) {
   FittedSide result{Side(first, second), {}};
-  Side& side = result.side;
+  auto& [side, fit] = result;
   if (side.half_length < 3.0) return std::nullopt;
   if (camera != nullptr) side.bulge = bulgeOf(first, second, side, *camera);
 
-  const double wide_reach = std::max(0.65 * cell_px, std::min(2.2, cell_px));
-  gatherPixels(gray, side, wide_reach, kRoughColumns, pixels);
-  result.fit.p[EdgeFit::log_sigma] = std::log(0.4 * wide_reach);
-  startLevels(pixels, result.fit);
-  if (!fitEdge(pixels, side.boxWidth(), wide_reach, kRoughStep_px, result.fit)) return std::nullopt;
-
-  const EdgeFit rough = result.fit;
-  const Vector3d bulge = side.bulge;
-  side = Side(first + rough.position(-1.0) * side.across, second + rough.position(1.0) * side.across);
-  side.bulge = bulge;
-  result.fit.p[EdgeFit::offset] = result.fit.p[EdgeFit::turn] = 0;
-  // Blur carries the next cells over; 1.8 sigma away they have lost all but a thirtieth.
-  const double reach =
-      std::clamp(cell_px - 1.8 * std::exp(rough.p[EdgeFit::log_sigma]), kShortestReach_px, kFinalReach_px);
-  gatherPixels(gray, side, reach, kFinalColumns, pixels);
-  if (!fitEdge(pixels, side.boxWidth(), reach, kFinalStep_px, result.fit)) return std::nullopt;
-  if (std::sqrt(result.fit.covariance.trace()) > kLargestEdgeSigma_px) return std::nullopt;
+  if (blur_sigma_px) {
+    fit.p[EdgeFit::log_sigma] = std::log(std::max(kSmallestBlur_px, *blur_sigma_px));
+    if (!fitFromNear(gray, side, cell_px, pixels, fit)) return std::nullopt;
+  } else {
+    if (!fitFromAfar(gray, side, cell_px, pixels, fit)) return std::nullopt;
+  }
+  const double move_px = std::abs(fit.p[EdgeFit::offset]) + std::abs(fit.p[EdgeFit::turn]);
+  if (!blur_sigma_px || move_px > kCentred_px) {
+    moveToEdge(result);
+    if (!fitFromNear(gray, side, cell_px, pixels, fit)) return std::nullopt;
+  }
+  if (std::sqrt(fit.covariance.trace()) > kLargestEdgeSigma_px) return std::nullopt;
   return result;
 }
 
@@ -273,11 +313,13 @@ std::array<double, 4> sides_px(const std::array<Vector2d, 4>& corners_px) {
 double Detection::sigma_px() const { return std::sqrt(covariance_px2.trace() / 8.0); }
 
 std::optional<RefinedCorners> refineCorners(const cv::Mat& gray, const std::array<Vector2d, 4>& rough_px,
-                                            double cell_px, const CameraModel* camera) {
+                                            double cell_px, const CameraModel* camera,
+                                            const std::optional<double>& blur_sigma_px) {
   std::vector<FittedSide> sides;
   std::vector<Pixel> pixels;
   for (std::size_t k = 0; k < 4; ++k) {
-    const auto fitted = fitSide(gray, rough_px[k], rough_px[(k + 1) % 4], cell_px, camera, pixels);
+    const auto fitted =
+        fitSide(gray, rough_px[k], rough_px[(k + 1) % 4], cell_px, camera, blur_sigma_px, pixels);
     if (!fitted) return std::nullopt;
     sides.push_back(*fitted);
   }

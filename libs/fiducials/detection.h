@@ -25,10 +25,12 @@ struct Detection {
   bool refined = false;
 
   // Quality; NaN or -1 where it is not known.
-  int corrected_bits = -1;                                            ///< AprilTag backend
-  double decision_margin = std::numeric_limits<double>::quiet_NaN();  ///< AprilTag backend, digital numbers
-  double contrast = std::numeric_limits<double>::quiet_NaN();         ///< across the edges, digital numbers
-  double blur_sigma_px = std::numeric_limits<double>::quiet_NaN();    ///< of the edges
+  /// AprilTag backend, Detector::confirm()
+  int corrected_bits = -1;
+  /// The same; digital numbers
+  double decision_margin = std::numeric_limits<double>::quiet_NaN();
+  double contrast = std::numeric_limits<double>::quiet_NaN();       ///< across the edges, digital numbers
+  double blur_sigma_px = std::numeric_limits<double>::quiet_NaN();  ///< of the edges
 
   Vector2d centre_px() const {
     return 0.25 * (corners_px[0] + corners_px[1] + corners_px[2] + corners_px[3]);

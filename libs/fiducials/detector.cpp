@@ -1,6 +1,7 @@
 #include "fiducials/detector.h"
 
 #include <algorithm>
+#include <map>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <tuple>
@@ -12,6 +13,12 @@
 namespace fathom {
 namespace {
 
+/// Of a marker confirmed: chance makes differences too, by a digital number or less.
+constexpr double kConfirmedMargin = 2.0;
+/// Corners better than this (three sigma) need no search from afar.
+constexpr double kNear_px = 1.0;
+/// What refinement asks for, of a cell; and how far it may then move a corner.
+constexpr double kRough = 1.0 / 3.0, kFarthestMove = 0.5;
 /// A cell this wide is read safely; larger ones are scaled down to it.
 constexpr double kReadableCell_px = 4.0;
 
@@ -58,6 +65,35 @@ class ReaderDetector : public Detector {
     for (const auto& family : families) border_cells_.emplace_back(family, borderCells(family));
   }
 
+  std::optional<Detection> confirm(const cv::Mat& gray, const ExpectedMarker& expected) override {
+    if (!options_.refine || !isRead(expected.family) || !hasPlainBorder(expected.family)) return std::nullopt;
+    const MarkerPattern& pattern = patternOf(expected.family, expected.id);
+    Detection detection;
+    detection.family = expected.family;
+    detection.id = expected.id;
+    detection.corners_px = expected.corners_px;
+    const double cell_px = cellOf(detection), farthest_px = 3.0 * expected.sigma_px;
+    if (farthest_px > kRough * cell_px) {
+      const auto located = locateMarker(gray, pattern, expected);
+      if (!located) return std::nullopt;
+      detection.corners_px = *located;
+    }
+    const auto rough_px = detection.corners_px;
+    const bool near = farthest_px <= std::min(kNear_px, kRough * cell_px);
+    refine(gray, detection, near ? expected.blur_sigma_px : std::nullopt);
+    if (!detection.refined || mayBeCutOff(detection, cell_px, gray)) return std::nullopt;
+    for (std::size_t k = 0; k < 4; ++k)
+      if ((detection.corners_px[k] - rough_px[k]).norm() > kFarthestMove * cell_px) return std::nullopt;
+
+    const CellReading reading = readCells(gray, pattern, detection.corners_px);
+    if (!reading.border_is_whole || reading.margin < kConfirmedMargin ||
+        reading.wrong_bits > correctableBits(expected.family, options_.largest_corrected_bits))
+      return std::nullopt;
+    detection.corrected_bits = reading.wrong_bits;
+    detection.decision_margin = reading.margin;
+    return detection;
+  }
+
   using Detector::detect;
   std::vector<Detection> detect(const cv::Mat& image, const std::vector<SearchRegion>& regions) override {
     const cv::Mat gray = toGray(image);
@@ -78,6 +114,17 @@ class ReaderDetector : public Detector {
 
  private:
   static constexpr int kSmallestArea_px = 12;
+
+  bool isRead(const std::string& family) const {
+    return std::any_of(border_cells_.begin(), border_cells_.end(),
+                       [&](const auto& entry) { return entry.first == family; });
+  }
+
+  const MarkerPattern& patternOf(const std::string& family, int id) {
+    const auto [entry, is_new] = patterns_.try_emplace({family, id});
+    if (is_new) entry->second = markerPattern(family, id);
+    return entry->second;
+  }
 
   int cellsOf(const std::string& family) const {
     return std::find_if(border_cells_.begin(), border_cells_.end(),
@@ -111,9 +158,10 @@ class ReaderDetector : public Detector {
     return detections;
   }
 
-  void refine(const cv::Mat& gray, Detection& detection) const {
+  void refine(const cv::Mat& gray, Detection& detection,
+              const std::optional<double>& blur_sigma_px = std::nullopt) const {
     const auto refined = refineCorners(gray, detection.corners_px, cellOf(detection),
-                                       options_.camera ? &*options_.camera : nullptr);
+                                       options_.camera ? &*options_.camera : nullptr, blur_sigma_px);
     if (!refined) return;
     detection.corners_px = refined->corners_px;
     detection.covariance_px2 = refined->covariance_px2;
@@ -125,6 +173,7 @@ class ReaderDetector : public Detector {
   std::unique_ptr<MarkerReader> reader_;
   DetectorOptions options_;
   std::vector<std::pair<std::string, int>> border_cells_;
+  std::map<std::pair<std::string, int>, MarkerPattern> patterns_;  ///< of markers expected so far
 };
 
 }  // namespace
@@ -145,6 +194,10 @@ bool canRead(Backend backend, const std::string& family) {
 std::vector<Detection> Detector::detect(const cv::Mat& image) {
   if (image.empty()) throw std::invalid_argument("the image is empty");
   return detect(image, {SearchRegion{cv::Rect(0, 0, image.cols, image.rows), 0}});
+}
+
+std::optional<Detection> Detector::confirm(const cv::Mat& /*gray*/, const ExpectedMarker& /*expected*/) {
+  return std::nullopt;
 }
 
 std::unique_ptr<Detector> makeDetector(Backend backend, const std::vector<std::string>& families,
@@ -170,6 +223,11 @@ std::vector<Detection> FallbackDetector::detect(const cv::Mat& image,
   addNew(second_->detect(image, regions), detections);
   sortByPlace(detections);
   return detections;
+}
+
+std::optional<Detection> FallbackDetector::confirm(const cv::Mat& gray, const ExpectedMarker& expected) {
+  auto detection = first_->confirm(gray, expected);
+  return detection ? detection : second_->confirm(gray, expected);
 }
 
 }  // namespace fathom

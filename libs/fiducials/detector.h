@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fiducials/detection.h"
+#include "fiducials/expected_marker.h"
 #include "fiducials/preprocess.h"
 
 /// Finding markers. A Detector is used by one thread at a time: run one a thread, over images.
@@ -51,6 +52,12 @@ class Detector {
   std::vector<Detection> detect(const cv::Mat& image);
   /// The same within regions; they may overlap.
   virtual std::vector<Detection> detect(const cv::Mat& image, const std::vector<SearchRegion>& regions) = 0;
+  /// One marker where it is expected, without a search: its edges fitted from there, its whole border and
+  /// every bit of its code compared (as many wrong bits forgiven as elsewhere). Much faster than detect(),
+  /// which may find what this does not: a marker partly covered, turned, or farther off than three sigma.
+  /// `gray` is CV_8UC1, not preprocessed. Nothing, too, where refinement is off or the family's border is not
+  /// a plain black one.
+  virtual std::optional<Detection> confirm(const cv::Mat& gray, const ExpectedMarker& expected);
 };
 
 /// Throws std::invalid_argument: no family, an unknown one, or one that the backend cannot read.
@@ -67,6 +74,7 @@ class FallbackDetector : public Detector {
 
   using Detector::detect;
   std::vector<Detection> detect(const cv::Mat& image, const std::vector<SearchRegion>& regions) override;
+  std::optional<Detection> confirm(const cv::Mat& gray, const ExpectedMarker& expected) override;
 
  private:
   std::unique_ptr<Detector> first_, second_;

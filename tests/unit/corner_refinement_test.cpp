@@ -24,9 +24,9 @@ struct CornerStatistics {
 };
 
 /// Markers of 7 x 7 cells, `cell_px` wide seen from the front, in every attitude; rough corners are off by up
-/// to a third of a cell, but no more than 1.5 px.
+/// to a third of a cell, but no more than 1.5 px, or 1 px where the blur is known.
 CornerStatistics refineMany(const CameraModel& camera, double cell_px, const Look& look, bool know_lens,
-                            int count) {
+                            int count, const std::optional<double>& blur_sigma_px = std::nullopt) {
   CornerStatistics statistics;
   Random random(11);
   for (int i = 0; i < count; ++i) {
@@ -39,10 +39,10 @@ CornerStatistics refineMany(const CameraModel& camera, double cell_px, const Loo
     const cv::Mat image = drawMarkers({marker}, camera, T_camera_panel, look, random);
     const auto truth = trueCorners(marker, camera, T_camera_panel);
     auto rough = truth;
-    const double slack_px = std::min(cell_px / 3, 1.5);
+    const double slack_px = std::min(cell_px / 3, blur_sigma_px ? 1.0 : 1.5);
     for (Vector2d& corner : rough)
       corner += 0.7 * slack_px * Vector2d(random.uniform(-1, 1), random.uniform(-1, 1));
-    const auto refined = refineCorners(image, rough, cell_px, know_lens ? &camera : nullptr);
+    const auto refined = refineCorners(image, rough, cell_px, know_lens ? &camera : nullptr, blur_sigma_px);
     if (!refined) {
       ++statistics.refused;
       continue;
@@ -92,6 +92,22 @@ TEST(CornerRefinement, CovarianceIsHonestUnderNoise) {
       EXPECT_LT(found.rms_px, 0.08);
       EXPECT_LE(found.refused, 1);
     }
+}
+
+/// A neighbour's blur is about right.
+TEST(CornerRefinement, KnownBlurLeavesOutTheWayFromAfarOnly) {
+  Look look;
+  look.noise_sigma = 2;
+  look.supersampling = 4;
+  for (const double cell_px : {4.0, 9.0}) {
+    const auto unknown = refineMany({}, cell_px, look, false, 30);
+    for (const double blur_px : {0.4, 0.6, 0.9}) {
+      const auto known = refineMany({}, cell_px, look, false, 30, blur_px);
+      EXPECT_EQ(known.refused, 0) << cell_px << " px, blur " << blur_px;
+      EXPECT_LT(known.rms_px, 1.1 * unknown.rms_px) << cell_px << " px, blur " << blur_px;
+      EXPECT_LT(known.marker_nees, 1.2 * unknown.marker_nees) << cell_px << " px, blur " << blur_px;
+    }
+  }
 }
 
 TEST(CornerRefinement, SmallBlurredMarkersSayThatTheyAreWorse) {
