@@ -9,7 +9,7 @@
 #include "commands.h"
 #include "core/error.h"
 #include "core/files.h"
-#include "panel/panel_map.h"
+#include "panel/panel_maps.h"
 #include "panel_scene.h"
 #include "render/images.h"
 #include "render/renderer.h"
@@ -79,16 +79,17 @@ void printHandles(const PanelMap& map) {
 }
 
 void checkMaps(const std::vector<std::string>& files) {
-  std::vector<PanelMap> maps;
+  std::vector<std::vector<PanelMap>> maps;
   maps.reserve(files.size());
-  for (const auto& file : files) maps.push_back(readPanelMap(file));
-  for (std::size_t i = 0; i < maps.size(); ++i) {
-    std::cout << files[i] << ": panel " << maps[i].name << "\n";
-    printPose(maps[i]);
-    printMesh(maps[i]);
-    printMarkers(maps[i]);
-    printHandles(maps[i]);
-  }
+  for (const auto& file : files) maps.push_back(readPanelMaps(file));
+  for (std::size_t i = 0; i < maps.size(); ++i)
+    for (const PanelMap& panel : maps[i]) {
+      std::cout << files[i] << ": panel " << panel.name << "\n";
+      printPose(panel);
+      printMesh(panel);
+      printMarkers(panel);
+      printHandles(panel);
+    }
 }
 
 void addCheck(CLI::App& parent) {
@@ -115,8 +116,20 @@ struct ShowOptions {
   std::vector<double> eye_panel{0.0, 0.0, 2.0};
 };
 
+/// The one panel that has the handle; the last where none has, which will say so.
+PanelMap& panelWith(const std::string& handle, std::vector<PanelMap>& panels) {
+  const auto has = [&](const PanelMap& panel) {
+    return std::any_of(panel.handles.begin(), panel.handles.end(),
+                       [&](const Handle& h) { return h.id == handle; });
+  };
+  if (std::count_if(panels.begin(), panels.end(), has) > 1)
+    throw std::invalid_argument("several panels have a handle `" + handle + "`");
+  const auto found = std::find_if(panels.begin(), panels.end(), has);
+  return found == panels.end() ? panels.back() : *found;
+}
+
 /// `ID=ANGLE_DEG`
-void setState(const std::string& state, PanelMap& map) {
+void setState(const std::string& state, std::vector<PanelMap>& panels) {
   const auto fail = [&state](const std::string& why) { return Error("command line", "--set " + state, why); };
   const auto equals = state.rfind('=');
   if (equals == std::string::npos) throw fail("must be ID=ANGLE_DEG");
@@ -125,7 +138,8 @@ void setState(const std::string& state, PanelMap& map) {
   const auto [end, problem] = std::from_chars(state.data() + equals + 1, end_of_text, angle_deg);
   if (problem != std::errc() || end != end_of_text) throw fail("the angle must be a number of degrees");
   try {
-    map.turnHandle(state.substr(0, equals), radians(angle_deg));
+    const std::string handle = state.substr(0, equals);
+    panelWith(handle, panels).turnHandle(handle, radians(angle_deg));
   } catch (const std::invalid_argument& refused) {
     throw fail(refused.what());
   }
@@ -144,10 +158,10 @@ Pose lookAtCentre_panel(const Vector3d& eye_panel) {
 }
 
 /// In clear water, by a lamp above the camera's left and some light from everywhere.
-cv::Mat pictureOf(const PanelMap& map, const Vector3d& eye_panel) {
+cv::Mat pictureOf(const std::vector<PanelMap>& panels, const Vector3d& eye_panel) {
   const CameraModel camera{
       .width_px = 1280, .height_px = 960, .fx_px = 1150, .fy_px = 1150, .cx_px = 639.5, .cy_px = 479.5};
-  const Pose T_odom_camera = map.T_odom_panel * lookAtCentre_panel(eye_panel);
+  const Pose T_odom_camera = panels.front().T_odom_panel * lookAtCentre_panel(eye_panel);
   Spot lamp;
   const Matrix3d R_camera_lamp =
       rotationFromYawPitchRoll(0, -radians(90), 0);  // x of the lamp is z of the camera
@@ -160,7 +174,7 @@ cv::Mat pictureOf(const PanelMap& map, const Vector3d& eye_panel) {
 
   Renderer renderer(camera);
   Surface scene;
-  scene.add(surfaceOf(map), map.T_odom_panel);
+  for (const PanelMap& panel : panels) scene.add(surfaceOf(panel), panel.T_odom_panel);
   renderer.setScene(std::move(scene));
   return toDisplay(renderer.render(T_odom_camera, light).radiance);
 }
@@ -188,13 +202,14 @@ void showMap(const ShowOptions& options) {
   const Vector3d eye_panel(options.eye_panel.data());
   if (!eye_panel.allFinite() || eye_panel.norm() < 1e-3)
     throw Error("command line", "--camera", "must be away from the panel's centre, 0,0,0");
-  PanelMap map = readPanelMap(options.map);
-  for (const auto& state : options.states) setState(state, map);
+  auto panels = readPanelMaps(options.map);
+  for (const auto& state : options.states) setState(state, panels);
 
-  const fs::path base = fs::path(options.folder) / fileName(map.name);
+  const std::string name = panels.size() == 1 ? panels.front().name : fs::path(options.map).stem().string();
+  const fs::path base = fs::path(options.folder) / fileName(name);
   const fs::path scene_file = base.string() + ".3Dscene", picture_file = base.string() + ".png";
-  writeScene(scene_file, panelScene(map));
-  writePicture(picture_file, pictureOf(map, eye_panel));
+  writeScene(scene_file, panelScene(panels));
+  writePicture(picture_file, pictureOf(panels, eye_panel));
   std::cout << "wrote " << scene_file.string() << "\nwrote " << picture_file.string() << "\n";
 }
 
@@ -203,7 +218,7 @@ void addShow(CLI::App& parent) {
   command->footer(
       "Writes NAME.png, the panel in clear water, and NAME.3Dscene for MRPT's SceneViewer3D, with the frames "
       "and\n"
-      "names of markers and handles. NAME is the panel's.\n"
+      "names of markers and handles. NAME is the panel's; of a list of panels, the file's.\n"
       "\n"
       "Examples:\n"
       "  fathom map show maps/dexrov/panel.yaml --out out\n"
@@ -213,9 +228,10 @@ void addShow(CLI::App& parent) {
   command->add_option("FILE", options->map, "The panel map")->required()->type_name(values::kYaml);
   command->add_option("--out", options->folder, "Where the files go")->required()->type_name(values::kFolder);
   command
-      ->add_option(
-          "--camera", options->eye_panel,
-          "Where the camera is, panel frame (x right, y up, z out of the face), m; it looks at the centre")
+      ->add_option("--camera", options->eye_panel,
+                   "Where the camera is, panel frame (x right, y up, z out of the face; the first panel's), "
+                   "m; it looks at the "
+                   "centre")
       ->delimiter(',')
       ->expected(3)
       ->type_name("X,Y,Z")
@@ -232,7 +248,9 @@ void addShow(CLI::App& parent) {
 void addMap(const RunContext& context) {
   auto* command = context.root->add_subcommand("map", "Check a panel map, or draw it");
   command->footer(
-      "A panel map says where markers and handles are on a panel, and where the panel is.\n"
+      "A panel map says where markers and handles are on a panel, and where the panel is; or it is a list "
+      "of\n"
+      "such files, `panels: [left.yaml, right.yaml]`.\n"
       "\n"
       "Examples:\n"
       "  fathom map check maps/dexrov/panel.yaml\n"

@@ -79,13 +79,13 @@ Pose T_scene_odom(const Pose& T_odom_panel) {
 
 }  // namespace
 
-gl::COpenGLScene panelScene(const PanelMap& map) {
+gl::COpenGLScene panelScene(const std::vector<PanelMap>& panels) {
   auto odom = gl::CSetOfObjects::Create();
   odom->setName("odom");
-  odom->setPose(T_scene_odom(map.T_odom_panel).toMrpt());
+  odom->setPose(T_scene_odom(panels.front().T_odom_panel).toMrpt());
   addAxes(*odom, {}, 1.0);
   addName(*odom, {0.05, 0.05, 0.0}, "odom", 0.2);
-  odom->insert(panelObject(map));
+  for (const PanelMap& panel : panels) odom->insert(panelObject(panel));
   gl::COpenGLScene scene;
   scene.insert(odom);
   return scene;

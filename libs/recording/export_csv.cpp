@@ -45,26 +45,30 @@ class Table {
  public:
   Table(const fs::path& file, const Reading& first) : file_(file), out_(file_.path(), std::ios::binary) {
     out_ << "time_unix_s,time_s";
-    for (const std::string& name : fieldNames(first)) out_ << ',' << name;
+    const auto names = fieldNames(first);
+    for (const std::string& name : names) out_ << ',' << name;
     const auto images = imageFiles(first).size();
     if (images == 1) out_ << ",file";
     if (images == 2) out_ << ",left_file,right_file";
     out_ << '\n';
-    fieldValues(first, values_);
-    columns_ = values_.size();
+    columns_ = names.size();
   }
 
   void add(const Sample& sample, Time start) {
     fieldValues(sample.reading, values_);
-    if (values_.size() != columns_)
+    const std::size_t rows = fieldRows(sample.reading);
+    if (values_.size() != rows * columns_)
       throw Error(file_.target().string(), "",
                   "label " + sample.label + " has " + std::to_string(values_.size()) + " values at " +
                       secondsText(unixTicks(sample.time)) + " s, had " + std::to_string(columns_) +
                       " before");
-    out_ << secondsText(unixTicks(sample.time)) << ',' << secondsText((sample.time - start).count());
-    for (const auto& value : values_) out_ << ',' << numberText(value);
-    for (const std::string& image : imageFiles(sample.reading)) out_ << ',' << quoted(image);
-    out_ << '\n';
+    for (std::size_t row = 0; row < rows; ++row) {
+      out_ << secondsText(unixTicks(sample.time)) << ',' << secondsText((sample.time - start).count());
+      for (std::size_t column = 0; column < columns_; ++column)
+        out_ << ',' << numberText(values_[row * columns_ + column]);
+      for (const std::string& image : imageFiles(sample.reading)) out_ << ',' << quoted(image);
+      out_ << '\n';
+    }
   }
 
   fs::path commit() {

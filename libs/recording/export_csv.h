@@ -19,7 +19,8 @@ struct CsvExport {
 /// the label as %XX). First line: column names with frame and unit. Every row begins with
 ///     time_unix_s   UTC seconds since 1970, 7 decimals
 ///     time_s        seconds since the recording's first entry, 7 decimals
-/// then the fields in full precision, NaN where a field is absent; images as their file names.
+/// then the fields in full precision, NaN where a field is absent; images as their file names. Panels and
+/// markers that were seen have a row each.
 /// `progress`, where given, is called now and then with the share done.
 /// Throws Error where the rawlog cannot be read, the number of DVL beams changes, or the disk is full.
 CsvExport exportCsv(const std::filesystem::path& rawlog, const std::filesystem::path& folder,

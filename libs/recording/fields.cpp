@@ -21,10 +21,17 @@ void append(Values& values, const std::optional<Matrix3d>& rotation) {
   for (int i = 0; i < 4; ++i) values.push_back(rotation ? std::optional(q.coeffs()[i]) : std::nullopt);
 }
 
-std::string covarianceName(std::size_t row, std::size_t column) {
+std::string covarianceName(const std::string& row_name, std::size_t row, const std::string& column_name,
+                           std::size_t column) {
   const std::string row_unit = kPoseUnits[row], column_unit = kPoseUnits[column];
   const std::string unit = row_unit == column_unit ? row_unit + "2" : row_unit + "_" + column_unit;
-  return std::string("cov_") + kPoseNames[row] + "_" + kPoseNames[column] + "_" + unit;
+  return "cov_" + row_name + "_" + column_name + "_" + unit;
+}
+
+/// The upper triangle of a symmetric matrix, row by row.
+void appendTriangle(Values& values, const auto& matrix) {
+  for (int row = 0; row < matrix.rows(); ++row)
+    for (int column = row; column < matrix.cols(); ++column) values.emplace_back(matrix(row, column));
 }
 
 struct Names {
@@ -56,8 +63,37 @@ struct Names {
                "q_odom_robot_y", "q_odom_robot_z", "q_odom_robot_w"};
     for (std::size_t row = 0; row < kPoseSize; ++row)
       for (std::size_t column = row; column < kPoseSize; ++column)
-        names.push_back(covarianceName(row, column));
+        names.push_back(covarianceName(kPoseNames[row], row, kPoseNames[column], column));
     return names;
+  }
+  /// Of one panel. Its covariance is UncertainPose's: rx, ry, rz are a rotation vector in the panel's axes.
+  List operator()(const PanelSample&) const {
+    List names{"panel",
+               "x_camera_m",
+               "y_camera_m",
+               "z_camera_m",
+               "q_camera_panel_x",
+               "q_camera_panel_y",
+               "q_camera_panel_z",
+               "q_camera_panel_w"};
+    constexpr std::array<const char*, kPoseSize> kAxes{"x", "y", "z", "rx", "ry", "rz"};
+    for (std::size_t row = 0; row < kPoseSize; ++row)
+      for (std::size_t column = row; column < kPoseSize; ++column)
+        names.push_back(covarianceName(kAxes[row], row, kAxes[column], column));
+    return names;
+  }
+  /// Of one marker.
+  List operator()(const MarkersSample&) const {
+    return {"id",
+            "range_m",
+            "yaw_rad",
+            "pitch_rad",
+            "cov_range_range_m2",
+            "cov_range_yaw_m_rad",
+            "cov_range_pitch_m_rad",
+            "cov_yaw_yaw_rad2",
+            "cov_yaw_pitch_rad2",
+            "cov_pitch_pitch_rad2"};
   }
   List operator()(const auto&) const { return {}; }
 };
@@ -81,9 +117,22 @@ struct AppendValues {
     const Pose T_odom_robot = Pose::fromMrpt(sample.T_odom_robot.mean);
     append(values, std::optional(T_odom_robot.position));
     append(values, std::optional(T_odom_robot.rotation));
-    for (int row = 0; row < kPoseSize; ++row)
-      for (int column = row; column < kPoseSize; ++column)
-        values.emplace_back(sample.T_odom_robot.cov(row, column));
+    appendTriangle(values, sample.T_odom_robot.cov.asEigen());
+  }
+  void operator()(const PanelSample& sample) const {
+    for (const SeenPanel& seen : sample.panels) {
+      values.emplace_back(seen.panel);
+      append(values, std::optional(seen.T_camera_panel.pose.position));
+      append(values, std::optional(seen.T_camera_panel.pose.rotation));
+      appendTriangle(values, seen.T_camera_panel.covariance);
+    }
+  }
+  void operator()(const MarkersSample& sample) const {
+    for (const SeenMarker& marker : sample.markers) {
+      for (const double value : {1.0 * marker.id, marker.range_m, marker.yaw_rad, marker.pitch_rad})
+        values.emplace_back(value);
+      appendTriangle(values, marker.covariance);
+    }
   }
   void operator()(const auto&) const {}
 };
@@ -117,6 +166,8 @@ struct Mountings {
   List operator()(const DepthSample& depth) const { return {depth.T_robot_depth}; }
   List operator()(const PoseSample& pose) const { return {pose.T_robot_sensor}; }
   List operator()(const ImageSample& image) const { return {image.T_robot_camera}; }
+  List operator()(const PanelSample& panels) const { return {panels.T_robot_camera}; }
+  List operator()(const MarkersSample& markers) const { return {markers.T_robot_camera_forward}; }
   List operator()(const StereoSample& stereo) const { return {stereo.T_robot_left, stereo.T_left_right}; }
   List operator()(const DvlBeamsSample& sample) const {
     List poses;
@@ -129,6 +180,12 @@ struct Mountings {
 }  // namespace
 
 std::vector<std::string> fieldNames(const Reading& reading) { return std::visit(Names{}, reading); }
+
+std::size_t fieldRows(const Reading& reading) {
+  if (const auto* panels = std::get_if<PanelSample>(&reading)) return panels->panels.size();
+  if (const auto* markers = std::get_if<MarkersSample>(&reading)) return markers->markers.size();
+  return 1;
+}
 
 void fieldValues(const Reading& reading, Values& values) {
   values.clear();

@@ -11,7 +11,9 @@ namespace fathom {
 
 /// Names of the reading's numbers, frame and unit included.
 std::vector<std::string> fieldNames(const Reading& reading);
-/// Their values, in the same order; nothing where the field is absent. Replaces `values`.
+/// How many rows of such numbers it holds: one, but of panels and markers that are seen as many as there are.
+std::size_t fieldRows(const Reading& reading);
+/// Their values, row by row in the same order; nothing where the field is absent. Replaces `values`.
 void fieldValues(const Reading& reading, std::vector<std::optional<double>>& values);
 
 /// What the entry lacks, in words ("bottom lock"); empty where it is complete.

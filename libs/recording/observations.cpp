@@ -1,6 +1,8 @@
 #include "recording/observations.h"
 
 #include <mrpt/io/CMemoryStream.h>
+#include <mrpt/obs/CObservation6DFeatures.h>
+#include <mrpt/obs/CObservationBearingRange.h>
 #include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationImage.h>
@@ -10,9 +12,11 @@
 #include <mrpt/poses/CPose3DQuat.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -30,19 +34,23 @@ constexpr const char* kRange = "mrpt::obs::CObservationRange";
 constexpr const char* kRobotPose = "mrpt::obs::CObservationRobotPose";
 constexpr const char* kImageClass = "mrpt::obs::CObservationImage";
 constexpr const char* kStereoImages = "mrpt::obs::CObservationStereoImages";
+constexpr const char* kFeatures = "mrpt::obs::CObservation6DFeatures";
+constexpr const char* kBearingRange = "mrpt::obs::CObservationBearingRange";
 
 struct LabelledClass {
   std::string_view label;
   std::string_view mrpt_class;
 };
-constexpr std::array<LabelledClass, 8> kConvention{{{labels::kIns, kImu},
-                                                    {labels::kDvl, kImu},
-                                                    {labels::kDvlBeams, kRange},
-                                                    {labels::kDepth, kImu},
-                                                    {labels::kUsbl, kRobotPose},
-                                                    {labels::kCamera, kImageClass},
-                                                    {labels::kStereo, kStereoImages},
-                                                    {labels::kTruth, kRobotPose}}};
+constexpr std::array<LabelledClass, 10> kConvention{{{labels::kIns, kImu},
+                                                     {labels::kDvl, kImu},
+                                                     {labels::kDvlBeams, kRange},
+                                                     {labels::kDepth, kImu},
+                                                     {labels::kUsbl, kRobotPose},
+                                                     {labels::kCamera, kImageClass},
+                                                     {labels::kStereo, kStereoImages},
+                                                     {labels::kTruth, kRobotPose},
+                                                     {labels::kPanel, kFeatures},
+                                                     {labels::kMarkerSights, kBearingRange}}};
 
 /// The class the convention gives a label; empty where it knows no such label.
 std::string_view classOf(std::string_view label) {
@@ -179,6 +187,39 @@ Reading readStereo(const CObservationStereoImages& stereo) {
                       stereo.imageRight.getExternalStorageFile()};
 }
 
+/// The inverse of a covariance or of an information matrix; nothing where that is not positive definite.
+std::optional<Matrix6d> inverseOf(const Matrix6d& matrix) {
+  const Eigen::LLT<Matrix6d> root(matrix);
+  if (!matrix.allFinite() || root.info() != Eigen::Success) return std::nullopt;
+  Matrix6d inverse = root.solve(Matrix6d::Identity());
+  if (!inverse.allFinite()) return std::nullopt;
+  return inverse;
+}
+
+Reading readPanels(const CObservation6DFeatures& features) {
+  PanelSample sample{Pose::fromMrpt(features.sensorPose), {}};
+  for (const auto& feature : features.sensedFeatures) {
+    const auto covariance = inverseOf(feature.inf_matrix.asEigen());
+    SeenPanel seen{feature.id, {Pose::fromMrpt(feature.pose), {}}};
+    if (covariance)
+      seen.T_camera_panel = UncertainPose::fromMrpt({feature.pose, mrpt::math::CMatrixDouble66(*covariance)});
+    else
+      seen.T_camera_panel.covariance.setConstant(std::numeric_limits<double>::quiet_NaN());
+    sample.panels.push_back(seen);
+  }
+  return sample;
+}
+
+Reading readMarkers(const CObservationBearingRange& bearings) {
+  MarkersSample sample{Pose::fromMrpt(bearings.sensorLocationOnRobot), {}};
+  const Vector3d sigmas(bearings.sensor_std_range, bearings.sensor_std_yaw, bearings.sensor_std_pitch);
+  const Matrix3d common = sigmas.cwiseAbs2().asDiagonal();
+  for (const auto& mark : bearings.sensedData)
+    sample.markers.push_back({mark.landmarkID, mark.range, mark.yaw, mark.pitch,
+                              bearings.validCovariances ? Matrix3d(mark.covariance.asEigen()) : common});
+  return sample;
+}
+
 // ---- writing ----
 
 void writeTriple(CObservationIMU& imu, const FieldTriple& fields, const std::optional<Vector3d>& value) {
@@ -274,8 +315,37 @@ struct Encoder {
     observation.hasImageRight = true;
     write(observation);
   }
-  void operator()(const PanelSample&) const { throw std::logic_error("no form yet"); }
-  void operator()(const MarkersSample&) const { throw std::logic_error("no form yet"); }
+  void operator()(const PanelSample& sample_in) const {
+    requireLabel(labels::kPanel);
+    CObservation6DFeatures observation;
+    observation.sensorPose = sample_in.T_robot_camera.toMrpt();
+    for (const SeenPanel& seen : sample_in.panels) {
+      const auto pdf = seen.T_camera_panel.toMrpt();
+      CObservation6DFeatures::TMeasurement feature;  // its information is zero
+      feature.id = seen.panel;
+      feature.pose = pdf.mean;
+      if (const auto information = inverseOf(pdf.cov.asEigen())) feature.inf_matrix.asEigen() = *information;
+      observation.sensedFeatures.push_back(feature);
+    }
+    write(observation);
+  }
+  void operator()(const MarkersSample& markers) const {
+    requireLabel(labels::kMarkerSights);
+    CObservationBearingRange observation;
+    observation.sensorLocationOnRobot = markers.T_robot_camera_forward.toMrpt();
+    observation.validCovariances = true;
+    std::set<int> ids;  // MRPT refuses the same one twice
+    for (const SeenMarker& marker : markers.markers) {
+      CObservationBearingRange::TMeasurement mark{};
+      mark.landmarkID = ids.insert(marker.id).second ? marker.id : INVALID_LANDMARK_ID;
+      mark.range = static_cast<float>(marker.range_m);
+      mark.yaw = static_cast<float>(marker.yaw_rad);
+      mark.pitch = static_cast<float>(marker.pitch_rad);
+      mark.covariance.asEigen() = marker.covariance;
+      observation.sensedData.push_back(mark);
+    }
+    write(observation);
+  }
   void operator()(const RecordingHeader&) const {
     throw std::logic_error("a rawlog's header is written once, by RawlogWriter's constructor");
   }
@@ -303,6 +373,8 @@ Reading decodeReading(const std::string& mrpt_class, const std::string& label,
     const auto observation = decode<CObservationRobotPose>(object);
     return PoseSample{observation.pose, Pose::fromMrpt(observation.sensorPose)};
   }
+  if (label == labels::kPanel) return readPanels(decode<CObservation6DFeatures>(object));
+  if (label == labels::kMarkerSights) return readMarkers(decode<CObservationBearingRange>(object));
   if (label == labels::kDvlBeams) return readBeams(decode<CObservationRange>(object));
   if (label == labels::kStereo) return readStereo(decode<CObservationStereoImages>(object));
   if (label == labels::kCamera) {

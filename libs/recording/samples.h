@@ -85,8 +85,10 @@ struct StereoSample {
 
 /// Derived: panels seen in one image, or in both of a pair.
 struct SeenPanel {
-  int panel = 0;                 ///< index in the list of panels that the recording is read with
-  UncertainPose T_camera_panel;  ///< from a joint solution over all its markers
+  int panel = 0;  ///< index in the list of panels that the recording is read with
+  /// From a joint solution over all its markers. Stored with its information matrix: none where the
+  /// covariance is not positive definite, which reads back as NaN.
+  UncertainPose T_camera_panel;
 };
 struct PanelSample {
   Pose T_robot_camera;  ///< of a pair, the left one
@@ -95,9 +97,12 @@ struct PanelSample {
 
 /// Derived: single markers seen in an image, as RawLogViewer draws them.
 struct SeenMarker {
-  int id = 0;
-  double range_m = 0, yaw_rad = 0,
-         pitch_rad = 0;  ///< of its centre, in a frame with x along the optical axis, z up
+  int id = 0;  ///< -1: not told apart; of two with the same id in one entry the second is stored so
+  /// Of its centre, in a frame with x along the optical axis, z up. MRPT's order of rotations, so that a
+  /// positive pitch is down: the centre is at range * (cos yaw cos pitch, sin yaw cos pitch, -sin pitch).
+  /// Stored as floats.
+  double range_m = 0, yaw_rad = 0, pitch_rad = 0;
+  Matrix3d covariance = Matrix3d::Zero();  ///< of range, yaw, pitch; m and rad
 };
 struct MarkersSample {
   Pose T_robot_camera_forward;  ///< that frame on the robot

@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
-#include "panel/panel_map.h"
+#include "panel/panel_maps.h"
 #include "recording/rawlog.h"
 #include "recording/tum.h"
 #include "render/sea_floor.h"
@@ -18,13 +18,19 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint64_t kSandStream = std::uint64_t{1} << 63;  // far from the sensors' and images' streams
+constexpr const char* kPanelFolder = "_panel";
 
-/// The panel on its sea floor.
-Surface sceneOf(const PanelMap& map, const SimulationOptions& options) {
+/// The panels on their sea floor.
+Surface sceneOf(const std::vector<PanelMap>& panels, const SimulationOptions& options) {
   Surface scene;
-  scene.add(surfaceOf(map), map.T_odom_panel);
+  Vector3d sum = Vector3d::Zero();
+  for (const PanelMap& panel : panels) {
+    scene.add(surfaceOf(panel), panel.T_odom_panel);
+    sum += panel.T_odom_panel.position;
+  }
+  const Vector3d middle = sum / static_cast<double>(panels.size());
   SeaFloor floor;
-  floor.centre_odom = {map.T_odom_panel.position.x(), map.T_odom_panel.position.y(), options.sea_floor_z_m};
+  floor.centre_odom = {middle.x(), middle.y(), options.sea_floor_z_m};
   scene.add(seaFloor(floor, Random::stream(options.seed, kSandStream)));
   return scene;
 }
@@ -33,7 +39,7 @@ void makeImages(const SimulationOptions& options, const Trajectory& trajectory, 
                 const RecordingFiles& files) {
   std::error_code absent;
   fs::remove(files.rawlog, absent);  // it would tell of other images
-  const CameraWorld world{sceneOf(readPanelMap(target.panel_map), options), *target.environment};
+  const CameraWorld world{sceneOf(readPanelMaps(target.panel_map), options), *target.environment};
   simulateImages(options, trajectory, world, files.images);
 }
 
@@ -62,7 +68,7 @@ void makeRawlog(const SimulationOptions& options, const Trajectory& trajectory, 
   truth_out.close();
   if (!truth_out) throw Error(files.truth.string(), "", "cannot be written");
   writeTextFile(files.vehicle, vehicle_text);
-  if (!files.panel_map.empty()) copyPanelMap(target.panel_map, files.panel_map.parent_path());
+  if (!files.panel_map.empty()) copyPanelMap(target.panel_map, target.folder / (target.name + kPanelFolder));
   truth.commit();
   rawlog.finish();
 }
@@ -73,7 +79,7 @@ RecordingFiles simulateRecording(const SimulationOptions& options, const Traject
                                  const RecordingTarget& target) {
   const auto named = [&](const std::string& ending) { return target.folder / (target.name + ending); };
   RecordingFiles files{named(".rawlog"), named("_vehicle.yaml"), named("_truth.tum"), {}, {}, 0};
-  if (!target.panel_map.empty()) files.panel_map = named("_panel") / target.panel_map.filename();
+  if (!target.panel_map.empty()) files.panel_map = copyOfPanelMap(target.panel_map, named(kPanelFolder));
   SimulationOptions with_images = options;
   with_images.images = options.vehicle.camera && target.environment && !target.panel_map.empty();
   if (with_images.images) {

@@ -14,7 +14,8 @@ struct RecordingTarget {
   std::filesystem::path folder;
   std::string name;                    ///< NAME.rawlog, NAME_vehicle.yaml, NAME_truth.tum, …
   std::filesystem::path vehicle_file;  ///< the file options.vehicle was read from; copied beside the rawlog
-  std::filesystem::path panel_map;     ///< copied to NAME_panel/, with its mesh; empty: no panel
+  /// One panel's or a list's (panel/panel_maps.h); copied to NAME_panel/, with meshes. Empty: no panel.
+  std::filesystem::path panel_map;
   std::string description;
   std::optional<Environment> environment;  ///< with it, a panel map and a camera there are images
 };

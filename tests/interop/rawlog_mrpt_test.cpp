@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 #include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/obs/CObservation6DFeatures.h>
+#include <mrpt/obs/CObservationBearingRange.h>
 #include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationImage.h>
@@ -7,6 +9,7 @@
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 #include <mrpt/obs/CRawlog.h>
+#include <mrpt/poses/CPose3DPDFGaussianInf.h>
 
 #include <array>
 #include <cstdio>
@@ -104,6 +107,25 @@ TEST_F(RawlogMrpt, FieldsAreWhereTheConventionPutsThem) {
       ASSERT_TRUE(picture);
       EXPECT_TRUE(picture->image.isExternallyStored());
       EXPECT_EQ(picture->image.getExternalStorageFile(), image->file);
+    } else if (const auto* panels = std::get_if<PanelSample>(&samples[i].reading)) {
+      const auto features = std::dynamic_pointer_cast<CObservation6DFeatures>(observation);
+      ASSERT_TRUE(features);
+      ASSERT_EQ(features->sensedFeatures.size(), panels->panels.size());
+      const SeenPanel& seen = panels->panels[0];
+      EXPECT_EQ(features->sensedFeatures[0].id, seen.panel);
+      // MRPT's own class for a pose with an information matrix says the same of it as for a covariance.
+      mrpt::poses::CPose3DPDFGaussianInf told(features->sensedFeatures[0].pose,
+                                              features->sensedFeatures[0].inf_matrix);
+      mrpt::poses::CPose3DPDFGaussian expected = seen.T_camera_panel.toMrpt(), converted;
+      converted.copyFrom(told);
+      EXPECT_TRUE(converted.cov.asEigen().isApprox(expected.cov.asEigen(), 1e-6));
+    } else if (const auto* markers = std::get_if<MarkersSample>(&samples[i].reading)) {
+      const auto bearings = std::dynamic_pointer_cast<CObservationBearingRange>(observation);
+      ASSERT_TRUE(bearings && bearings->validCovariances);
+      ASSERT_EQ(bearings->sensedData.size(), markers->markers.size());
+      EXPECT_EQ(bearings->sensedData[0].landmarkID, markers->markers[0].id);
+      EXPECT_EQ(bearings->sensedData[0].pitch, static_cast<float>(markers->markers[0].pitch_rad));
+      EXPECT_EQ(bearings->sensedData[0].covariance.asEigen(), markers->markers[0].covariance);
     } else if (const auto* stereo = std::get_if<StereoSample>(&samples[i].reading)) {
       const auto pair = std::dynamic_pointer_cast<CObservationStereoImages>(observation);
       ASSERT_TRUE(pair && pair->hasImageRight && !pair->hasImageDisparity);
@@ -123,7 +145,8 @@ TEST_F(RawlogMrpt, RawlogEditListsIt) {
   EXPECT_EQ(pclose(pipe), 0) << output;
   EXPECT_NE(output.find("Overall number of objects         : 4001"), std::string::npos) << output;
   EXPECT_NE(output.find("Observations format               : Yes"), std::string::npos) << output;
-  EXPECT_NE(output.find("CAMERA, DEPTH, DVL, DVL_BEAMS, EKF_TL2, INS, STEREO, USBL"), std::string::npos)
+  EXPECT_NE(output.find("CAMERA, DEPTH, DVL, DVL_BEAMS, EKF_TL2, INS, MARKER_SIGHTS, PANEL, STEREO, USBL"),
+            std::string::npos)
       << output;
 }
 

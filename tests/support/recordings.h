@@ -37,7 +37,15 @@ std::optional<T> sometimes(Random& random, const T& field) {
   return random.uniform() < 0.8 ? std::optional<T>(field) : std::nullopt;
 }
 
-constexpr int kKinds = 8;
+/// Positive definite, of condition 100 or so.
+template <int size>
+Eigen::Matrix<double, size, size> randomCovariance(Random& random) {
+  Eigen::Matrix<double, size, size> root;
+  for (double& element : root.reshaped()) element = random.normal();
+  return root * root.transpose() + Eigen::Matrix<double, size, size>::Identity();
+}
+
+constexpr int kKinds = 10;
 
 /// A sample of the `kind`-th kind with random content and randomly absent fields.
 inline Sample randomSample(int kind, Time time, Random& random) {
@@ -74,6 +82,22 @@ inline Sample randomSample(int kind, Time time, Random& random) {
       return {time, labels::kCamera,
               ImageSample{randomPose(random), randomCamera(random),
                           "CAMERA_" + std::to_string(random.bits() % 10000) + ".png"}};
+    case 8: {
+      PanelSample panels{randomPose(random), {}};
+      for (auto count = 1 + random.bits() % 3; count > 0; --count)
+        panels.panels.push_back(
+            {static_cast<int>(random.bits() % 5), {randomPose(random), 1e-4 * randomCovariance<6>(random)}});
+      return {time, labels::kPanel, panels};
+    }
+    case 9: {
+      MarkersSample markers{randomPose(random), {}};
+      int id = 0;
+      for (auto count = 1 + random.bits() % 8; count > 0; --count)
+        markers.markers.push_back({id += 1 + static_cast<int>(random.bits() % 100), random.uniform(0.3, 10),
+                                   0.5 * random.normal(), 0.5 * random.normal(),
+                                   1e-4 * randomCovariance<3>(random)});
+      return {time, labels::kMarkerSights, markers};
+    }
     default:
       return {time, labels::kStereo,
               StereoSample{randomPose(random), randomPose(random), randomCamera(random), randomCamera(random),

@@ -40,20 +40,34 @@ class ExportCsv : public testing::Test {
 
 TEST_F(ExportCsv, OneTableALabel) {
   Random random(41);
-  const auto samples = randomSamples(80, random);
+  const auto samples = randomSamples(100, random);
   const CsvExport result = exported(samples);
   EXPECT_FALSE(result.loss);
   EXPECT_EQ(result.entries_left_out, 1U);  // the header comment
   std::vector<std::string> names;
   for (const auto& file : result.files) names.push_back(file.filename());
   EXPECT_EQ(names, (std::vector<std::string>{"CAMERA.csv", "DEPTH.csv", "DVL.csv", "DVL_BEAMS.csv",
-                                             "EKF_TL2.csv", "INS.csv", "STEREO.csv", "USBL.csv"}));
+                                             "EKF_TL2.csv", "INS.csv", "MARKER_SIGHTS.csv", "PANEL.csv",
+                                             "STEREO.csv", "USBL.csv"}));
   for (const std::string& name : names) {
     const auto rows = table(name);
-    ASSERT_EQ(rows.size(), 11U) << name;
+    const bool list = name == "PANEL.csv" || name == "MARKER_SIGHTS.csv";  // a row for each thing seen
+    ASSERT_TRUE(list ? rows.size() > 11U : rows.size() == 11U) << name;
     if (name == "STEREO.csv") continue;  // its cells are quoted
     for (const std::string& row : rows) EXPECT_EQ(cells(row).size(), cells(rows[0]).size()) << name;
   }
+}
+
+TEST_F(ExportCsv, WhatIsSeenHasARowEach) {
+  PanelSample none, two;
+  two.panels = {{3, {Pose{Matrix3d::Identity(), {0.5, 0.25, 2}}, Matrix6d::Identity()}}, {1, {}}};
+  exported({{kStart, labels::kPanel, none}, {kStart, labels::kPanel, two}});
+  const auto rows = table("PANEL.csv");
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_TRUE(rows[0].starts_with("time_unix_s,time_s,panel,x_camera_m,")) << rows[0];
+  EXPECT_TRUE(rows[0].ends_with(",cov_rz_rz_rad2")) << rows[0];
+  EXPECT_TRUE(rows[1].starts_with("1700000000.0000000,0.0000000,3,0.5,0.25,2,0,0,0,1,0.99999")) << rows[1];
+  EXPECT_TRUE(rows[2].starts_with("1700000000.0000000,0.0000000,1,")) << rows[2];
 }
 
 TEST_F(ExportCsv, ValuesKeepFullPrecision) {
@@ -96,7 +110,7 @@ TEST_F(ExportCsv, ChangingBeamsAreAnError) {
 
 TEST_F(ExportCsv, DamageIsReported) {
   Random random(43);
-  writeRecording(folder / "whole.rawlog", randomSamples(800, random));
+  writeRecording(folder / "whole.rawlog", randomSamples(1000, random));
   const std::string plain = inflated(folder / "whole.rawlog");
   writeTextFile(folder / "cut.rawlog", plain.substr(0, plain.size() - 10));
   const CsvExport result = exportCsv(folder / "cut.rawlog", folder / "tables");

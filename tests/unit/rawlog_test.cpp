@@ -151,6 +151,73 @@ TEST(Rawlog, ImagesRoundTrip) {
   expectNear(a.T_left_right, b.T_left_right, 1e-14);
 }
 
+TEST(Rawlog, PanelsRoundTrip) {
+  Random random(8);
+  const Sample sample = randomSample(8, kStart, random);
+  const auto& panels = as<PanelSample>(sample);
+  const Sample read = throughFile(sample);
+  const auto& back = as<PanelSample>(read);
+  expectNear(back.T_robot_camera, panels.T_robot_camera, 1e-300);
+  ASSERT_EQ(back.panels.size(), panels.panels.size());
+  for (std::size_t k = 0; k < back.panels.size(); ++k) {
+    EXPECT_EQ(back.panels[k].panel, panels.panels[k].panel);
+    const UncertainPose &a = back.panels[k].T_camera_panel, &b = panels.panels[k].T_camera_panel;
+    expectNear(a.pose, b.pose, 1e-300);
+    EXPECT_TRUE(a.covariance.isApprox(b.covariance, 1e-8));  // stored as its inverse, in angles
+  }
+}
+
+TEST(Rawlog, PanelWithoutCovarianceHasNone) {
+  PanelSample panels;
+  panels.panels.resize(1);
+  const auto back = as<PanelSample>(throughFile({kStart, labels::kPanel, panels}));
+  ASSERT_EQ(back.panels.size(), 1U);
+  EXPECT_TRUE(back.panels[0].T_camera_panel.covariance.array().isNaN().all());
+  const Sample nothing{kStart, labels::kPanel, PanelSample{}};
+  EXPECT_TRUE(as<PanelSample>(throughFile(nothing)).panels.empty());
+}
+
+TEST(Rawlog, MarkersRoundTrip) {
+  Random random(9);
+  const Sample sample = randomSample(9, kStart, random);
+  const auto& markers = as<MarkersSample>(sample);
+  const Sample read = throughFile(sample);
+  const auto& back = as<MarkersSample>(read);
+  expectNear(back.T_robot_camera_forward, markers.T_robot_camera_forward, 1e-300);
+  ASSERT_EQ(back.markers.size(), markers.markers.size());
+  for (std::size_t k = 0; k < back.markers.size(); ++k) {
+    const SeenMarker &a = back.markers[k], &b = markers.markers[k];
+    EXPECT_EQ(a.id, b.id);
+    EXPECT_NEAR(a.range_m, b.range_m, b.range_m * 0x1p-24);  // floats in MRPT
+    EXPECT_NEAR(a.yaw_rad, b.yaw_rad, std::abs(b.yaw_rad) * 0x1p-24);
+    EXPECT_NEAR(a.pitch_rad, b.pitch_rad, std::abs(b.pitch_rad) * 0x1p-24);
+    EXPECT_EQ(a.covariance, b.covariance);
+  }
+}
+
+TEST(Rawlog, OfTwoMarkersOfOneIdTheSecondHasNone) {
+  MarkersSample markers;
+  markers.markers = {{7, 1, 0, 0}, {7, 2, 0, 0}, {7, 3, 0, 0}};
+  const auto back = as<MarkersSample>(throughFile({kStart, labels::kMarkerSights, markers})).markers;
+  ASSERT_EQ(back.size(), 3U);
+  EXPECT_EQ(back[0].id, 7);
+  EXPECT_EQ(back[1].id, -1);
+  EXPECT_EQ(back[2].id, -1);
+}
+
+TEST(Rawlog, MarkersOfOthersShareTheirSigmas) {
+  CObservationBearingRange bearing;
+  bearing.sensorLabel = "MARKER_SIGHTS";
+  bearing.timestamp = kStart;
+  bearing.sensor_std_range = 0.5F;
+  bearing.sensor_std_yaw = 0.25F;
+  bearing.sensor_std_pitch = 0.125F;
+  bearing.sensedData.resize(1);
+  const ReadBack back = readRecording(writePlain({&bearing}));
+  const Matrix3d expected = Vector3d(0.25, 0.0625, 0.015625).asDiagonal();
+  EXPECT_EQ(as<MarkersSample>(back.samples.at(0)).markers.at(0).covariance, expected);
+}
+
 TEST(Rawlog, NanIsHandedOn) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto back = as<DvlSample>(throughFile({kStart, labels::kDvl, DvlSample{{}, Vector3d(1, nan, 3)}}));
@@ -216,6 +283,8 @@ TEST(Rawlog, WriterRefusesWhatTheConventionDoesNot) {
   EXPECT_THROW(writer.write({after(kStart, 0.9), labels::kDvl, DvlSample{}}), std::logic_error);
   EXPECT_THROW(writer.write({after(kStart, 2.0), labels::kIns, DvlSample{}}), std::logic_error);
   EXPECT_THROW(writer.write({after(kStart, 2.0), labels::kIns, PoseSample{}}), std::logic_error);
+  EXPECT_THROW(writer.write({after(kStart, 2.0), labels::kPanel, PoseSample{}}), std::logic_error);
+  EXPECT_THROW(writer.write({after(kStart, 2.0), labels::kMarkers, PanelSample{}}), std::logic_error);
   EXPECT_THROW(writer.write({after(kStart, 2.0), "X", UnknownSample{}}), std::logic_error);
   EXPECT_THROW(writer.write({after(kStart, 2.0), "", RecordingHeader{}}), std::logic_error);
 }
