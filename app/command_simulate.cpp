@@ -16,6 +16,7 @@ namespace {
 struct SimulateOptions {
   std::string trajectory, vehicle, calibration, map, water, folder, name;
   std::vector<std::string> without;
+  std::string image_format = "png";
   bool no_noise = false;
   SimulationOptions simulation;
 };
@@ -56,6 +57,7 @@ void simulate(SimulateOptions options, const RunContext& context) {
   leaveOut(options.without, simulation.vehicle);
   if (!options.calibration.empty()) simulation.effects = readCalibration(options.calibration);
   simulation.noise = !options.no_noise;
+  if (options.image_format == "jpg") simulation.image_format.kind = ImageFormat::Kind::jpeg;
   const Trajectory trajectory = readTrajectory(options.trajectory);
 
   const std::string name = options.name.empty() ? fs::path(options.trajectory).stem().string() : options.name;
@@ -73,6 +75,8 @@ void simulate(SimulateOptions options, const RunContext& context) {
   if (!files.images.empty()) {
     json["images"] = files.images.filename().string();
     json["image_entries"] = files.image_entries;
+    if (simulation.image_format.kind == ImageFormat::Kind::jpeg)
+      json["jpeg_quality"] = simulation.image_format.jpeg_quality;
     json["environment"] = toJson(*target.environment);
   }
   json["duration_s"] = duration_s;
@@ -128,10 +132,18 @@ void addSimulate(const RunContext& context) {
   command->add_option("--seed", simulation.seed, "Of all randomness")->capture_default_str();
   command->add_option("--calibration", options->calibration, "Effects to switch on")
       ->type_name(values::kYaml);
-  command->add_option("--map", options->map, "Panel on the sea floor; copied to NAME_panel")
+  command
+      ->add_option("--map", options->map, "Panel on the sea floor, or a list of panels; copied to NAME_panel")
       ->type_name(values::kYaml);
   command->add_option("--water", options->water, "Water and light that the camera sees through")
       ->type_name(values::kYaml);
+  command->add_option("--image-format", options->image_format, "Of the images: exact, or small")
+      ->check(CLI::IsMember({"png", "jpg"}))
+      ->capture_default_str();
+  command->add_option("--jpeg-quality", simulation.image_format.jpeg_quality, "1 to 100")
+      ->check(CLI::Range(1, 100))
+      ->type_name("QUALITY")
+      ->capture_default_str();
   command->add_option("--sea-floor-z", simulation.sea_floor_z_m, "Height of the flat sea floor in odom, m")
       ->capture_default_str();
   command->add_option("--begin", simulation.begin_s, "Where on the trajectory to begin, s")

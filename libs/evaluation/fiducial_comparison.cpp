@@ -15,6 +15,7 @@
 #include "evaluation/family_swap.h"
 #include "evaluation/input_fingerprints.h"
 #include "evaluation/timed_detection.h"
+#include "fiducials/one_opencv_thread.h"
 
 namespace fathom {
 namespace {

@@ -16,6 +16,8 @@
 #include "evaluation/input_fingerprints.h"
 #include "evaluation/timed_detection.h"
 #include "fiducials/image_file.h"
+#include "fiducials/one_opencv_thread.h"
+#include "recording/recorded_camera.h"
 #include "render/renderer.h"
 
 namespace fathom {
@@ -24,27 +26,13 @@ namespace {
 
 // ---- what a recording has
 
-CameraModel modelOf(const mrpt::img::TCamera& camera) {
-  return {static_cast<int>(camera.ncols),
-          static_cast<int>(camera.nrows),
-          camera.fx(),
-          camera.fy(),
-          camera.cx(),
-          camera.cy(),
-          camera.k1(),
-          camera.k2(),
-          camera.p1(),
-          camera.p2(),
-          camera.k3()};
-}
-
 void addImages(const Sample& sample, const fs::path& folder, std::vector<RecordedImage>& images) {
   if (const auto* image = std::get_if<ImageSample>(&sample.reading))
-    images.push_back({folder / image->file, modelOf(image->intrinsics), image->T_robot_camera, {}});
+    images.push_back({folder / image->file, cameraModel(image->intrinsics), image->T_robot_camera, {}});
   if (const auto* pair = std::get_if<StereoSample>(&sample.reading)) {
-    images.push_back({folder / pair->left_file, modelOf(pair->left_intrinsics), pair->T_robot_left, {}});
+    images.push_back({folder / pair->left_file, cameraModel(pair->left_intrinsics), pair->T_robot_left, {}});
     images.push_back({folder / pair->right_file,
-                      modelOf(pair->right_intrinsics),
+                      cameraModel(pair->right_intrinsics),
                       pair->T_robot_left * pair->T_left_right,
                       {}});
   }

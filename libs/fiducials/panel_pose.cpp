@@ -26,33 +26,39 @@ double chiSquareQuantile(double degrees_of_freedom, double probability) {
   return boost::math::quantile(boost::math::chi_squared(degrees_of_freedom), probability);
 }
 
-/// A marker of the map as it was seen.
+/// A marker of the map as a camera saw it.
 struct Sighting {
-  std::size_t detection;
+  const CameraModel* camera;
+  Pose T_camera_first;  ///< from the first camera's frame, in which poses are, to this one's
+  std::size_t camera_index, detection;
   const Marker* marker;
   std::array<Vector2d, 4> corners_px;
   std::array<Vector3d, 4> corners_panel;
   Matrix8d whitener;  ///< makes the corners' errors white, of unit variance
 };
 
-std::vector<Sighting> sightingsOf(const std::vector<Detection>& detections, const PanelMap& map) {
+std::vector<Sighting> sightingsOf(const std::vector<CameraDetections>& cameras, const PanelMap& map) {
   std::vector<Sighting> sightings;
-  for (std::size_t i = 0; i < detections.size(); ++i) {
-    const Marker* marker = markerOf(detections[i], map);
-    if (marker == nullptr) continue;
-    const Eigen::LLT<Matrix8d> root(detections[i].covariance_px2);
-    if (root.info() != Eigen::Success) continue;
-    const Matrix8d whitener = root.matrixL().solve(Matrix8d::Identity());
-    sightings.push_back({i, marker, detections[i].corners_px, marker->corners_panel(), whitener});
-  }
+  for (std::size_t c = 0; c < cameras.size(); ++c)
+    for (std::size_t i = 0; i < cameras[c].detections.size(); ++i) {
+      const Detection& detection = cameras[c].detections[i];
+      const Marker* marker = markerOf(detection, map);
+      if (marker == nullptr) continue;
+      const Eigen::LLT<Matrix8d> root(detection.covariance_px2);
+      if (root.info() != Eigen::Success) continue;
+      const Matrix8d whitener = root.matrixL().solve(Matrix8d::Identity());
+      sightings.push_back({&cameras[c].camera, cameras[c].T_first_camera.inverse(), c, i, marker,
+                           detection.corners_px, marker->corners_panel(), whitener});
+    }
   return sightings;
 }
 
 /// Corners as predicted minus as seen, px; nothing where one is behind the camera. J: by (p, r), see
 /// UncertainPose.
-std::optional<Vector8d> reprojection(const Sighting& sighting, const Pose& T_camera_panel,
-                                     const CameraModel& camera, Matrix86d* J) {
+std::optional<Vector8d> reprojection(const Sighting& sighting, const Pose& T_first_panel, Matrix86d* J) {
   using Jet = ceres::Jet<double, 3>;
+  const CameraModel& camera = *sighting.camera;
+  const Pose T_camera_panel = sighting.T_camera_first * T_first_panel;
   Vector8d residual;
   for (std::size_t k = 0; k < 4; ++k) {
     const Vector3d point = T_camera_panel * sighting.corners_panel[k];
@@ -67,22 +73,21 @@ std::optional<Vector8d> reprojection(const Sighting& sighting, const Pose& T_cam
     residual.segment<2>(row) = Vector2d(pixel.x().a, pixel.y().a) - sighting.corners_px[k];
     Eigen::Matrix<double, 2, 3> by_point;
     by_point << pixel.x().v.transpose(), pixel.y().v.transpose();
-    J->block<2, 3>(row, 0) = by_point;
+    J->block<2, 3>(row, 0) = by_point * sighting.T_camera_first.rotation;
     J->block<2, 3>(row, 3) = -by_point * T_camera_panel.rotation * crossMatrix(sighting.corners_panel[k]);
   }
   return residual;
 }
 
-double chiSquareOf(const Sighting& sighting, const Pose& pose, const CameraModel& camera) {
-  const auto residual = reprojection(sighting, pose, camera, nullptr);
+double chiSquareOf(const Sighting& sighting, const Pose& pose) {
+  const auto residual = reprojection(sighting, pose, nullptr);
   return residual ? (sighting.whitener * *residual).squaredNorm() : kInfinity;
 }
 
-std::vector<double> chiSquaresOf(const std::vector<Sighting>& sightings, const Pose& pose,
-                                 const CameraModel& camera) {
+std::vector<double> chiSquaresOf(const std::vector<Sighting>& sightings, const Pose& pose) {
   std::vector<double> values;
   values.reserve(sightings.size());
-  for (const Sighting& sighting : sightings) values.push_back(chiSquareOf(sighting, pose, camera));
+  for (const Sighting& sighting : sightings) values.push_back(chiSquareOf(sighting, pose));
   return values;
 }
 
@@ -100,8 +105,7 @@ Pose moved(const Pose& pose, const Vector6d& step) {
 /// The problem, and the two ways to solve it from a start.
 class Solver {
  public:
-  Solver(const std::vector<Sighting>& sightings, const CameraModel& camera, double gate)
-      : sightings_(sightings), camera_(camera), gate_(gate) {}
+  Solver(const std::vector<Sighting>& sightings, double gate) : sightings_(sightings), gate_(gate) {}
 
   struct Minimum {
     Pose pose;
@@ -142,14 +146,14 @@ class Solver {
 
   /// Chi-square beyond which a marker is doubted, grown to what the middle marker shows.
   double softLimit(const Pose& pose) const {
-    const double median = upperMedian(chiSquaresOf(sightings_, pose, camera_));
+    const double median = upperMedian(chiSquaresOf(sightings_, pose));
     return gate_ * std::max(1.0, median / kMedianChiSquare);
   }
 
   /// Geman-McClure (1985): chi-squares saturate at `soft`.
   double cost(const Pose& pose, double soft) const {
     double sum = 0;
-    for (const double value : chiSquaresOf(sightings_, pose, camera_)) {
+    for (const double value : chiSquaresOf(sightings_, pose)) {
       if (!std::isfinite(value) && !std::isfinite(soft)) return kInfinity;
       sum += !std::isfinite(soft) ? value : (std::isfinite(value) ? value * soft / (value + soft) : soft);
     }
@@ -162,7 +166,7 @@ class Solver {
     Vector6d g = Vector6d::Zero();
     for (const Sighting& sighting : sightings_) {
       Matrix86d J;
-      const auto residual = reprojection(sighting, pose, camera_, &J);
+      const auto residual = reprojection(sighting, pose, &J);
       if (!residual) continue;
       const Vector8d white = sighting.whitener * *residual;
       const Matrix86d white_J = sighting.whitener * J;
@@ -174,15 +178,17 @@ class Solver {
   }
 
   const std::vector<Sighting>& sightings_;
-  const CameraModel& camera_;
   double gate_;
 };
 
-/// Both planar poses of all corners together, where the markers lie in one plane parallel to the face.
-std::vector<Pose> startsFromPlane(const std::vector<Sighting>& sightings, const CameraModel& camera) {
+/// Both planar poses of all corners together that one camera saw, where the markers lie in one plane
+/// parallel to the face.
+std::vector<Pose> startsFromPlane(const std::vector<Sighting>& sightings, std::size_t camera_index,
+                                  const CameraModel& camera) {
   std::vector<Vector2d> points, pixels;
   double z_sum = 0, z_low = kInfinity, z_high = -kInfinity;
-  for (const Sighting& sighting : sightings)
+  for (const Sighting& sighting : sightings) {
+    if (sighting.camera_index != camera_index) continue;
     for (std::size_t k = 0; k < 4; ++k) {
       points.emplace_back(sighting.corners_panel[k].head<2>());
       pixels.push_back(sighting.corners_px[k]);
@@ -190,30 +196,36 @@ std::vector<Pose> startsFromPlane(const std::vector<Sighting>& sightings, const 
       z_low = std::min(z_low, sighting.corners_panel[k].z());
       z_high = std::max(z_high, sighting.corners_panel[k].z());
     }
-  if (z_high - z_low > kPlanar_m) return {};
+  }
+  if (points.empty() || z_high - z_low > kPlanar_m) return {};
   const Vector3d plane(0, 0, z_sum / static_cast<double>(points.size()));
   std::vector<Pose> starts = poseOfPlane(points, pixels, camera);
   for (Pose& pose : starts) pose.position -= pose.rotation * plane;
   return starts;
 }
 
-std::vector<Pose> startsOf(const std::vector<Detection>& detections, const std::vector<Sighting>& sightings,
-                           const CameraModel& camera, const PanelPoseOptions& options) {
-  std::vector<Pose> starts = startsFromPlane(sightings, camera);
+std::vector<Pose> startsOf(const std::vector<CameraDetections>& cameras,
+                           const std::vector<Sighting>& sightings, const PanelPoseOptions& options) {
+  std::vector<Pose> starts;
+  for (std::size_t c = 0; c < cameras.size(); ++c)
+    for (const Pose& T_camera_panel : startsFromPlane(sightings, c, cameras[c].camera))
+      starts.push_back(cameras[c].T_first_camera * T_camera_panel);
   if (options.T_camera_panel_guess) starts.push_back(*options.T_camera_panel_guess);
-  for (const Sighting& sighting : sightings)
+  for (const Sighting& sighting : sightings) {
+    const CameraDetections& seen = cameras[sighting.camera_index];
     for (const MarkerPose& pose :
-         poseOfMarker(detections[sighting.detection], sighting.marker->size_m, camera))
-      starts.push_back(pose.T_camera_marker * sighting.marker->T_panel_marker.inverse());
+         poseOfMarker(seen.detections[sighting.detection], sighting.marker->size_m, seen.camera))
+      starts.push_back(seen.T_first_camera * pose.T_camera_marker *
+                       sighting.marker->T_panel_marker.inverse());
+  }
   return starts;
 }
 
 /// The starts that most markers agree with, best first.
-std::vector<Pose> bestStarts(std::vector<Pose> starts, const std::vector<Sighting>& sightings,
-                             const CameraModel& camera) {
+std::vector<Pose> bestStarts(std::vector<Pose> starts, const std::vector<Sighting>& sightings) {
   std::vector<std::pair<double, std::size_t>> ranking;
   for (std::size_t i = 0; i < starts.size(); ++i)
-    ranking.emplace_back(upperMedian(chiSquaresOf(sightings, starts[i], camera)), i);
+    ranking.emplace_back(upperMedian(chiSquaresOf(sightings, starts[i])), i);
   std::sort(ranking.begin(), ranking.end());
   std::vector<Pose> best;
   for (const auto& [value, i] : ranking) {
@@ -231,11 +243,11 @@ Vector3d centreOf(const std::vector<Sighting>& sightings) {
 
 /// The robust minimum over all markers.
 std::optional<Pose> robustPose(const std::vector<Pose>& starts, const std::vector<Sighting>& sightings,
-                               const CameraModel& camera, double gate) {
-  const Solver solver(sightings, camera, gate);
+                               double gate) {
+  const Solver solver(sightings, gate);
   std::vector<Pose> minima;
   double soft = kInfinity;  // one for all, so that costs compare
-  for (const Pose& start : bestStarts(starts, sightings, camera)) {
+  for (const Pose& start : bestStarts(starts, sightings)) {
     const auto minimum = solver.minimize(start, true, 25);
     if (!std::isfinite(minimum.cost)) continue;
     minima.push_back(minimum.pose);
@@ -247,12 +259,11 @@ std::optional<Pose> robustPose(const std::vector<Pose>& starts, const std::vecto
   });
 }
 
-std::vector<Sighting> inliersAt(const Pose& pose, const std::vector<Sighting>& sightings,
-                                const CameraModel& camera, double gate) {
-  const double limit = Solver(sightings, camera, gate).softLimit(pose);
+std::vector<Sighting> inliersAt(const Pose& pose, const std::vector<Sighting>& sightings, double gate) {
+  const double limit = Solver(sightings, gate).softLimit(pose);
   std::vector<Sighting> inliers;
   for (const Sighting& sighting : sightings)
-    if (chiSquareOf(sighting, pose, camera) <= limit) inliers.push_back(sighting);
+    if (chiSquareOf(sighting, pose) <= limit) inliers.push_back(sighting);
   return inliers;
 }
 
@@ -264,15 +275,17 @@ double sigmaScale(double chi_square, std::size_t markers) {
 }
 
 void describeMarkers(const std::vector<Sighting>& sightings, const std::vector<Sighting>& inliers,
-                     const CameraModel& camera, PanelPoseEstimate& estimate) {
+                     PanelPoseEstimate& estimate) {
   double squares = 0;
   for (const Sighting& sighting : sightings) {
     const Pose& pose = estimate.T_camera_panel.pose;
     MarkerFit fit;
+    fit.camera = sighting.camera_index;
     fit.detection = sighting.detection;
-    fit.inlier = std::any_of(inliers.begin(), inliers.end(),
-                             [&](const Sighting& inlier) { return inlier.detection == sighting.detection; });
-    const auto residual = reprojection(sighting, pose, camera, nullptr);
+    fit.inlier = std::any_of(inliers.begin(), inliers.end(), [&](const Sighting& inlier) {
+      return inlier.camera_index == sighting.camera_index && inlier.detection == sighting.detection;
+    });
+    const auto residual = reprojection(sighting, pose, nullptr);
     fit.rms_px = residual ? std::sqrt(residual->squaredNorm() / 8.0) : kInfinity;
     fit.chi_square = residual ? (sighting.whitener * *residual).squaredNorm() : kInfinity;
     if (fit.inlier) squares += fit.rms_px * fit.rms_px;
@@ -292,15 +305,20 @@ PanelPoseEstimate failed(const std::string& why) {
 
 PanelPoseEstimate solvePanelPose(const std::vector<Detection>& detections, const PanelMap& map,
                                  const CameraModel& camera, const PanelPoseOptions& options) {
-  const auto sightings = sightingsOf(detections, map);
+  return solvePanelPose({CameraDetections{detections, camera, {}}}, map, options);
+}
+
+PanelPoseEstimate solvePanelPose(const std::vector<CameraDetections>& cameras, const PanelMap& map,
+                                 const PanelPoseOptions& options) {
+  const auto sightings = sightingsOf(cameras, map);
   if (sightings.empty()) return failed("no marker of the map is seen");
   const double gate = chiSquareQuantile(8, options.inlier_probability);
 
-  const auto robust = robustPose(startsOf(detections, sightings, camera, options), sightings, camera, gate);
+  const auto robust = robustPose(startsOf(cameras, sightings, options), sightings, gate);
   if (!robust) return failed("no pose explains the corners");
 
-  std::vector<Sighting> inliers = inliersAt(*robust, sightings, camera, gate);
-  Solver solver(inliers, camera, gate);
+  std::vector<Sighting> inliers = inliersAt(*robust, sightings, gate);
+  Solver solver(inliers, gate);
   Solver::Minimum minimum = solver.minimize(*robust, false, 50);
   Solver::Minimum mirrored = solver.minimize(mirrorImage(minimum.pose, centreOf(inliers)), false, 50);
   if (mirrored.cost < minimum.cost) std::swap(minimum, mirrored);
@@ -319,7 +337,7 @@ PanelPoseEstimate solvePanelPose(const std::vector<Detection>& detections, const
   if (increase < options.ambiguity_chi_square &&
       angleBetween(minimum.pose.rotation, mirrored.pose.rotation) > kSamePose_rad)
     estimate.alternative = {mirrored.pose, increase};
-  describeMarkers(sightings, inliers, camera, estimate);
+  describeMarkers(sightings, inliers, estimate);
   return estimate;
 }
 

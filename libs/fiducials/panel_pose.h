@@ -11,9 +11,17 @@
 
 namespace fathom {
 
+/// What one of several cameras on one body saw at one instant.
+struct CameraDetections {
+  std::vector<Detection> detections;
+  CameraModel camera;
+  Pose T_first_camera;  ///< this camera on the first one; taken as exact
+};
+
 /// What one marker has to say to the panel's pose.
 struct MarkerFit {
-  std::size_t detection = 0;  ///< index into the detections given
+  std::size_t camera = 0;     ///< index into the cameras given
+  std::size_t detection = 0;  ///< index into its detections
   bool inlier = false;
   double rms_px = 0;      ///< reprojection, over the eight coordinates
   double chi_square = 0;  ///< whitened by the corners' covariance; 8 is to be expected
@@ -34,7 +42,7 @@ struct PanelPoseEstimate {
   UncertainPose T_camera_panel;  ///< scale included
   double rms_px = 0;             ///< reprojection, inliers
   int inlier_count = 0;
-  std::vector<MarkerFit> markers;  ///< those that the map has, in the order of the detections
+  std::vector<MarkerFit> markers;  ///< those that the map has, in the order of cameras and detections
   /// By how much sigma had to grow because residuals are larger than the corners' covariance explains; 1
   /// where they are not.
   double sigma_scale = 1;
@@ -55,6 +63,11 @@ struct PanelPoseEstimate {
 /// shows it.
 PanelPoseEstimate solvePanelPose(const std::vector<Detection>& detections, const PanelMap& map,
                                  const CameraModel& camera, const PanelPoseOptions& options = {});
+
+/// The same from several cameras at once, of a stereo pair for example: T_camera_panel is the first one's.
+/// A marker that two of them see counts twice. There must be a camera.
+PanelPoseEstimate solvePanelPose(const std::vector<CameraDetections>& cameras, const PanelMap& map,
+                                 const PanelPoseOptions& options = {});
 
 /// The pose whose planar points look nearly the same from afar: the normal mirrored at the line of sight
 /// through a point of the panel, which stays in place.

@@ -98,6 +98,11 @@ std::string posesFingerprint(const Studio& studio, std::size_t count) {
   return fingerprint.hex();
 }
 
+std::string formatText(const ImageFormat& format) {
+  if (format.kind == ImageFormat::Kind::png) return "";
+  return "JPEG of quality " + std::to_string(format.jpeg_quality) + "\n";
+}
+
 std::string inputsOf(const Studio& studio, std::size_t count) {
   const SimulationOptions& options = studio.options;
   return "What these images were simulated from; a run with other inputs removes them.\n"
@@ -106,7 +111,7 @@ std::string inputsOf(const Studio& studio, std::size_t count) {
          environmentFingerprint(studio.world.environment) + "\nscene " +
          sceneFingerprint(studio.world.scene_odom) + "\nposes " + posesFingerprint(studio, count) + "\n" +
          (options.noise ? "noise of seed " + std::to_string(options.seed) : "no noise") + "\n" +
-         formatCalibration(options.effects);
+         formatText(options.image_format) + formatCalibration(options.effects);
 }
 
 }  // namespace
@@ -126,7 +131,7 @@ void simulateImages(const SimulationOptions& options, const Trajectory& trajecto
   const Studio studio{options, trajectory, world, sheet,
                       ImageModel(sheet, world.environment.water, options.effects)};
   const std::size_t count = imageCount(options, trajectory);
-  const ImageStore store(folder, inputsOf(studio, count));
+  const ImageStore store(folder, inputsOf(studio, count), options.image_format);
 
   Progress progress("rendering " + std::to_string(count) + " images");
   std::mutex progress_mutex;
@@ -137,7 +142,7 @@ void simulateImages(const SimulationOptions& options, const Trajectory& trajecto
     return renderer;
   });
   const auto make = [&](std::size_t number) {
-    const auto files = imageFiles(sheet, number);
+    const auto files = imageFiles(sheet, options.image_format, number);
     for (std::size_t eye = 0; eye < files.size(); ++eye)
       if (!store.has(files[eye])) store.write(files[eye], studio.image(number, eye, renderers.local()));
     const std::scoped_lock lock(progress_mutex);

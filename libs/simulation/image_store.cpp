@@ -28,7 +28,7 @@ bool isOurs(std::string name) {
     return true;
   };
   cut(".part");
-  if (!cut(".png")) return false;
+  if (!cut(".png") && !cut(".jpg")) return false;
   if (name.starts_with("CAMERA_")) return isDigits(name.substr(7));
   return name.starts_with("STEREO_") && (cut("_left") || cut("_right")) && isDigits(name.substr(7));
 }
@@ -55,9 +55,15 @@ bool isWholePng(const std::string& bytes) {
   return false;
 }
 
+/// ITU T.81, annex B: start of image, a marker behind it, and at the very end the end of image.
+bool isWholeJpeg(const std::string& bytes) {
+  return bytes.size() > 5 && bytes.starts_with("\xff\xd8\xff") && bytes.ends_with("\xff\xd9");
+}
+
 }  // namespace
 
-ImageStore::ImageStore(fs::path folder, const std::string& inputs) : folder_(std::move(folder)) {
+ImageStore::ImageStore(fs::path folder, const std::string& inputs, const ImageFormat& format)
+    : folder_(std::move(folder)), format_(format) {
   const fs::path inputs_file = folder_ / kInputs;
   const bool same = fs::exists(inputs_file) && readTextFile(inputs_file) == inputs;
   std::error_code problem;
@@ -73,13 +79,18 @@ ImageStore::ImageStore(fs::path folder, const std::string& inputs) : folder_(std
 }
 
 bool ImageStore::has(const std::string& file) const {
-  return fs::exists(folder_ / file) && isWholePng(readTextFile(folder_ / file));
+  if (!fs::exists(folder_ / file)) return false;
+  const std::string bytes = readTextFile(folder_ / file);
+  return format_.kind == ImageFormat::Kind::png ? isWholePng(bytes) : isWholeJpeg(bytes);
 }
 
 void ImageStore::write(const std::string& file, const cv::Mat& image_bgr) const {
-  std::vector<unsigned char> png;
-  if (!cv::imencode(".png", image_bgr, png)) throw Error((folder_ / file).string(), "", "cannot be encoded");
-  writeTextFile(folder_ / file, std::string(png.begin(), png.end()));
+  std::vector<int> parameters;
+  if (format_.kind == ImageFormat::Kind::jpeg) parameters = {cv::IMWRITE_JPEG_QUALITY, format_.jpeg_quality};
+  std::vector<unsigned char> encoded;
+  if (!cv::imencode(format_.extension(), image_bgr, encoded, parameters))
+    throw Error((folder_ / file).string(), "", "cannot be encoded");
+  writeTextFile(folder_ / file, std::string(encoded.begin(), encoded.end()));
 }
 
 }  // namespace fathom

@@ -259,7 +259,7 @@ class CameraChannel : public Channel {
 
  private:
   Reading read(double) override {
-    const auto files = imageFiles(sheet_, image_++);
+    const auto files = imageFiles(sheet_, scene_.options.image_format, image_++);
     const mrpt::img::TCamera intrinsics = intrinsicsOf(sheet_.model);
     if (!sheet_.T_left_right) return ImageSample{sheet_.T_robot_camera, intrinsics, files[0]};
     return StereoSample{
@@ -307,11 +307,12 @@ Time imageTime(const SimulationOptions& options, std::size_t image) {
   return sampleTime(options, image, options.vehicle.camera.value().rate_hz);
 }
 
-std::vector<std::string> imageFiles(const CameraSheet& camera, std::size_t image) {
+std::vector<std::string> imageFiles(const CameraSheet& camera, const ImageFormat& format, std::size_t image) {
   std::string number = std::to_string(image);
   number.insert(0, number.size() < 4 ? 4 - number.size() : 0, '0');
-  if (!camera.T_left_right) return {"CAMERA_" + number + ".png"};
-  return {"STEREO_" + number + "_left.png", "STEREO_" + number + "_right.png"};
+  const std::string ending = format.extension();
+  if (!camera.T_left_right) return {"CAMERA_" + number + ending};
+  return {"STEREO_" + number + "_left" + ending, "STEREO_" + number + "_right" + ending};
 }
 
 double simulatedDuration_s(const SimulationOptions& options, const Trajectory& trajectory) {

@@ -10,6 +10,7 @@
 #include "effects/registry.h"
 #include "recording/samples.h"
 #include "sensors/vehicle.h"
+#include "simulation/image_format.h"
 #include "simulation/trajectory.h"
 
 namespace fathom {
@@ -28,6 +29,7 @@ struct SimulationOptions {
 
   double truth_rate_hz = 10.0;
   bool images = false;  ///< entries of the camera; the image files are simulateImages()' part
+  ImageFormat image_format;
   /// A beam has an echo between these slant ranges; the DVL has bottom lock with echoes on three beams.
   double beam_min_range_m = 0.05, beam_max_range_m = 50.0;
 };
@@ -68,8 +70,8 @@ void simulateNavigation(const SimulationOptions& options, const Trajectory& traj
 
 /// Stamp of a simulated image, the vehicle having a camera.
 Time imageTime(const SimulationOptions& options, std::size_t image);
-/// Names of its files: CAMERA_0000.png, or STEREO_0000_left.png and STEREO_0000_right.png.
-std::vector<std::string> imageFiles(const CameraSheet& camera, std::size_t image);
+/// Names of its files: CAMERA_0000.png, or STEREO_0000_left.png and STEREO_0000_right.png; .jpg for JPEG.
+std::vector<std::string> imageFiles(const CameraSheet& camera, const ImageFormat& format, std::size_t image);
 
 /// How long a simulation lasts, s: duration_s, or what is left of the trajectory. Throws Error as above.
 double simulatedDuration_s(const SimulationOptions& options, const Trajectory& trajectory);

@@ -254,6 +254,31 @@ TEST(SimulatedImages, OtherInputsBeginAnew) {
 }
 
 // Lamps add light where the water file says so, and nothing where it does not.
+TEST(SimulatedImages, JpegsThatAreCutAreMadeAgain) {
+  const auto folder = test::scratchFolder();
+  SimulationOptions options = smallCamera();
+  options.duration_s = 3;
+  options.image_format = {ImageFormat::Kind::jpeg, 80};
+  const Trajectory trajectory = station(folder);
+  simulateRecording(options, trajectory, target(folder / "whole"));
+  const auto files = simulateRecording(options, trajectory, target(folder / "cut"));
+  fs::resize_file(files.images / "CAMERA_0001.jpg", 2000);
+  fs::resize_file(files.images / "CAMERA_0002.jpg", 0);
+  const auto kept = fs::last_write_time(files.images / "CAMERA_0000.jpg");
+  simulateRecording(options, trajectory, target(folder / "cut"));
+  expectSameFiles(folder / "whole", folder / "cut");
+  EXPECT_EQ(fs::last_write_time(files.images / "CAMERA_0000.jpg"), kept);
+
+  options.image_format.jpeg_quality = 40;
+  simulateRecording(options, trajectory, target(folder / "cut"));
+  EXPECT_LT(fs::file_size(files.images / "CAMERA_0000.jpg"),
+            fs::file_size(folder / "whole/r_Images/CAMERA_0000.jpg"));
+  options.image_format = {};
+  simulateRecording(options, trajectory, target(folder / "cut"));
+  EXPECT_FALSE(fs::exists(files.images / "CAMERA_0000.jpg")) << "of other inputs";
+  EXPECT_TRUE(fs::exists(files.images / "CAMERA_0000.png"));
+}
+
 TEST(SimulatedImages, LampsLightThePanel) {
   const auto folder = test::scratchFolder();
   SimulationOptions options = smallCamera();

@@ -7,10 +7,14 @@
 
 #include "core/random.h"
 #include "fiducials/single_marker_pose.h"
-#include "support/marker_images.h"
+#include "support/detections.h"
 
 namespace fathom {
 namespace {
+using test::cornerCovariance;
+using test::detectionsOf;
+using test::gridPanel;
+using test::poseError;
 
 const CameraModel& camera() {
   static const CameraModel model = [] {
@@ -22,48 +26,6 @@ const CameraModel& camera() {
   return model;
 }
 
-/// `columns` by `rows` markers, 0.45 m by 0.36 m apart, with turns of their own.
-PanelMap panelOf(int columns, int rows) {
-  PanelMap map;
-  int id = 0;
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column) {
-      map.markers.push_back(test::markerAt("DICT_ARUCO_ORIGINAL", id, 0.18,
-                                           0.45 * (column - 0.5 * (columns - 1)),
-                                           0.36 * (row - 0.5 * (rows - 1)), radians(90) * (id % 4)));
-      ++id;
-    }
-  return map;
-}
-
-/// An edge-fit-like covariance: neighbours along a side anticorrelated, scaled to sigma.
-Matrix8d cornerCovariance(double sigma_px) {
-  Matrix8d C = Matrix8d::Identity();
-  for (Eigen::Index i = 0; i < 8; ++i) C(i, (i + 2) % 8) = C((i + 2) % 8, i) = -0.3;
-  return sigma_px * sigma_px * C;
-}
-
-std::vector<Detection> seen(const PanelMap& map, const Pose& T_camera_panel, double sigma_px,
-                            Random& random) {
-  const Matrix8d C = cornerCovariance(sigma_px);
-  const Matrix8d root = C.llt().matrixL();
-  std::vector<Detection> detections;
-  for (const Marker& marker : map.markers) {
-    Detection detection;
-    detection.family = marker.family;
-    detection.id = marker.id;
-    detection.corners_px = test::trueCorners(marker, camera(), T_camera_panel);
-    detection.covariance_px2 = C;
-    Vector8d noise;
-    for (Eigen::Index i = 0; i < 8; ++i) noise[i] = random.normal();
-    noise = root * noise;
-    for (std::size_t k = 0; k < 4; ++k)
-      detection.corners_px[k] += noise.segment<2>(static_cast<Eigen::Index>(2 * k));
-    detections.push_back(detection);
-  }
-  return detections;
-}
-
 Pose randomView(Random& random) {
   Pose view = test::lookingAtPanel(random.uniform(1.5, 4.0), random.uniform(0, 0.7), random.uniform(0, 6.28),
                                    random.uniform(-0.5, 0.5));
@@ -71,43 +33,36 @@ Pose randomView(Random& random) {
   return view;
 }
 
-Vector6d errorOf(const Pose& estimate, const Pose& truth) {
-  Vector6d error;
-  error.head<3>() = truth.position - estimate.position;
-  error.tail<3>() = logSO3<double>(estimate.rotation.transpose() * truth.rotation);
-  return error;
-}
-
 TEST(PanelPose, IsExactWithoutNoise) {
   Random random(1);
   for (const auto& [columns, rows] : {std::pair(1, 1), {2, 1}, {4, 3}})
     for (int i = 0; i < 20; ++i) {
-      const PanelMap map = panelOf(columns, rows);
+      const PanelMap map = gridPanel(columns, rows);
       const Pose truth = randomView(random);
-      auto detections = seen(map, truth, 0.1, random);
+      auto detections = detectionsOf(map, camera(), truth, 0.1, random);
       for (std::size_t k = 0; k < detections.size(); ++k)
         detections[k].corners_px = test::trueCorners(map.markers[k], camera(), truth);
       const auto estimate = solvePanelPose(detections, map, camera());
       ASSERT_TRUE(estimate.solved) << estimate.why_not;
       // A single distant marker is ambiguous to within rounding where it faces the camera.
-      EXPECT_LT(errorOf(estimate.T_camera_panel.pose, truth).norm(), columns * rows == 1 ? 1e-4 : 1e-6);
+      EXPECT_LT(poseError(estimate.T_camera_panel.pose, truth).norm(), columns * rows == 1 ? 1e-4 : 1e-6);
       EXPECT_EQ(estimate.inlier_count, columns * rows);
       const auto mean = meanOfMarkers(detections, map, camera());
-      EXPECT_LT(errorOf(*mean, truth).norm(), 0.05);
+      EXPECT_LT(poseError(*mean, truth).norm(), 0.05);
     }
 }
 
 TEST(PanelPose, CovarianceIsHonestAndNothingFlips) {
   Random random(2);
-  const PanelMap map = panelOf(2, 2);
+  const PanelMap map = gridPanel(2, 2);
   double nees = 0, joint = 0, averaged = 0;
   constexpr int kRuns = 400;
   for (int i = 0; i < kRuns; ++i) {
     const Pose truth = randomView(random);
-    const auto detections = seen(map, truth, 0.2, random);
+    const auto detections = detectionsOf(map, camera(), truth, 0.2, random);
     const auto estimate = solvePanelPose(detections, map, camera());
     ASSERT_TRUE(estimate.solved);
-    const Vector6d error = errorOf(estimate.T_camera_panel.pose, truth);
+    const Vector6d error = poseError(estimate.T_camera_panel.pose, truth);
     EXPECT_LT(error.tail<3>().norm(), radians(4)) << "a flip in run " << i;
     nees += error.dot(estimate.T_camera_panel.covariance.ldlt().solve(error)) / kRuns;
     joint += error.tail<3>().squaredNorm() / kRuns;
@@ -122,10 +77,10 @@ TEST(PanelPose, CovarianceIsHonestAndNothingFlips) {
 
 TEST(PanelPose, SurvivesMisreadAndMovedMarkers) {
   Random random(3);
-  const PanelMap map = panelOf(4, 3);
+  const PanelMap map = gridPanel(4, 3);
   for (int i = 0; i < 60; ++i) {
     const Pose truth = randomView(random);
-    auto detections = seen(map, truth, 0.15, random);
+    auto detections = detectionsOf(map, camera(), truth, 0.15, random);
     // Two ids swapped, one marker moved by 5 cm, one somewhere else altogether.
     std::swap(detections[0].corners_px, detections[7].corners_px);
     Marker moved = map.markers[3];
@@ -135,7 +90,7 @@ TEST(PanelPose, SurvivesMisreadAndMovedMarkers) {
       corner = Vector2d(200, 150) + 0.5 * (corner - detections[10].corners_px[0]);
     const auto estimate = solvePanelPose(detections, map, camera());
     ASSERT_TRUE(estimate.solved);
-    EXPECT_LT(errorOf(estimate.T_camera_panel.pose, truth).head<3>().norm(), 0.02);
+    EXPECT_LT(poseError(estimate.T_camera_panel.pose, truth).head<3>().norm(), 0.02);
     EXPECT_EQ(estimate.inlier_count, 8);
     for (const MarkerFit& fit : estimate.markers)
       EXPECT_EQ(fit.inlier,
@@ -145,9 +100,9 @@ TEST(PanelPose, SurvivesMisreadAndMovedMarkers) {
 
 TEST(PanelPose, ScaleGrowsWhereCornersAreWorseThanTheySay) {
   Random random(4);
-  const PanelMap map = panelOf(3, 2);
+  const PanelMap map = gridPanel(3, 2);
   const Pose truth = randomView(random);
-  auto detections = seen(map, truth, 0.6, random);
+  auto detections = detectionsOf(map, camera(), truth, 0.6, random);
   for (auto& detection : detections) detection.covariance_px2 = cornerCovariance(0.1);
   const auto estimate = solvePanelPose(detections, map, camera());
   ASSERT_TRUE(estimate.solved);
@@ -159,12 +114,12 @@ TEST(PanelPose, ScaleGrowsWhereCornersAreWorseThanTheySay) {
 TEST(PanelPose, TellsWhereTwoPosesExplainASmallMarker) {
   // 4 m away a marker of 0.18 m is 25 px wide: perspective is weak, and its mirror image explains it too.
   Random random(5);
-  const PanelMap one = panelOf(1, 1), twelve = panelOf(4, 3);
+  const PanelMap one = gridPanel(1, 1), twelve = gridPanel(4, 3);
   int ambiguous = 0, near = 0;
   constexpr int kRuns = 50;
   for (int i = 0; i < kRuns; ++i) {
     const Pose truth = test::lookingAtPanel(4, radians(12), random.uniform(0, 6.28));
-    const auto estimate = solvePanelPose(seen(one, truth, 0.2, random), one, camera());
+    const auto estimate = solvePanelPose(detectionsOf(one, camera(), truth, 0.2, random), one, camera());
     ASSERT_TRUE(estimate.solved);
     if (estimate.isAmbiguous()) {
       ++ambiguous;
@@ -172,14 +127,15 @@ TEST(PanelPose, TellsWhereTwoPosesExplainASmallMarker) {
       const double second = angleBetween(estimate.alternative->T_camera_panel.rotation, truth.rotation);
       near += std::min(first, second) < radians(10);
     }
-    EXPECT_FALSE(solvePanelPose(seen(twelve, truth, 0.2, random), twelve, camera()).isAmbiguous());
+    EXPECT_FALSE(
+        solvePanelPose(detectionsOf(twelve, camera(), truth, 0.2, random), twelve, camera()).isAmbiguous());
   }
   EXPECT_GT(ambiguous, kRuns / 2);
   EXPECT_GT(near, ambiguous * 3 / 4);
 }
 
 TEST(PanelPose, SaysWhyNot) {
-  const PanelMap map = panelOf(2, 1);
+  const PanelMap map = gridPanel(2, 1);
   EXPECT_FALSE(PanelPoseEstimate().solved);
   EXPECT_FALSE(solvePanelPose({}, map, camera()).solved);
   Detection stranger;
@@ -215,7 +171,7 @@ TEST(UncertainPose, ConvertsToMrptAndToTheRobot) {
     const Pose sample{panel.pose.rotation * expSO3<double>(step.tail<3>()),
                       panel.pose.position + step.head<3>()};
     const Vector6d robot_error =
-        errorOf(robot.pose, T_odom_panel * sample.inverse() * T_robot_camera.inverse());
+        poseError(robot.pose, T_odom_panel * sample.inverse() * T_robot_camera.inverse());
     robot_scatter += robot_error * robot_error.transpose() / kSamples;
     Vector6d mrpt_error;
     mrpt_error.head<3>() = step.head<3>();
@@ -228,6 +184,61 @@ TEST(UncertainPose, ConvertsToMrptAndToTheRobot) {
   EXPECT_LT((robot_scatter - robot.covariance).norm(), 0.03 * robot.covariance.norm());
   EXPECT_LT((mrpt_scatter - mrpt_panel.cov.asEigen()).norm(), 0.03 * mrpt_scatter.norm());
   EXPECT_LT((Pose::fromMrpt(mrpt_panel.mean).position - panel.pose.position).norm(), 1e-12);
+}
+
+/// A pair of cameras with different lenses, the right one turned a little.
+std::vector<CameraDetections> pairOf(const PanelMap& map, const Pose& T_left_panel, double sigma_px,
+                                     Random& random) {
+  CameraModel right = camera();
+  right.fx_px += 12;
+  right.cy_px -= 7;
+  right.k1 = -0.05;
+  const Pose T_left_right{expSO3<double>({0.01, -0.03, 0.02}), {0.15, 0.01, -0.02}};
+  return {{detectionsOf(map, camera(), T_left_panel, sigma_px, random), camera(), {}},
+          {detectionsOf(map, right, T_left_right.inverse() * T_left_panel, sigma_px, random), right,
+           T_left_right}};
+}
+
+TEST(PanelPose, OfAPairIsConsistentAndBetterThanOfItsCameras) {
+  Random random(11);
+  const PanelMap map = gridPanel(2, 1);
+  double nees = 0, mono_m = 0, pair_m = 0;
+  constexpr int kRuns = 200;
+  for (int i = 0; i < kRuns; ++i) {
+    const Pose truth = randomView(random);
+    const auto pair = pairOf(map, truth, 0.2, random);
+    const auto estimate = solvePanelPose(pair, map);
+    ASSERT_TRUE(estimate.solved) << estimate.why_not;
+    EXPECT_EQ(estimate.markers.size(), 4U);
+    EXPECT_EQ(estimate.markers[3].camera, 1U);
+    EXPECT_EQ(estimate.markers[3].detection, 1U);
+    const Vector6d error = poseError(estimate.T_camera_panel.pose, truth);
+    nees += error.dot(estimate.T_camera_panel.covariance.ldlt().solve(error)) / kRuns;
+    pair_m += error.head<3>().norm() / kRuns;
+    const auto mono = solvePanelPose(pair[0].detections, map, camera());
+    mono_m += poseError(mono.T_camera_panel.pose, truth).head<3>().norm() / kRuns;
+  }
+  // Chi-square of 6 a run: a mean over 200 has sigma sqrt(12/200) = 0.245; four sigma, and linearization.
+  EXPECT_NEAR(nees, 6.0, 1.1);
+  EXPECT_LT(pair_m, 0.7 * mono_m);
+}
+
+TEST(PanelPose, TheOtherCameraTellsMirrorImagesApart) {
+  Random random(12);
+  const PanelMap map = gridPanel(1, 1);
+  int ambiguous_alone = 0, ambiguous = 0, flipped = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Pose truth = test::lookingAtPanel(2.0, random.uniform(0.1, 0.3), random.uniform(0, 6.28));
+    const auto pair = pairOf(map, truth, 0.1, random);
+    ambiguous_alone += solvePanelPose(pair[0].detections, map, camera()).isAmbiguous() ? 1 : 0;
+    const auto estimate = solvePanelPose(pair, map);
+    ambiguous += estimate.isAmbiguous() ? 1 : 0;
+    if (estimate.isAmbiguous()) continue;
+    flipped += angleBetween(estimate.T_camera_panel.pose.rotation, truth.rotation) > 0.15 ? 1 : 0;
+  }
+  EXPECT_GT(ambiguous_alone, 20);
+  EXPECT_LT(ambiguous, ambiguous_alone / 2);
+  EXPECT_LE(flipped, 1);
 }
 
 }  // namespace

@@ -1,0 +1,237 @@
+#include "landmarks/detection_cache.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <mutex>
+#include <set>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "core/fingerprint.h"
+#include "core/progress.h"
+#include "core/text.h"
+#include "fiducials/image_file.h"
+#include "fiducials/one_opencv_thread.h"
+#include "landmarks/kept_detections.h"
+#include "recording/recorded_camera.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+void add(Fingerprint& fingerprint, const CameraModel& m) {
+  for (const double number : {1.0 * m.width_px, 1.0 * m.height_px, m.fx_px, m.fy_px, m.cx_px, m.cy_px, m.k1,
+                              m.k2, m.p1, m.p2, m.k3})
+    fingerprint.add(number);
+}
+
+std::string fingerprintOf(const CameraModel& camera) {
+  Fingerprint fingerprint;
+  add(fingerprint, camera);
+  return fingerprint.hex();
+}
+
+/// All that detections depend on besides image and camera.
+std::string inputsOf(const DetectionSettings& s) {
+  std::string text = "Markers found in images.\nversion " FATHOM_VERSION ", OpenCV " CV_VERSION "\nbackend " +
+                     std::string(nameOf(s.backend));
+  if (s.fallback)
+    text += ", below " + std::to_string(s.expected_markers) + " " + std::string(nameOf(*s.fallback));
+  text += "\npreprocess " + std::string(nameOf(s.preprocess)) + (s.refine ? ", refined" : ", not refined") +
+          ", corrected bits " + std::to_string(s.largest_corrected_bits) + "\nfamilies";
+  for (const std::string& family : s.families) text += " " + family;
+  return text + "\n";
+}
+
+std::unique_ptr<Detector> detectorFor(const CameraModel& camera, const DetectionSettings& s) {
+  DetectorOptions options;
+  options.preprocess = s.preprocess;
+  options.refine = s.refine;
+  options.camera = camera;
+  options.largest_corrected_bits = s.largest_corrected_bits;
+  auto first = makeDetector(s.backend, s.families, options);
+  if (!s.fallback) return first;
+  return std::make_unique<FallbackDetector>(std::move(first), makeDetector(*s.fallback, s.families, options),
+                                            static_cast<std::size_t>(s.expected_markers));
+}
+
+/// What one thread needs for each camera.
+using Detectors = std::map<std::string, std::unique_ptr<Detector>>;
+
+std::vector<Detection> search(const CameraImage& image, const DetectionSettings& settings,
+                              Detectors& detectors) {
+  auto& detector = detectors[fingerprintOf(image.camera)];
+  if (!detector) detector = detectorFor(image.camera, settings);
+  const cv::Mat pixels = readImage(image.file);
+  if (pixels.cols != image.camera.width_px || pixels.rows != image.camera.height_px)
+    throw Error(image.file.string(), "",
+                print("is of %d x %d pixels, its camera of %d x %d", pixels.cols, pixels.rows,
+                      image.camera.width_px, image.camera.height_px));
+  return detector->detect(pixels);
+}
+
+/// What becomes of one image.
+struct Outcome {
+  std::string fingerprint;  ///< of content and camera; empty: not readable
+  std::optional<std::vector<Detection>> detections;
+  bool kept_before = false;
+  std::string why_not;
+};
+
+/// Calls make(i) for each image, all cores at once.
+void forEach(std::size_t count, const std::string& what, const auto& make) {
+  Progress progress(what);
+  std::mutex progress_mutex;
+  std::size_t done = 0;
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, count, 1),
+      [&](const auto& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          make(i);
+          const std::scoped_lock lock(progress_mutex);
+          progress.update(static_cast<double>(++done) / static_cast<double>(count));
+        }
+      },
+      tbb::simple_partitioner());
+}
+
+/// Finds what was kept of each image.
+std::vector<Outcome> lookUp(const std::vector<CameraImage>& images, const KeptDetections& kept) {
+  std::vector<Outcome> outcomes(images.size());
+  forEach(images.size(), "looking up " + std::to_string(images.size()) + " images", [&](std::size_t i) {
+    Outcome& outcome = outcomes[i];
+    try {
+      Fingerprint fingerprint;
+      fingerprint.add(readTextFile(images[i].file));
+      add(fingerprint, images[i].camera);
+      outcome.fingerprint = fingerprint.hex();
+    } catch (const Error& error) {
+      outcome.why_not = error.why;
+      return;
+    }
+    const auto found = kept.find(outcome.fingerprint);
+    if (found == kept.end()) return;
+    outcome.detections = found->second;
+    outcome.kept_before = true;
+  });
+  return outcomes;
+}
+
+/// Searches those that nothing was kept of.
+void searchOthers(const std::vector<CameraImage>& images, const DetectionSettings& settings,
+                  std::vector<Outcome>& outcomes) {
+  const OneOpenCvThread one_thread;
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < images.size(); ++i)
+    if (!outcomes[i].detections && outcomes[i].why_not.empty()) left.push_back(i);
+  tbb::enumerable_thread_specific<Detectors> detectors;
+  forEach(left.size(), "finding markers in " + std::to_string(left.size()) + " images", [&](std::size_t k) {
+    Outcome& outcome = outcomes[left[k]];
+    try {
+      outcome.detections = search(images[left[k]], settings, detectors.local());
+    } catch (const Error& error) {
+      outcome.why_not = (error.where.empty() ? "" : error.where + ": ") + error.why;
+    }
+  });
+}
+
+KeptDetections toKeep(const std::vector<Outcome>& outcomes) {
+  KeptDetections kept;
+  for (const Outcome& outcome : outcomes)
+    if (outcome.detections) kept[outcome.fingerprint] = *outcome.detections;
+  return kept;
+}
+
+fs::path fileFor(const fs::path& keep_in, const std::string& inputs) {
+  return keep_in.empty() ? fs::path()
+                         : fs::path(keep_in.string() + "_" + Fingerprint().add(inputs).hex() + ".gz");
+}
+
+Detections resultOf(const std::vector<CameraImage>& images, std::vector<Outcome>& outcomes) {
+  Detections result;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (outcomes[i].kept_before) ++result.kept_before;
+    if (outcomes[i].detections)
+      result.by_file[images[i].file] = std::move(*outcomes[i].detections);
+    else
+      result.unreadable.push_back({images[i].file, outcomes[i].why_not});
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<CameraImage> imagesOf(SampleSource& source) {
+  std::vector<CameraImage> images;
+  std::set<fs::path> files;
+  const auto add = [&](const std::string& name, const mrpt::img::TCamera& camera) {
+    const fs::path file = source.imageFolder() / name;
+    if (files.insert(file).second) images.push_back({file, cameraModel(camera)});
+  };
+  Progress progress("looking for images");
+  while (const auto sample = source.next()) {
+    if (const auto* image = std::get_if<ImageSample>(&sample->reading)) add(image->file, image->intrinsics);
+    if (const auto* pair = std::get_if<StereoSample>(&sample->reading)) {
+      add(pair->left_file, pair->left_intrinsics);
+      add(pair->right_file, pair->right_intrinsics);
+    }
+    progress.update(source.fraction());
+  }
+  return images;
+}
+
+std::vector<std::string> familiesOf(const std::vector<PanelMap>& panels) {
+  std::set<std::string> families;
+  for (const PanelMap& panel : panels)
+    for (const Marker& marker : panel.markers) families.insert(marker.family);
+  return {families.begin(), families.end()};
+}
+
+const std::vector<Detection>* Detections::find(const fs::path& file) const {
+  const auto found = by_file.find(file);
+  return found == by_file.end() ? nullptr : &found->second;
+}
+
+std::size_t Detections::markerCount() const {
+  std::size_t count = 0;
+  for (const auto& [file, detections] : by_file) count += detections.size();
+  return count;
+}
+
+Detections detectImages(const std::vector<CameraImage>& images, const DetectionSettings& settings,
+                        const fs::path& keep_in) {
+  const std::string inputs = inputsOf(settings);
+  const fs::path file = fileFor(keep_in, inputs);
+  const KeptDetections kept = file.empty() ? KeptDetections{} : readKept(file, inputs);
+  auto outcomes = lookUp(images, kept);
+  std::string not_kept_why;
+  const auto keep = [&] {
+    const KeptDetections now = toKeep(outcomes);
+    const auto is_kept = [&](const auto& entry) { return kept.contains(entry.first); };
+    const bool same = now.size() == kept.size() && std::all_of(now.begin(), now.end(), is_kept);
+    if (file.empty() || same) return;
+    try {
+      writeKept(file, inputs, now);
+    } catch (const Error& error) {
+      not_kept_why = error.what();
+    }
+  };
+  try {
+    searchOthers(images, settings, outcomes);
+  } catch (const Interrupted&) {
+    keep();
+    throw;
+  }
+  keep();
+  Detections result = resultOf(images, outcomes);
+  result.not_kept_why = not_kept_why;
+  if (not_kept_why.empty()) result.kept_in = file;
+  return result;
+}
+
+fs::path keepBeside(const fs::path& rawlog) {
+  return rawlog.parent_path() / (rawlog.stem().string() + "_detections");
+}
+
+}  // namespace fathom
