@@ -174,7 +174,7 @@ std::uint64_t readSeed(const YamlMap& map) {
 }
 
 std::vector<std::string> readSensors(const YamlMap& map, bool with_values) {
-  const auto sensors = map.texts("sensors");
+  auto sensors = map.texts("sensors");
   if (sensors.empty()) throw map.error("sensors", "must not be empty");
   for (const std::string& sensor : sensors) {
     if (std::find(knownSensors().begin(), knownSensors().end(), sensor) == knownSensors().end())

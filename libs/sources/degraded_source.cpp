@@ -10,6 +10,12 @@ namespace {
 /// Stamps farther from the first than this are broken; they pass every stage as they are.
 constexpr double kLongestRecording_s = 10 * 365.25 * 86400;
 
+/// A stamp that is set, and leaves room for sums.
+bool isTime(Time stamp) {
+  constexpr Time::duration::rep kLatest = Time::duration::rep{1} << 62;
+  return stamp.time_since_epoch().count() > 0 && stamp.time_since_epoch().count() < kLatest;
+}
+
 /// secondsBetween, without overflow where a stamp is garbage.
 double secondsApart(Time a, Time b) {
   const auto ticks = [](Time t) { return static_cast<long double>(t.time_since_epoch().count()); };
@@ -100,7 +106,7 @@ std::optional<Sample> DegradedSource::next() {
 
 /// Sends a sample through the stages.
 void DegradedSource::admit(Sample sample) {
-  const bool timed = sample.time != Time{};
+  const bool timed = isTime(sample.time);
   if (timed) advanceClock(sample.time);
   std::vector<Arrival> arrivals, next;
   arrivals.push_back({clock_s_, std::move(sample)});

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "sources/fault.h"
 
 namespace fathom {
@@ -17,7 +19,9 @@ struct JitterFault {
   }
 
   void apply(Arrival arrival, const FaultContext& context, std::vector<Arrival>& out) const {
-    arrival.sample.time = after(arrival.sample.time, sigma_s * context.random.normal());
+    constexpr double kMost_s = 86400.0;  // what any clock of a dive could be off by
+    const double off_s = std::clamp(sigma_s * context.random.normal(), -kMost_s, kMost_s);
+    arrival.sample.time = after(arrival.sample.time, off_s);
     out.push_back(std::move(arrival));
   }
 };

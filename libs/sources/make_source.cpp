@@ -68,6 +68,7 @@ class SourceMaker {
     auto main_source = source(main, {}, map_, "default");
     if (labels.empty()) return main_source;
     std::vector<MixedSource::Part> parts;
+    parts.reserve(labels.size());
     for (const auto& [name, wanted_labels] : labels)
       parts.push_back({source(name, wanted_labels, map_.map("from"), wanted_labels.front()), wanted_labels});
     return std::make_unique<MixedSource>(std::move(main_source), std::move(parts));
@@ -113,6 +114,9 @@ class SourceMaker {
     SimulationOptions options;
     const RecordingHeader header = RawlogReader(recording_).header();
     options.vehicle = readVehicle(vehicleFile(y, header));
+    for (const std::string& label : wanted)
+      if (kImages.contains(label))
+        throw at.error(label, "images cannot be simulated on the way: simulate a recording and name it here");
     demand(sensorsOf(options.vehicle), wanted, at, "the simulated vehicle");
     if (y.has("calibration")) options.effects = readCalibration(folder_ / y.text("calibration"));
     if (y.has("seed")) options.seed = seedOf(y);
@@ -138,15 +142,12 @@ class SourceMaker {
     return static_cast<std::uint64_t>(seed);
   }
 
+  /// Throws where one of the labels wanted is not there. `where` names the place.
   static void demand(const std::set<std::string>& there, const std::vector<std::string>& wanted,
                      const YamlMap& at, const std::string& where) {
-    for (const std::string& label : wanted) {
-      if (there.contains(label)) continue;
-      const bool image = kImages.contains(label) && where == "the simulated vehicle";
-      throw at.error(label,
-                     image ? "images cannot be simulated on the way: simulate a recording and name it here"
-                           : "there is no " + label + " in " + where);
-    }
+    for (const std::string& label : wanted)
+      if (!there.contains(label))
+        throw at.error(label, std::string("there is no ").append(label) + " in " + where);
   }
 
   const YamlMap& map_;

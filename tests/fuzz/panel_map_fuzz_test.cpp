@@ -4,33 +4,12 @@
 #include <cmath>
 
 #include "core/random.h"
+#include "support/damaged_text.h"
 #include "support/panels.h"
 
 namespace fathom {
 namespace {
 namespace fs = std::filesystem;
-
-std::string damaged(std::string text, Random& random) {
-  const auto at = random.bits() % text.size();
-  switch (random.bits() % 5) {
-    case 0:
-      text[at] = static_cast<char>(random.bits());
-      break;
-    case 1:
-      text.resize(at);
-      break;
-    case 2:
-      text.erase(at, 1 + random.bits() % 20);
-      break;
-    case 3:
-      text.insert(at, text.substr(random.bits() % text.size(), random.bits() % 30));
-      break;
-    default:
-      text[at] = "0123456789-+./e\n #{}[]:,"[random.bits() % 24];
-      break;
-  }
-  return text;
-}
 
 /// Whether it was read. Anything but an Error of one line fails the test.
 bool survives(const test::BoardFiles& files, const fs::path& folder) {
@@ -56,7 +35,7 @@ void fuzz(std::string test::BoardFiles::*which, std::uint64_t seed) {
     test::BoardFiles files;
     const auto wounds = 1 + random.bits() % 3;
     for (std::size_t i = 0; i < wounds && !(files.*which).empty(); ++i)
-      files.*which = damaged(files.*which, random);
+      files.*which = test::damaged(files.*which, random);
     refused += survives(files, folder) ? 0 : 1;
     if (testing::Test::HasFailure()) FAIL() << "run " << run << ":\n" << files.*which;
   }

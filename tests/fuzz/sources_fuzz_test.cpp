@@ -9,6 +9,7 @@
 #include "recording/tum.h"
 #include "sources/make_source.h"
 #include "sources/stress.h"
+#include "support/damaged_text.h"
 #include "support/motions.h"
 #include "support/shared_data.h"
 #include "support/streams.h"
@@ -19,25 +20,6 @@ namespace fs = std::filesystem;
 
 const fs::path kSource = FATHOM_SOURCE_DIR;
 
-std::string damaged(std::string text, Random& random) {
-  const auto at = random.bits() % text.size();
-  switch (random.bits() % 4) {
-    case 0:
-      text[at] = "0123456789-+./e\n #{}[]:,"[random.bits() % 24];
-      break;
-    case 1:
-      text.resize(at);
-      break;
-    case 2:
-      text.erase(at, 1 + random.bits() % 20);
-      break;
-    default:
-      text.insert(at, text.substr(random.bits() % text.size(), random.bits() % 30));
-      break;
-  }
-  return text;
-}
-
 /// Damages `text` again and again; `use` gets the file. Some must be read and some rejected.
 void fuzz(const fs::path& folder, const std::string& text, int rounds,
           const std::function<void(const fs::path&)>& use) {
@@ -45,8 +27,8 @@ void fuzz(const fs::path& folder, const std::string& text, int rounds,
   const fs::path file = folder / "damaged.yaml";
   int read = 0;
   for (int i = 0; i < rounds; ++i) {
-    std::string worse = damaged(text, random);
-    if (i % 2 == 0 && !worse.empty()) worse = damaged(worse, random);
+    std::string worse = test::damaged(text, random);
+    if (i % 2 == 0 && !worse.empty()) worse = test::damaged(worse, random);
     writeTextFile(file, worse);
     try {
       use(file);

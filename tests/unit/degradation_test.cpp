@@ -381,7 +381,7 @@ TEST(Degradation, SetsOneStrength) {
 
 // ---- what YAML may say
 
-std::string complaint(const std::string& keys) {
+std::string flawOf(const std::string& keys) {
   try {
     stage(keys);
   } catch (const Error& error) {
@@ -392,7 +392,7 @@ std::string complaint(const std::string& keys) {
 
 TEST(Degradation, SaysWhatIsWrong) {
   const auto says = [](const std::string& keys, const std::string& what) {
-    EXPECT_NE(complaint(keys).find(what), std::string::npos) << keys << " -> " << complaint(keys);
+    EXPECT_NE(flawOf(keys).find(what), std::string::npos) << keys << " -> " << flawOf(keys);
   };
   says("kind: dorp, sensors: [DVL]", "`dorp` is none of drop, delay, jitter, noise");
   says("kind: drop, sensors: [DLV], probability: 1", "`DLV` is none of INS, DVL");

@@ -36,7 +36,7 @@ TEST(Stress, VariesAllTogether) {
   const auto read = faults(
       "  - {name: noise, kind: noise, sensors: [INS], gyro_rad_s: 0.1, accelerometer_m_s2: 1, vary: factor, "
       "strengths: [1, 3]}\n");
-  const auto& sigma = std::get<NoiseFault>(read.at(0).at(3).fault).sigma;
+  const Amounts sigma = std::get<NoiseFault>(read.at(0).at(3).fault).sigma;
   EXPECT_NEAR(sigma.gyro_rad_s.x(), 0.3, 1e-15);
   EXPECT_EQ(sigma.accelerometer_m_s2.x(), 3);
 }
