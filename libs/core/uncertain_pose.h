@@ -19,6 +19,25 @@ struct UncertainPose {
   /// angles' covariance is damped.
   mrpt::poses::CPose3DPDFGaussian toMrpt() const;
   static UncertainPose fromMrpt(const mrpt::poses::CPose3DPDFGaussian& pdf);
+
+  /// T_b_a.
+  UncertainPose inverse() const;
 };
+
+/// T_a_c = T_a_b T_b_c, T_a_b exact.
+UncertainPose operator*(const Pose& T_a_b, const UncertainPose& T_b_c);
+
+/// A pose made of two others, and by how much its error (as in UncertainPose) grows with theirs.
+struct LinkedPose {
+  Pose pose;
+  Matrix6d wrt_first, wrt_second;
+};
+/// T_a_c = T_a_b T_b_c.
+LinkedPose composed(const Pose& T_a_b, const Pose& T_b_c);
+/// T_a_b = T_o_a^-1 T_o_b.
+LinkedPose between(const Pose& T_o_a, const Pose& T_o_b);
+
+/// The error that `to` has against `from`: p_to - p_from, Log(R_from^T R_to).
+Vector6d poseDifference(const Pose& from, const Pose& to);
 
 }  // namespace fathom

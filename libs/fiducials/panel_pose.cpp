@@ -354,17 +354,7 @@ Pose mirrorImage(const Pose& T_camera_panel, const Vector3d& centre_panel) {
 
 UncertainPose robotPose(const UncertainPose& T_camera_panel, const Pose& T_odom_panel,
                         const Pose& T_robot_camera) {
-  const auto& [T_cp, covariance] = T_camera_panel;
-  const Pose T_odom_robot = T_odom_panel * T_cp.inverse() * T_robot_camera.inverse();
-  // T_cp moves by dp and Exp(dr). R_odom_robot = R_op Exp(-dr) R_pc R_cr: a turn of -R_rp dr in robot axes.
-  // Robot in panel axes: R_pc (p_cr - p) = q becomes Exp(-dr) (q - R_pc dp) = q + [q]x dr - R_pc dp.
-  const Matrix3d R_panel_camera = T_cp.rotation.transpose();
-  const Vector3d q = R_panel_camera * (T_robot_camera.inverse().position - T_cp.position);
-  Matrix6d J = Matrix6d::Zero();
-  J.topLeftCorner<3, 3>() = -T_odom_panel.rotation * R_panel_camera;
-  J.topRightCorner<3, 3>() = T_odom_panel.rotation * crossMatrix(q);
-  J.bottomRightCorner<3, 3>() = -T_robot_camera.rotation * T_cp.rotation;
-  return {T_odom_robot, J * covariance * J.transpose()};
+  return T_odom_panel * (T_robot_camera * T_camera_panel).inverse();
 }
 
 }  // namespace fathom

@@ -1,5 +1,7 @@
 #include "localization/error_state_filter.h"
 
+#include <Eigen/Cholesky>
+
 namespace fathom {
 namespace {
 
@@ -100,7 +102,8 @@ void timesTransitionTransposed(B& columns, const TransitionBlocks& f, const Matr
     way[i] = columns.col(kVelocity + k) * dt + columns.col(kAcceleration + k) * (0.5 * dt * dt);
   }
   for (int j = 0; j < 3; ++j) {
-    Column position = columns.col(kPosition + j), orientation = Column::Zero(), velocity = Column::Zero();
+    Column position = columns.col(kPosition + j), orientation = Column::Zero(columns.rows()),
+           velocity = Column::Zero(columns.rows());
     for (int k = 0; k < 3; ++k) {
       const auto angle = columns.col(kOrientation + k), rate = columns.col(kAngularVelocity + k);
       position += angle * f.position_orientation(j, k) + way[static_cast<std::size_t>(k)] * R(j, k);
@@ -131,7 +134,9 @@ void ErrorStateFilter<N>::step(double dt, const ProcessNoise& noise) {
     decayBiases(x, decay);
     P.template middleCols<6>(kGyroBias) *= decay;
     P.template middleRows<6>(kGyroBias) *= decay;
+    attached.cross.template middleCols<6>(kGyroBias) *= decay;
   }
+  if (!attached.T_odom.empty()) timesTransitionTransposed(attached.cross, f, x.motion.R_odom_robot, dt);
   timesTransitionTransposed(P, f, x.motion.R_odom_robot, dt);  // P F^T; its rows from nine on are final
   Eigen::Matrix<double, 9, kCoreSize> top = P.template topLeftCorner<kCoreSize, 9>().transpose();
   timesTransitionTransposed(top, f, x.motion.R_odom_robot,
@@ -165,6 +170,166 @@ template <int N>
 void ErrorStateFilter<N>::predict(double dt_s, const ProcessNoise& noise) {
   const int steps = std::max(1, static_cast<int>(std::ceil(dt_s / kMaximumStep_s - 1e-9)));
   for (int k = 0; k < steps; ++k) step(dt_s / steps, noise);
+}
+
+namespace {
+
+/// The attached poses moved by their share of a correction; returns the blocks that reset their rotations'
+/// errors, on the diagonal of an otherwise identity matrix.
+Eigen::MatrixXd moveAttached(std::vector<Pose>& poses, const Eigen::VectorXd& delta) {
+  Eigen::MatrixXd reset = Eigen::MatrixXd::Identity(delta.size(), delta.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(6 * i);
+    poses[i].position += delta.segment<3>(row);
+    poses[i].rotation = poses[i].rotation * expSO3<double>(delta.segment<3>(row + 3));
+    reset.block<3, 3>(row + 3, row + 3) = rightJacobianSO3<double>(delta.segment<3>(row + 3));
+  }
+  return reset;
+}
+
+}  // namespace
+
+template <int N>
+void ErrorStateFilter<N>::carryAttached(const Eigen::Ref<const Eigen::MatrixXd>& H, const int* columns,
+                                        const Eigen::Ref<const Eigen::MatrixXd>& R,
+                                        const Eigen::Ref<const Eigen::MatrixXd>& S,
+                                        const Eigen::Ref<const Eigen::MatrixXd>& PHt,
+                                        const Eigen::Ref<const Eigen::MatrixXd>& gain,
+                                        const Eigen::Ref<const Eigen::VectorXd>& residual) {
+  const auto timesHTransposed = [&] {
+    Eigen::MatrixXd product = attached.cross.col(columns[0]) * H.col(0).transpose();
+    for (int k = 1; k < H.cols(); ++k) product += attached.cross.col(columns[k]) * H.col(k).transpose();
+    return product;
+  };
+  const Eigen::MatrixXd own = timesHTransposed();
+  const Eigen::MatrixXd own_gain = S.ldlt().solve(own.transpose()).transpose();
+  attached.cross -= own_gain * PHt.transpose();
+  const Eigen::MatrixXd excess = timesHTransposed() - own_gain * R;
+  attached.cross -= excess * gain.transpose();
+  attached.block -= own_gain * own.transpose() + excess * own_gain.transpose();
+
+  const Vector delta = gain * residual;
+  const Matrix3d robot = rightJacobianSO3<double>(delta.template segment<3>(kOrientation));
+  attached.cross.template middleCols<3>(kOrientation) *= robot.transpose();
+  const Eigen::MatrixXd reset = moveAttached(attached.T_odom, own_gain * residual);
+  attached.cross = (reset * attached.cross).eval();
+  const Eigen::MatrixXd block = reset * attached.block * reset.transpose();
+  attached.block = 0.5 * (block + block.transpose());
+}
+
+template <int N>
+Eigen::MatrixXd ErrorStateFilter<N>::wholeCovariance() const {
+  const Eigen::Index rest = attached.block.rows();
+  Eigen::MatrixXd whole(N + rest, N + rest);
+  whole.topLeftCorner(N, N) = P;
+  whole.bottomLeftCorner(rest, N) = attached.cross;
+  whole.topRightCorner(N, rest) = attached.cross.transpose();
+  whole.bottomRightCorner(rest, rest) = attached.block;
+  return whole;
+}
+
+template <int N>
+void ErrorStateFilter<N>::setWholeCovariance(const Eigen::MatrixXd& covariance) {
+  const Eigen::MatrixXd whole = 0.5 * (covariance + covariance.transpose());
+  const Eigen::Index rest = whole.rows() - N;
+  P = whole.topLeftCorner(N, N);
+  attached.cross = whole.bottomLeftCorner(rest, N);
+  attached.block = whole.bottomRightCorner(rest, rest);
+}
+
+template <int N>
+double ErrorStateFilter<N>::updateWhole(const Eigen::VectorXd& residual, const Eigen::MatrixXd& H,
+                                        const Eigen::MatrixXd& R, double gate) {
+  const Eigen::MatrixXd before = wholeCovariance();
+  const Eigen::MatrixXd PHt = before * H.transpose();
+  const Eigen::LDLT<Eigen::MatrixXd> S(H * PHt + R);
+  const double nis = residual.dot(S.solve(residual));
+  if (!S.isPositive() || !(nis <= gate)) return nis;
+  const Eigen::MatrixXd gain = S.solve(PHt.transpose()).transpose();
+  const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(before.rows(), before.rows()) - gain * H;
+  const Eigen::VectorXd delta = gain * residual;
+  retract<N>(x, delta.head<N>());
+  Eigen::MatrixXd reset = Eigen::MatrixXd::Identity(before.rows(), before.rows());
+  reset.template block<3, 3>(kOrientation, kOrientation) =
+      rightJacobianSO3<double>(delta.segment<3>(kOrientation));
+  reset.bottomRightCorner(before.rows() - N, before.rows() - N) =
+      moveAttached(attached.T_odom, delta.tail(before.rows() - N));
+  setWholeCovariance(reset * (rest * before * rest.transpose() + gain * R * gain.transpose()) *
+                     reset.transpose());
+  return nis;
+}
+
+template <int N>
+int ErrorStateFilter<N>::attach(const UncertainPose& T_robot_pose) {
+  const Eigen::Index rows = attached.block.rows() + 6;
+  attached.T_odom.emplace_back();
+  attached.cross.conservativeResizeLike(Eigen::Matrix<double, Eigen::Dynamic, N>::Zero(rows, N));
+  attached.block.conservativeResizeLike(Eigen::MatrixXd::Zero(rows, rows));
+  const int index = static_cast<int>(attached.T_odom.size()) - 1;
+  attachAnew(index, T_robot_pose);
+  return index;
+}
+
+template <int N>
+void ErrorStateFilter<N>::attachAnew(int index, const UncertainPose& T_robot_pose) {
+  const auto [T_odom_pose, wrt_robot, wrt_sighting] =
+      composed({x.motion.R_odom_robot, x.motion.position_odom}, T_robot_pose.pose);
+  attached.T_odom[static_cast<std::size_t>(index)] = T_odom_pose;
+  Eigen::MatrixXd whole = wholeCovariance();
+  const int row = attachedRow(index);
+  // Its rows are those of the robot's pose, seen through the sighting; the own columns come last.
+  const Eigen::MatrixXd rows = wrt_robot * whole.topRows<6>();
+  whole.middleRows<6>(row) = rows;
+  whole.middleCols<6>(row) = rows.transpose();
+  whole.block<6, 6>(row, row) = wrt_robot * P.template topLeftCorner<6, 6>() * wrt_robot.transpose() +
+                                wrt_sighting * T_robot_pose.covariance * wrt_sighting.transpose();
+  setWholeCovariance(whole);
+}
+
+template <int N>
+double ErrorStateFilter<N>::updateSighting(int index, const UncertainPose& T_robot_pose, double gate) {
+  const auto [predicted, wrt_robot, wrt_pose] = between({x.motion.R_odom_robot, x.motion.position_odom},
+                                                        attached.T_odom[static_cast<std::size_t>(index)]);
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(6, N + attached.block.rows());
+  H.leftCols<6>() = wrt_robot;
+  H.middleCols<6>(attachedRow(index)) = wrt_pose;
+  return updateWhole(poseDifference(predicted, T_robot_pose.pose), H, T_robot_pose.covariance, gate);
+}
+
+template <int N>
+double ErrorStateFilter<N>::updateAttached(int index, const UncertainPose& T_odom_pose, double gate) {
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(6, N + attached.block.rows());
+  H.middleCols<6>(attachedRow(index)).setIdentity();
+  return updateWhole(poseDifference(attached.T_odom[static_cast<std::size_t>(index)], T_odom_pose.pose), H,
+                     T_odom_pose.covariance, gate);
+}
+
+template <int N>
+UncertainPose ErrorStateFilter<N>::attachedPose(int index) const {
+  return {attached.T_odom[static_cast<std::size_t>(index)],
+          attached.block.template block<6, 6>(6 * index, 6 * index)};
+}
+
+template <int N>
+void ErrorStateFilter<N>::resetPose(const Pose& T_odom_pose, const UncertainPose& T_robot_pose) {
+  const UncertainPose T_odom_robot = T_odom_pose * T_robot_pose.inverse();
+  x.motion.position_odom = T_odom_robot.pose.position;
+  x.motion.R_odom_robot = T_odom_robot.pose.rotation;
+  P.template topRows<6>().setZero();
+  P.template leftCols<6>().setZero();
+  P.template topLeftCorner<6, 6>() = T_odom_robot.covariance;
+  attached.cross.template leftCols<6>().setZero();
+}
+
+template <int N>
+void ErrorStateFilter<N>::resetPose(int index, const UncertainPose& T_robot_pose) {
+  const UncertainPose T_pose_robot = T_robot_pose.inverse();
+  const auto [T_odom_robot, wrt_pose, wrt_sighting] =
+      composed(attached.T_odom[static_cast<std::size_t>(index)], T_pose_robot.pose);
+  resetPose(attached.T_odom[static_cast<std::size_t>(index)], T_robot_pose);
+  P.template topLeftCorner<6, 6>() += wrt_pose * attachedPose(index).covariance * wrt_pose.transpose();
+  attached.cross.template leftCols<6>() =
+      attached.block.template middleCols<6>(6 * index) * wrt_pose.transpose();
 }
 
 template class ErrorStateFilter<kCoreSize>;

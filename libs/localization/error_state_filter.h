@@ -3,7 +3,9 @@
 #include <limits>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
+#include "core/uncertain_pose.h"
 #include "localization/navigation_state.h"
 
 namespace fathom {
@@ -25,6 +27,15 @@ struct ProcessNoise {
 /// The largest step predict() takes at once; longer ones are split (its noise integral is second order).
 inline constexpr double kMaximumStep_s = 0.05;
 
+/// Poses that stand still and are estimated along with the motion: T_odom_i (panels). Their errors are those
+/// of UncertainPose, six coordinates each.
+template <int N>
+struct AttachedPoses {
+  std::vector<Pose> T_odom;
+  Eigen::Matrix<double, Eigen::Dynamic, N> cross;  ///< covariance of their errors with the motion's
+  Eigen::MatrixXd block;                           ///< and with each other
+};
+
 /// An error-state extended Kalman filter on R^3 x SO(3) x R^(N-6); N is 15 or 23 (see navigation_state.h).
 /// It knows motion and algebra, no sensor: measurements.h turns readings into residuals.
 ///
@@ -42,6 +53,7 @@ class ErrorStateFilter {
 
   NavigationState<double> x;
   Matrix P = Matrix::Identity();
+  AttachedPoses<N> attached;  ///< costs nothing where there is none
 
   void predict(double dt_s, const ProcessNoise& noise);
 
@@ -75,8 +87,38 @@ class ErrorStateFilter {
   template <class AnyMeasurement>
   double update(const AnyMeasurement& m, double gate = std::numeric_limits<double>::infinity());
 
+  /// A pose seen from the robot becomes one more state, by this sighting alone. Returns its index. (Error of
+  /// T_odom_robot T_robot_pose to first order in both.)
+  int attach(const UncertainPose& T_robot_pose);
+  /// The same for one that is attached already: all that was known of it is forgotten.
+  void attachAnew(int index, const UncertainPose& T_robot_pose);
+  /// Fuse another sighting of an attached pose, or what is known of it from elsewhere; as update().
+  double updateSighting(int index, const UncertainPose& T_robot_pose, double gate);
+  double updateAttached(int index, const UncertainPose& T_odom_pose, double gate);
+  UncertainPose attachedPose(int index) const;
+
+  /// The robot's pose is what the sighting of a pose says, exact or attached, and nothing else: motion and
+  /// biases are kept, their correlation with the pose is dropped.
+  void resetPose(const Pose& T_odom_pose, const UncertainPose& T_robot_pose);
+  void resetPose(int index, const UncertainPose& T_robot_pose);
+
+  /// Covariance of all: N coordinates of the motion, six of each attached pose.
+  Eigen::MatrixXd wholeCovariance() const;
+  void setWholeCovariance(const Eigen::MatrixXd& covariance);
+
  private:
   void step(double dt_s, const ProcessNoise& noise);
+  /// What an update of the motion (H against the listed columns; P H^T and gain of the motion's rows) does to
+  /// the attached poses. Same formula, same resets.
+  void carryAttached(const Eigen::Ref<const Eigen::MatrixXd>& H, const int* columns,
+                     const Eigen::Ref<const Eigen::MatrixXd>& R, const Eigen::Ref<const Eigen::MatrixXd>& S,
+                     const Eigen::Ref<const Eigen::MatrixXd>& PHt,
+                     const Eigen::Ref<const Eigen::MatrixXd>& gain,
+                     const Eigen::Ref<const Eigen::VectorXd>& residual);
+  /// Joseph form as printed, over all states.
+  double updateWhole(const Eigen::VectorXd& residual, const Eigen::MatrixXd& H, const Eigen::MatrixXd& R,
+                     double gate);
+  int attachedRow(int index) const { return N + 6 * index; }
   /// Moves the state by delta; P comes with its lower triangle only and is whole after.
   void correctFromLower(const Vector& delta);
 };
@@ -191,6 +233,15 @@ double ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
   const double nis = gain_and_weighted.row(N).dot(m.residual);
   if (!factors.positive || !(nis <= gate)) return nis;
 
+  if (!attached.T_odom.empty()) {
+    const Eigen::MatrixXd H = [&] {
+      if constexpr (kSelects)
+        return Eigen::MatrixXd::Identity(M, M);
+      else
+        return Eigen::MatrixXd(m.H);
+    }();
+    carryAttached(H, Cols::list.data(), m.R, S, PHt, gain, m.residual);
+  }
   detail::subtractLower(P, gain_and_weighted, PHt);
   detail::mirrorLower(P);
   Eigen::Matrix<double, N, M> excess;  // A H^T - K R, zero but for rounding

@@ -5,52 +5,21 @@
 #include <limits>
 #include <set>
 
-#include "core/text.h"
-#include "core/uncertain_pose.h"
 #include "localization/alignment.h"
-#include "localization/chi_square.h"
-#include "localization/measurements.h"
+#include "localization/input_watch.h"
+#include "localization/landmark_fuser.h"
+#include "localization/lost_monitor.h"
 #include "localization/smoother.h"
 #include "sensors/models.h"
 
 namespace fathom {
 namespace {
 
-bool isFinite(const Sample& sample) {
-  struct Visitor {
-    bool operator()(const InsSample& s) const {
-      return (!s.angular_velocity_ins || s.angular_velocity_ins->allFinite()) &&
-             (!s.specific_force_ins || s.specific_force_ins->allFinite()) &&
-             (!s.R_odom_ins || s.R_odom_ins->allFinite());
-    }
-    bool operator()(const DvlSample& s) const { return !s.velocity_dvl || s.velocity_dvl->allFinite(); }
-    bool operator()(const DvlBeamsSample& s) const {
-      return std::all_of(s.beams.begin(), s.beams.end(),
-                         [](const DvlBeam& beam) { return !beam.range_m || std::isfinite(*beam.range_m); });
-    }
-    bool operator()(const DepthSample& s) const { return std::isfinite(s.pressure_pa); }
-    bool operator()(const PoseSample& s) const {
-      return Pose::fromMrpt(s.T_odom_robot.mean).position.allFinite() &&
-             s.T_odom_robot.cov.asEigen().allFinite();
-    }
-    bool operator()(const ImageSample&) const { return true; }
-    bool operator()(const StereoSample&) const { return true; }
-    bool operator()(const PanelSample& s) const {
-      return std::all_of(s.panels.begin(), s.panels.end(), [](const SeenPanel& seen) {
-        const auto& [pose, covariance] = seen.T_camera_panel;
-        return pose.position.allFinite() && pose.rotation.allFinite() && covariance.allFinite();
-      });
-    }
-    bool operator()(const MarkersSample&) const { return true; }
-    bool operator()(const RecordingHeader&) const { return true; }
-    bool operator()(const UnknownSample&) const { return true; }
-  };
-  return std::visit(Visitor{}, sample.reading);
-}
-
-bool isFusible(const Sample& sample) {
+bool isFusible(const Sample& sample, LandmarkOptions::Form form) {
   if (std::holds_alternative<PoseSample>(sample.reading))
-    return sample.label == labels::kUsbl || sample.label == labels::kMarkers;
+    return sample.label == labels::kUsbl ||
+           (sample.label == labels::kMarkers && form == LandmarkOptions::Form::mean);
+  if (std::holds_alternative<PanelSample>(sample.reading)) return form == LandmarkOptions::Form::joint;
   return std::holds_alternative<InsSample>(sample.reading) ||
          std::holds_alternative<DvlSample>(sample.reading) ||
          std::holds_alternative<DvlBeamsSample>(sample.reading) ||
@@ -62,17 +31,27 @@ template <int N>
 struct GatedFilter {
   ErrorStateFilter<N> filter;
   std::array<int, kAllChannels.size()> rejected_in_a_row{};
+  typename LandmarkFuser<N>::Memory landmarks;
 };
 
 /// One rejected reading is an outlier. This many in a row are a filter that has gone astray: the channel is
-/// believed again until a reading passes the gate, so that a gate cannot lock the filter out for good.
+/// believed again until a reading passes the gate, so that a gate cannot lock the filter out for good. (Of
+/// landmarks LandmarkFuser and LandmarkMonitor decide.)
 constexpr int kRejectionsBelieved = 5;
+
+/// What a chi-square variable of so many degrees of freedom exceeds once in 10 000 times.
+const std::array<double, 7> kSeenOnceIn10000 = [] {
+  std::array<double, 7> quantiles{};
+  for (std::size_t dof = 1; dof < quantiles.size(); ++dof)
+    quantiles[dof] = chiSquareQuantile(static_cast<double>(dof), 0.9999);
+  return quantiles;
+}();
 
 /// Turns one sample into updates of a filter.
 template <int N>
 class Fuser {
  public:
-  Fuser(const LocalizationSetup& setup) : setup_(setup) {
+  explicit Fuser(const LocalizationSetup& setup) : setup_(setup), landmarks_(setup) {
     context_.gravity_odom = setup.vehicle.gravityOdom();
     context_.calibration = setup.calibration;
     for (int dof = 1; dof <= 6; ++dof)
@@ -82,16 +61,16 @@ class Fuser {
     for (const Channel channel : setup.options.fuse) fused_.insert(channel);
   }
 
-  void fuse(GatedFilter<N>& state, const Sample& sample, double t_s, std::vector<Innovation>& log) const {
+  void fuse(GatedFilter<N>& state, const Sample& sample, double t_s, FusionLog& log) const {
     ErrorStateFilter<N>& filter = state.filter;
     const auto update = [&](Channel channel, const auto& m) {
       constexpr int M = std::remove_cvref_t<decltype(m.residual)>::RowsAtCompileTime;
       int& streak = state.rejected_in_a_row[static_cast<std::size_t>(channel)];
-      const double gate = passes(m) ? gates_[M] : kNever;
+      const double gate = gates_[M];
       const bool believed = streak >= kRejectionsBelieved;
       const double nis = filter.update(m, believed ? kAlways : gate);
       streak = nis <= gate ? 0 : streak + 1;
-      log.push_back({t_s, channel, M, nis, believed || nis <= gate, streak});
+      log.innovations.push_back({t_s, channel, M, nis, believed || nis <= gate, streak});
     };
     if (const auto* ins = std::get_if<InsSample>(&sample.reading)) fuseIns(filter, *ins, update);
     if (const auto* dvl = std::get_if<DvlSample>(&sample.reading)) fuseDvl(filter, *dvl, update);
@@ -99,9 +78,14 @@ class Fuser {
     if (const auto* depth = std::get_if<DepthSample>(&sample.reading)) fuseDepth(filter, *depth, update);
     if (const auto* pose = std::get_if<PoseSample>(&sample.reading)) {
       if (sample.label == labels::kUsbl) fuseUsbl(filter, *pose, update);
-      if (sample.label == labels::kMarkers) fuseLandmark(filter, *pose, update);
+      if (sample.label == labels::kMarkers && uses(Channel::landmark))
+        landmarks_.fuse(filter, state.landmarks, *pose, t_s, log);
     }
+    if (const auto* panels = std::get_if<PanelSample>(&sample.reading); panels && uses(Channel::landmark))
+      landmarks_.fuse(filter, state.landmarks, *panels, t_s, log);
   }
+
+  typename LandmarkFuser<N>::Memory startLandmarks() const { return landmarks_.start(); }
 
  private:
   bool uses(Channel channel) const { return fused_.contains(channel); }
@@ -161,77 +145,12 @@ class Fuser {
                                        Matrix3d(s.T_odom_robot.cov.asEigen().topLeftCorner<3, 3>())));
   }
 
-  template <class Update>
-  void fuseLandmark(ErrorStateFilter<N>& f, const PoseSample& s, const Update& update) const {
-    if (uses(Channel::landmark)) update(Channel::landmark, poseMeasurement<N>(f.x, s.T_odom_robot));
-  }
-
-  /// The paper's fixed gate, which looks at poses only.
-  template <class AnyMeasurement>
-  bool passes(const AnyMeasurement& m) const {
-    const Gate& rule = setup_.options.gate;
-    if constexpr (AnyMeasurement::Columns::size == 6 && decltype(m.residual)::RowsAtCompileTime == 6)
-      return rule.kind != Gate::Kind::fixed || (m.residual.template head<3>().norm() <= rule.max_position_m &&
-                                                m.residual.template tail<3>().norm() <= rule.max_angle_rad);
-    return true;
-  }
-
   static constexpr double kAlways = std::numeric_limits<double>::infinity();
-  static constexpr double kNever = -1.0;  ///< below every NIS
   const LocalizationSetup& setup_;
   MeasurementContext context_;
   std::array<double, 7> gates_{};
   std::set<Channel> fused_;
-};
-
-/// Names what is wrong with the stream of samples.
-class InputWatch {
- public:
-  InputWatch(const LocalizationSetup& setup, std::function<void(double, const char*, std::string)> report)
-      : options_(setup.options), report_(std::move(report)) {}
-
-  /// True where the sample may be used. `t_s` is its stamp.
-  bool accept(const Sample& sample, double t_s) {
-    if (!isFinite(sample)) {
-      report_(t_s, "not-a-number", sample.label + " has a value that is not finite; the entry is left out");
-      return false;
-    }
-    auto [it, first] = last_.try_emplace(sample.label, t_s);
-    if (!first && t_s == it->second) {
-      report_(t_s, "duplicate", sample.label + " repeats its time stamp; the second entry is left out");
-      return false;
-    }
-    if (!first && t_s - it->second > options_.gap_s && isLongFor(sample.label, t_s - it->second))
-      report_(t_s, "silent", sample.label + print(" was silent for %.3f s", t_s - it->second));
-    if (!first && t_s > it->second) noteInterval(sample.label, t_s - it->second);
-    it->second = std::max(it->second, t_s);
-    if (any_ && t_s - newest_ > options_.gap_s)
-      report_(t_s, "gap", print("no sensor for %.3f s; bridged by the motion model", t_s - newest_));
-    if (any_ && newest_ - t_s > options_.history_s)
-      report_(t_s, "time-jump", print("time jumps back by %.3f s", newest_ - t_s));
-    newest_ = any_ ? std::max(newest_, t_s) : t_s;
-    any_ = true;
-    return true;
-  }
-
- private:
-  /// A sensor that is slow anyway is not silent: judged against its own mean interval so far.
-  bool isLongFor(const std::string& label, double interval) const {
-    const auto it = intervals_.find(label);
-    return it == intervals_.end() || interval > 5.0 * it->second.first / it->second.second;
-  }
-  void noteInterval(const std::string& label, double interval) {
-    auto& [sum, count] = intervals_[label];
-    sum += interval;
-    count += 1.0;
-  }
-
-  const LocalizationOptions& options_;
-  std::function<void(double, const char*, std::string)> report_;
-  std::map<std::string, double> last_;
-  std::map<std::string, std::pair<double, double>> intervals_;
-  double newest_ = 0.0;
-  bool any_ = false;
+  LandmarkFuser<N> landmarks_;
 };
 
 }  // namespace
@@ -251,7 +170,8 @@ class Localizer::RunOf : public Run {
       : setup_(std::move(setup)),
         sink_(std::move(sink)),
         fuser_(setup_),
-        watch_(setup_,
+        lost_(setup_.options.lost),
+        watch_(setup_.options,
                [this](double t, const char* kind, std::string text) { report(t, kind, std::move(text)); }) {
     noise_ = setup_.options.noise;
     if (const auto& ins = setup_.vehicle.ins) {
@@ -260,10 +180,13 @@ class Localizer::RunOf : public Run {
       noise_.bias_time_constant_s = ins->bias_time_constant_s;
     }
     dvl_offset_s_ = dvlValidityOffset(setup_.calibration);
+    before_.landmarks = fuser_.startLandmarks();
+    for (const PanelPrior& panel : setup_.panels)
+      summary_.panels.push_back({panel.name, PanelResult::State::unseen, {panel.T_odom_panel}, {}});
   }
 
   void add(const Sample& sample) override {
-    if (!isFusible(sample)) return;
+    if (!isFusible(sample, setup_.options.landmarks.form)) return;
     ++summary_.samples;
     const double stamp_s = secondsBetween(setup_.time_zero, sample.time);
     if (!watch_.accept(sample, stamp_s)) return;
@@ -283,6 +206,7 @@ class Localizer::RunOf : public Run {
       return summary_;
     }
     finalizeBefore(std::numeric_limits<double>::infinity());
+    summary_.panels = panelResults();
     if (setup_.options.smooth) smooth();
     for (auto& [channel, s] : summary_.channels) {
       const std::size_t count = s.fused + s.gated;
@@ -299,7 +223,7 @@ class Localizer::RunOf : public Run {
     double t_s = 0.0;
     Sample sample;
     GatedFilter<N> after;
-    std::vector<Innovation> innovations;
+    FusionLog log;
   };
 
   /// When a reading was valid: its stamp, but for a calibrated latency.
@@ -319,6 +243,7 @@ class Localizer::RunOf : public Run {
     before_.filter.x = initial.state;
     before_.filter.P = initial.sigma.template head<N>().cwiseAbs2().asDiagonal();
     before_t_s_ = initial.t_s;
+    lost_.start(initial.t_s);
     next_output_s_ = initial.t_s;
     for (Sample& sample : std::exchange(waiting_, {})) {
       const double t_s = validity_s(sample);
@@ -345,8 +270,8 @@ class Localizer::RunOf : public Run {
     entry->after = first ? before_ : std::prev(entry)->after;
     const double dt = entry->t_s - (first ? before_t_s_ : std::prev(entry)->t_s);
     if (dt > 0.0) entry->after.filter.predict(dt, noise_);
-    entry->innovations.clear();
-    fuser_.fuse(entry->after, entry->sample, entry->t_s, entry->innovations);
+    entry->log = {};
+    fuser_.fuse(entry->after, entry->sample, entry->t_s, entry->log);
   }
 
   /// Nothing older can change any more: hand it out. The last entry before the horizon stays the base for
@@ -354,7 +279,7 @@ class Localizer::RunOf : public Run {
   void finalizeBefore(double horizon_s) {
     while (!entries_.empty() && entries_.front().t_s < horizon_s) {
       Entry& entry = entries_.front();
-      for (const Innovation& innovation : entry.innovations) account(innovation);
+      account(entry);
       const bool last_at_this_time = entries_.size() == 1 || entries_[1].t_s > entry.t_s;
       if (last_at_this_time) output(entry);
       before_ = entry.after;
@@ -365,7 +290,8 @@ class Localizer::RunOf : public Run {
 
   void output(const Entry& entry) {
     summary_.end_t_s = entry.t_s;
-    if (setup_.options.smooth) smoother_.record(entry.t_s, entry.after.filter);
+    judge(entry);
+    if (setup_.options.smooth) smoother_.record(entry.t_s, entry.after.filter, std::exchange(anew_, {}));
     if (entry.t_s < next_output_s_ - 1e-6) return;
     sink_.estimate(makeEstimate(entry.t_s, entry.after.filter.x, entry.after.filter.P));
     outputs_.push_back(entry.t_s);
@@ -377,8 +303,12 @@ class Localizer::RunOf : public Run {
 
   Estimate makeEstimate(double t_s, const NavigationState<double>& x,
                         const typename ErrorStateFilter<N>::Matrix& P) const {
-    return {after(setup_.time_zero, t_s), t_s, x, P.template topLeftCorner<6, 6>(),
-            P.diagonal().template segment<3>(kVelocity).cwiseMax(0.0).cwiseSqrt(), false};
+    return {after(setup_.time_zero, t_s),
+            t_s,
+            x,
+            P.template topLeftCorner<6, 6>(),
+            P.diagonal().template segment<3>(kVelocity).cwiseMax(0.0).cwiseSqrt(),
+            summary_.lost_since_s.has_value()};
   }
 
   void smooth() {
@@ -390,19 +320,59 @@ class Localizer::RunOf : public Run {
     }
   }
 
+  void account(const Entry& entry) {
+    for (const Innovation& innovation : entry.log.innovations) account(innovation);
+    for (const Event& event : entry.log.events) report(event.t_s, event.kind, event.text);
+    for (const auto& [panel, move] : entry.log.moves) summary_.panels[panel].moves.push_back(move);
+    anew_.insert(anew_.end(), entry.log.anew.begin(), entry.log.anew.end());
+    if (entry.log.corrected) lost_.corrected(entry.t_s);
+  }
+
   void account(const Innovation& innovation) {
     ChannelSummary& s = summary_.channels[innovation.channel];
     s.degrees_of_freedom = innovation.degrees_of_freedom;
     s.nis_mean += innovation.nis;
     ++(innovation.fused ? s.fused : s.gated);
     sink_.innovation(innovation);
-    if (innovation.rejected_in_a_row == kRejectionsBelieved)
+    lost_.reading(innovation.t_s, innovation.channel, innovation.fused,
+                  innovation.nis > kSeenOnceIn10000[static_cast<std::size_t>(innovation.degrees_of_freedom)]);
+    if (innovation.rejected_in_a_row == kRejectionsBelieved &&
+        (innovation.channel != Channel::landmark || setup_.options.gate.kind == Gate::Kind::fixed))
       report(innovation.t_s, "rejected",
              nameOf(innovation.channel) + " rejected " + std::to_string(kRejectionsBelieved) +
                  " times in a row: filter and sensor contradict each other; believed again");
   }
 
-  void report(double t_s, const char* kind, std::string text) {
+  /// Whether the estimate can be relied on; says so where that changes.
+  void judge(const Entry& entry) {
+    const auto sigma = [&](int first) {
+      return std::sqrt(entry.after.filter.P.diagonal().template segment<3>(first).sum());
+    };
+    const auto reason = lost_.judge(entry.t_s, sigma(kPosition), sigma(kOrientation));
+    if (reason && !summary_.lost_since_s) {
+      report(entry.t_s, "lost", *reason);
+      summary_.lost_since_s = entry.t_s;
+      summary_.lost_reason = *reason;
+    } else if (!reason && summary_.lost_since_s) {
+      report(entry.t_s, "found", print("after %.1f s", entry.t_s - *summary_.lost_since_s));
+      summary_.lost_since_s.reset();
+      summary_.lost_reason.clear();
+    }
+  }
+
+  std::vector<PanelResult> panelResults() const {
+    std::vector<PanelResult> results = summary_.panels;
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      const int attached = before_.landmarks->attached[i];
+      results[i].state = attached == LandmarkMemory::kExact    ? PanelResult::State::known
+                         : attached == LandmarkMemory::kUnseen ? PanelResult::State::unseen
+                                                               : PanelResult::State::estimated;
+      if (attached >= 0) results[i].T_odom_panel = before_.filter.attachedPose(attached);
+    }
+    return results;
+  }
+
+  void report(double t_s, const std::string& kind, std::string text) {
     ++summary_.event_counts[kind];
     sink_.event({t_s, kind, std::move(text)});
   }
@@ -411,6 +381,7 @@ class Localizer::RunOf : public Run {
   const LocalizationSink sink_;
   ProcessNoise noise_;
   Fuser<N> fuser_;
+  LostMonitor lost_;
   InputWatch watch_;
   double dvl_offset_s_ = 0.0;
   LocalizationSummary summary_;
@@ -420,6 +391,7 @@ class Localizer::RunOf : public Run {
   std::deque<Entry> entries_;
   double next_output_s_ = 0.0;
   std::vector<double> outputs_;
+  std::vector<int> anew_;  ///< since the smoother's last record
   Smoother<N> smoother_;
 };
 

@@ -105,8 +105,8 @@ struct LocalizationSetup {
 };
 
 /// The filter, fed with samples in the order in which they arrive. Late ones (by stamp or by a calibrated
-/// latency) are fused at their own time. TRUTH and images are not looked at. Landmarks come as PoseSample with
-/// the label MARKERS or as PanelSample with the label PANEL; LandmarkOptions::form says which are fused.
+/// latency) are fused at their own time. TRUTH and images are not looked at. Landmarks come as PoseSample
+/// with the label MARKERS or as PanelSample with the label PANEL; LandmarkOptions::form says which are fused.
 /// Several localizers may run in as many threads.
 class Localizer {
  public:

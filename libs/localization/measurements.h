@@ -96,16 +96,13 @@ auto directMeasurement(const NavigationState<double>& x, const NavigationState<d
   return m;
 }
 
-/// A pose T_odom_robot with MRPT covariance (x y z yaw pitch roll), e.g. from a landmark.
+/// A pose of the robot, e.g. from a landmark.
 template <int N>
-auto poseMeasurement(const NavigationState<double>& x, const mrpt::poses::CPose3DPDFGaussian& T_odom_robot) {
+auto poseMeasurement(const NavigationState<double>& x, const UncertainPose& T_odom_robot) {
   NavigationState<double> z;
-  const Pose pose = Pose::fromMrpt(T_odom_robot.mean);
-  z.motion.position_odom = pose.position;
-  z.motion.R_odom_robot = pose.rotation;
-  Eigen::Matrix<double, 6, 6> J = Eigen::Matrix<double, 6, 6>::Identity();
-  J.bottomRightCorner<3, 3>() = bodyRotationFromYawPitchRoll(yawPitchRollFromRotation(pose.rotation));
-  return directMeasurement<N, 0, 1, 2, 3, 4, 5>(x, z, J * T_odom_robot.cov.asEigen() * J.transpose());
+  z.motion.position_odom = T_odom_robot.pose.position;
+  z.motion.R_odom_robot = T_odom_robot.pose.rotation;
+  return directMeasurement<N, 0, 1, 2, 3, 4, 5>(x, z, T_odom_robot.covariance);
 }
 
 // The sensors' models run on Jets, and updates are unrolled: long to compile, so done once, in

@@ -33,7 +33,8 @@ struct Gate {
 
 /// How landmarks are fused.
 struct LandmarkOptions {
-  /// A robot pose averaged over single markers (the paper), or each panel's pose from all its markers at once.
+  /// A robot pose averaged over single markers (the paper), or each panel's pose from all its markers at
+  /// once.
   enum class Form { mean, joint } form = Form::joint;
   /// Of each axis of a mean: the paper's covariance is 1e-3 m², 1e-3 rad². A joint pose brings its own.
   double position_sigma_m = 0.0316, angle_sigma_rad = 0.0316;

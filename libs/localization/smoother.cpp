@@ -3,11 +3,13 @@
 namespace fathom {
 
 template <int N>
-void Smoother<N>::record(double t_s, const Filter& filter) {
+void Smoother<N>::record(double t_s, const Filter& filter, const std::vector<int>& anew) {
   times_.push_back(t_s);
   states_.push_back(filter.x);
   packed_.resize(packed_.size() + kPacked);
   setCovariance(size() - 1, filter.P);
+  if (!filter.attached.T_odom.empty()) attached_.emplace_hint(attached_.end(), size() - 1, filter.attached);
+  if (!anew.empty()) anew_.emplace_hint(anew_.end(), size() - 1, anew);
 }
 
 template <int N>
@@ -28,6 +30,7 @@ auto Smoother<N>::covariance(std::size_t k) const -> typename Filter::Matrix {
 
 template <int N>
 void Smoother<N>::smoothStep(std::size_t k, const ProcessNoise& noise) {
+  if (attached_.contains(k) || anew_.contains(k + 1)) return smoothStepWithAttached(k, noise);
   // The filter's prediction from k to k + 1, made again, with the product of its transitions.
   const typename Filter::Matrix P = covariance(k);
   Filter predicted;
@@ -47,6 +50,58 @@ void Smoother<N>::smoothStep(std::size_t k, const ProcessNoise& noise) {
   retract<N>(states_[k], G * delta);
   const typename Filter::Matrix smoothed = P + G * (covariance(k + 1) - predicted.P) * G.transpose();
   setCovariance(k, 0.5 * (smoothed + smoothed.transpose()));
+}
+
+template <int N>
+void Smoother<N>::smoothStepWithAttached(std::size_t k, const ProcessNoise& noise) {
+  const auto filterAt = [&](std::size_t step) {
+    Filter filter;
+    filter.x = states_[step];
+    filter.P = covariance(step);
+    if (const auto found = attached_.find(step); found != attached_.end()) filter.attached = found->second;
+    return filter;
+  };
+  Filter now = filterAt(k), predicted = now;
+  const Filter next = filterAt(k + 1);
+  const Eigen::MatrixXd P = now.wholeCovariance();
+  const Eigen::Index size = P.rows();
+  Eigen::MatrixXd F = Eigen::MatrixXd::Identity(size, size);
+  const double dt = times_[k + 1] - times_[k];
+  const int steps = std::max(1, static_cast<int>(std::ceil(dt / kMaximumStep_s - 1e-9)));
+  for (int i = 0; i < steps; ++i) {
+    F.topRows(N) = (Filter::transition(predicted.x, dt / steps, noise) * F.topRows(N)).eval();
+    predicted.predict(dt / steps, noise);
+  }
+
+  // As smoothStep(), over what the next step shares with this one: rows of what started anew carry nothing.
+  Eigen::MatrixXd P_predicted = predicted.wholeCovariance(), FP = F * P;
+  if (const auto anew = anew_.find(k + 1); anew != anew_.end())
+    for (const int row : anew->second)
+      if (row < size) {
+        P_predicted.row(row).setZero();
+        P_predicted.col(row).setZero();
+        P_predicted(row, row) = 1.0;
+        FP.row(row).setZero();
+      }
+  const Eigen::MatrixXd G = P_predicted.ldlt().solve(FP).transpose();
+  Eigen::VectorXd delta(size);
+  delta.head<N>() = difference<N>(next.x, predicted.x);
+  for (std::size_t i = 0; i < now.attached.T_odom.size(); ++i)
+    delta.segment<6>(N + 6 * static_cast<Eigen::Index>(i)) =
+        poseDifference(predicted.attached.T_odom[i], next.attached.T_odom[i]);
+  const Eigen::VectorXd correction = G * delta;
+  retract<N>(now.x, correction.head<N>());
+  for (std::size_t i = 0; i < now.attached.T_odom.size(); ++i) {
+    const auto row = N + 6 * static_cast<Eigen::Index>(i);
+    Pose& pose = now.attached.T_odom[i];
+    pose.position += correction.segment<3>(row);
+    pose.rotation = pose.rotation * expSO3<double>(correction.segment<3>(row + 3));
+  }
+  now.setWholeCovariance(P + G * (next.wholeCovariance().topLeftCorner(size, size) - P_predicted) *
+                                 G.transpose());
+  states_[k] = now.x;
+  setCovariance(k, now.P);
+  if (attached_.contains(k)) attached_.at(k) = now.attached;
 }
 
 template class Smoother<kCoreSize>;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include "localization/error_state_filter.h"
@@ -10,13 +11,19 @@ namespace fathom {
 /// and
 /// [-]): the filter's own motion model run backwards over its record. Keeps one state and one packed
 /// covariance a step: 2.4 kB for 15 states, 3.6 kB for 23.
+///
+/// Attached poses are states that do not move. One that is attached at a step says nothing of the time before
+/// that the motion at that step does not say. Coordinates that started anew (a pose that was reset) are known
+/// to be unrelated to what they were, so nothing is carried back through them.
 template <int N>
 class Smoother {
  public:
   using Filter = ErrorStateFilter<N>;
 
   /// The filter after all updates at time t_s; times increase.
-  void record(double t_s, const Filter& filter);
+  /// `anew`: error coordinates (motion, then six of each attached pose) that do not follow from the record
+  /// before.
+  void record(double t_s, const Filter& filter, const std::vector<int>& anew = {});
   std::size_t size() const { return times_.size(); }
   double time(std::size_t k) const { return times_[k]; }
   const NavigationState<double>& state(std::size_t k) const { return states_[k]; }
@@ -28,12 +35,15 @@ class Smoother {
 
  private:
   void smoothStep(std::size_t k, const ProcessNoise& noise);
+  void smoothStepWithAttached(std::size_t k, const ProcessNoise& noise);
   void setCovariance(std::size_t k, const typename Filter::Matrix& P);
 
   static constexpr std::size_t kPacked = N * (N + 1) / 2;
   std::vector<double> times_;
   std::vector<NavigationState<double>> states_;
-  std::vector<double> packed_;  ///< lower triangles
+  std::vector<double> packed_;                        ///< lower triangles
+  std::map<std::size_t, AttachedPoses<N>> attached_;  ///< of the steps that have any
+  std::map<std::size_t, std::vector<int>> anew_;      ///< of the steps that have any
 };
 
 template <int N>

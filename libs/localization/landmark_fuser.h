@@ -1,0 +1,278 @@
+#pragma once
+
+#include <memory>
+
+#include "core/text.h"
+#include "localization/chi_square.h"
+#include "localization/landmark_monitor.h"
+#include "localization/localizer.h"
+#include "localization/measurements.h"
+
+namespace fathom {
+
+/// What fusing one reading had to say.
+struct FusionLog {
+  std::vector<Innovation> innovations;
+  std::vector<Event> events;
+  std::vector<std::pair<std::size_t, PanelMove>> moves;  ///< panel, move
+  std::vector<int> anew;                                 ///< error coordinates that were reset
+  bool corrected = false;                                ///< the robot's pose was acquired anew
+};
+
+/// What is remembered of landmarks from one to the next.
+struct LandmarkMemory {
+  static constexpr int kExact = -1, kUnseen = -2;
+  std::vector<int> attached;  ///< of each panel: its index among the filter's attached poses, or one of these
+  LandmarkMonitor monitor;
+  int rejected_in_a_row = 0;
+};
+
+/// The landmark channel: sightings of panels, exact or to be estimated, and of robot poses from markers.
+template <int N>
+class LandmarkFuser {
+ public:
+  using Memory =
+      std::shared_ptr<const LandmarkMemory>;  ///< shared by all states that no landmark lies between
+
+  explicit LandmarkFuser(const LocalizationSetup& setup)
+      : setup_(setup),
+        options_(setup.options.landmarks),
+        gate_(setup.options.gate.kind == Gate::Kind::chi_square
+                  ? chiSquareQuantile(6, setup.options.gate.probability)
+                  : kAlways) {}
+
+  Memory start() const {
+    LandmarkMemory memory;
+    for (const PanelPrior& panel : setup_.panels)
+      memory.attached.push_back(isExact(panel) ? LandmarkMemory::kExact : LandmarkMemory::kUnseen);
+    return std::make_shared<const LandmarkMemory>(std::move(memory));
+  }
+
+  void fuse(ErrorStateFilter<N>& filter, Memory& memory, const PoseSample& markers, double t_s,
+            FusionLog& log) const {
+    fuseFix(filter, memory, fixOf(markers), t_s, log);
+  }
+  void fuse(ErrorStateFilter<N>& filter, Memory& memory, const PanelSample& sample, double t_s,
+            FusionLog& log) const {
+    for (const SeenPanel& seen : sample.panels) {
+      if (seen.panel >= 0 && static_cast<std::size_t>(seen.panel) < setup_.panels.size())
+        fuseFix(filter, memory, {seen.panel, sample.T_robot_camera * seen.T_camera_panel, {}}, t_s, log);
+      else
+        log.events.push_back(
+            {t_s, "unknown-panel",
+             print("a sighting of panel %d, of which nothing is known; left out", seen.panel)});
+    }
+  }
+
+ private:
+  /// A fixed gate locks nobody out: after so many rejections in a row it lets pass until a fix is inside
+  /// again.
+  static constexpr int kFixedGatePatience = 5;
+  static constexpr double kAlways = std::numeric_limits<double>::infinity(), kNever = -1.0;
+  /// A mean over the markers of several panels, or of none that is known: as if of a panel at odom's origin.
+  static constexpr int kNoPanel = -1;
+  using Verdict = LandmarkMonitor::Verdict;
+
+  struct Fix {
+    int panel = kNoPanel;
+    UncertainPose T_robot_panel;
+    std::optional<UncertainPose> T_odom_robot;  ///< as it was given
+  };
+
+  static bool isExact(const PanelPrior& panel) {
+    return panel.position_sigma_m == 0.0 && panel.angle_sigma_rad == 0.0;
+  }
+  const PanelPrior& prior(int panel) const { return setup_.panels[static_cast<std::size_t>(panel)]; }
+  std::string nameOf(int panel) const { return panel == kNoPanel ? "markers" : "panel " + prior(panel).name; }
+
+  Fix fixOf(const PoseSample& markers) const {
+    UncertainPose T_odom_robot{Pose::fromMrpt(markers.T_odom_robot.mean)};
+    T_odom_robot.covariance.diagonal() << Vector3d::Constant(options_.position_sigma_m),
+        Vector3d::Constant(options_.angle_sigma_rad);
+    T_odom_robot.covariance.diagonal() = T_odom_robot.covariance.diagonal().cwiseAbs2().eval();
+    Fix fix{setup_.panels.size() == 1 ? 0 : kNoPanel, {}, T_odom_robot};
+    const auto [T_robot_panel, J, unused] =
+        between(T_odom_robot.pose, fix.panel == kNoPanel ? Pose{} : prior(fix.panel).T_odom_panel);
+    fix.T_robot_panel = {T_robot_panel, J * T_odom_robot.covariance * J.transpose()};
+    return fix;
+  }
+
+  static Pose robotOf(const ErrorStateFilter<N>& filter) {
+    return {filter.x.motion.R_odom_robot, filter.x.motion.position_odom};
+  }
+
+  void fuseFix(ErrorStateFilter<N>& filter, Memory& shared, const Fix& fix, double t_s,
+               FusionLog& log) const {
+    LandmarkMemory memory = *shared;
+    int* attached = fix.panel == kNoPanel ? nullptr : &memory.attached[static_cast<std::size_t>(fix.panel)];
+    if (attached != nullptr && *attached == LandmarkMemory::kUnseen) {
+      *attached = filter.attach(fix.T_robot_panel);
+      fusePrior(filter, *attached, fix.panel, t_s, log);
+    } else {
+      fuseKnown(filter, memory, fix, t_s, log);
+    }
+    shared = std::make_shared<const LandmarkMemory>(std::move(memory));
+  }
+
+  /// What was known of a panel that has just been seen for the first time.
+  void fusePrior(ErrorStateFilter<N>& filter, int attached, int panel, double t_s, FusionLog& log) const {
+    constexpr double kInfinite = 1e6;  // as good as
+    const PanelPrior& known = prior(panel);
+    const double position_sigma_m = std::min(known.position_sigma_m, kInfinite);
+    const double angle_sigma_rad = std::min(known.angle_sigma_rad, kInfinite);
+    if (position_sigma_m == kInfinite && angle_sigma_rad == kInfinite) return;
+    UncertainPose T_odom_panel{known.T_odom_panel};
+    T_odom_panel.covariance.diagonal() << Vector3d::Constant(position_sigma_m * position_sigma_m),
+        Vector3d::Constant(angle_sigma_rad * angle_sigma_rad);
+    const Vector6d offset = poseDifference(known.T_odom_panel, filter.attachedPose(attached).pose);
+    const double nis = filter.updateAttached(attached, T_odom_panel, gate_);
+    if (nis > gate_)
+      log.events.push_back(
+          {t_s, "panel-prior",
+           print("%s is seen %.3f m and %.2f deg from its prior pose (NIS %.0f, gate %.1f): the prior is "
+                 "not believed",
+                 nameOf(panel).c_str(), offset.head<3>().norm(), degrees(offset.tail<3>().norm()), nis,
+                 gate_)});
+  }
+
+  void fuseKnown(ErrorStateFilter<N>& filter, LandmarkMemory& memory, const Fix& fix, double t_s,
+                 FusionLog& log) const {
+    const int attached =
+        fix.panel == kNoPanel ? LandmarkMemory::kExact : memory.attached[static_cast<std::size_t>(fix.panel)];
+    const bool estimated = attached >= 0;
+    const Pose T_odom_panel = estimated       ? filter.attachedPose(attached).pose
+                              : fix.panel < 0 ? Pose{}
+                                              : prior(fix.panel).T_odom_panel;
+    JudgedFix judged{t_s,
+                     robotOf(filter),
+                     filter.P.diagonal().template head<6>(),
+                     fix.T_robot_panel,
+                     T_odom_panel,
+                     fix.panel != kNoPanel,
+                     estimated};
+
+    const Pose T_odom_robot = T_odom_panel * fix.T_robot_panel.pose.inverse();
+    const Vector6d off = poseDifference(judged.T_odom_robot, T_odom_robot);
+    const bool patient = memory.rejected_in_a_row < kFixedGatePatience;
+    const double gate = setup_.options.gate.kind != Gate::Kind::fixed || isInside(off) ? gate_ : kNever;
+    const bool believed = setup_.options.gate.kind == Gate::Kind::fixed && !patient;
+    const double nis =
+        estimated ? filter.updateSighting(attached, fix.T_robot_panel, believed ? kAlways : gate)
+                  : filter.update(
+                        poseMeasurement<N>(
+                            filter.x, fix.T_odom_robot.value_or(T_odom_panel * fix.T_robot_panel.inverse())),
+                        believed ? kAlways : gate);
+    const bool passed = nis <= gate;
+    memory.rejected_in_a_row = passed ? 0 : memory.rejected_in_a_row + 1;
+    log.innovations.push_back({t_s, Channel::landmark, 6, nis, believed || passed, memory.rejected_in_a_row});
+    if (setup_.options.gate.kind != Gate::Kind::chi_square) return;
+    if (passed) {
+      judged.pose_variance = filter.P.diagonal().template head<6>();
+      memory.monitor.fused(fix.panel, judged);
+    } else {
+      actOn(memory.monitor.rejected(fix.panel, judged), filter, memory, fix, judged, off, nis, log);
+    }
+  }
+
+  bool isInside(const Vector6d& off) const {
+    return off.head<3>().norm() <= setup_.options.gate.max_position_m &&
+           off.tail<3>().norm() <= setup_.options.gate.max_angle_rad;
+  }
+
+  void actOn(const LandmarkMonitor::Judgement& judgement, ErrorStateFilter<N>& filter, LandmarkMemory& memory,
+             const Fix& fix, const JudgedFix& judged, const Vector6d& off, double nis, FusionLog& log) const {
+    const std::string who = nameOf(fix.panel);
+    const std::string offset =
+        print("%.3f m and %.2f deg", off.head<3>().norm(), degrees(off.tail<3>().norm()));
+    switch (judgement.verdict) {
+      case Verdict::outlier:
+        log.events.push_back(
+            {judged.t_s, "fix-rejected",
+             print("%s: a fix %s from the prediction (NIS %.0f, gate %.1f); %d in a row that "
+                   "agree with each other",
+                   who.c_str(), offset.c_str(), nis, gate_, judgement.agreeing)});
+        return;
+      case Verdict::reacquire:
+        reacquire(filter, memory, fix, log);
+        log.events.push_back(
+            {judged.t_s, "reacquired",
+             print("%s: %d fixes agree with each other and not with the filter, which had %s: pose set by "
+                   "them, %s from where it was",
+                   who.c_str(), judgement.agreeing,
+                   judgement.last_fused_s
+                       ? print("fused none for %.1f s", judged.t_s - *judgement.last_fused_s).c_str()
+                       : "fused none before",
+                   offset.c_str())});
+        return;
+      case Verdict::panel_moved:
+        return notePanelMove(judgement, filter, memory, fix, judged, log);
+      case Verdict::panel_restart:
+        startPanelAnew(filter, memory, fix, log);
+        log.events.push_back({judged.t_s, "panel-restarted",
+                              print("%s: first sighted wrongly, by %s; its estimate starts anew", who.c_str(),
+                                    offset.c_str())});
+        return;
+    }
+  }
+
+  void reacquire(ErrorStateFilter<N>& filter, LandmarkMemory& memory, const Fix& fix, FusionLog& log) const {
+    const int attached =
+        fix.panel == kNoPanel ? LandmarkMemory::kExact : memory.attached[static_cast<std::size_t>(fix.panel)];
+    if (attached >= 0)
+      filter.resetPose(attached, fix.T_robot_panel);
+    else
+      filter.resetPose(fix.panel == kNoPanel ? Pose{} : prior(fix.panel).T_odom_panel, fix.T_robot_panel);
+    memory.monitor.startAnew();
+    for (int row = kPosition; row < kVelocity; ++row) log.anew.push_back(row);
+    log.corrected = true;
+  }
+
+  void startPanelAnew(ErrorStateFilter<N>& filter, LandmarkMemory& memory, const Fix& fix,
+                      FusionLog& log) const {
+    int& attached = memory.attached[static_cast<std::size_t>(fix.panel)];
+    if (attached < 0) {
+      attached = filter.attach(fix.T_robot_panel);
+      return;
+    }
+    filter.attachAnew(attached, fix.T_robot_panel);
+    for (int row = 0; row < 6; ++row) log.anew.push_back(N + 6 * attached + row);
+  }
+
+  void notePanelMove(const LandmarkMonitor::Judgement& judgement, ErrorStateFilter<N>& filter,
+                     LandmarkMemory& memory, const Fix& fix, const JudgedFix& judged, FusionLog& log) const {
+    const int before = memory.attached[static_cast<std::size_t>(fix.panel)];
+    // The panel as it is now, as one more state beside what it was: their offset with all correlations.
+    ErrorStateFilter<N> both = filter;
+    const int now = both.attach(fix.T_robot_panel);
+    const UncertainPose T_odom_now = both.attachedPose(now);
+    const auto [T_before_now, wrt_before, wrt_now] = between(judged.T_odom_panel, T_odom_now.pose);
+    Matrix6d covariance = wrt_now * T_odom_now.covariance * wrt_now.transpose();
+    if (before >= 0) {
+      const Matrix6d cross = both.attached.block.template block<6, 6>(6 * before, 6 * now);
+      const Matrix6d mixed = wrt_before * cross * wrt_now.transpose();
+      covariance += wrt_before * both.attachedPose(before).covariance * wrt_before.transpose() + mixed +
+                    mixed.transpose();
+    }
+    startPanelAnew(filter, memory, fix, log);
+    log.moves.push_back(
+        {static_cast<std::size_t>(fix.panel), {judgement.since_s, {T_before_now, covariance}}});
+    const Vector3d& offset = T_before_now.position;
+    const Vector3d turn = logSO3<double>(T_before_now.rotation) * degrees(1.0);
+    const Vector6d sigma = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    log.events.push_back(
+        {judged.t_s, "panel-moved",
+         print(
+             "%s has moved, first seen at %.2f s: by (%.3f, %.3f, %.3f) m, sigma (%.3f, %.3f, %.3f); turned "
+             "by (%.2f, %.2f, %.2f) deg, sigma (%.2f, %.2f, %.2f), in its own axes. It is estimated from now "
+             "on",
+             nameOf(fix.panel).c_str(), judgement.since_s, offset.x(), offset.y(), offset.z(), sigma[0],
+             sigma[1], sigma[2], turn.x(), turn.y(), turn.z(), degrees(sigma[3]), degrees(sigma[4]),
+             degrees(sigma[5]))});
+  }
+
+  const LocalizationSetup& setup_;
+  const LandmarkOptions& options_;
+  double gate_;
+};
+
+}  // namespace fathom

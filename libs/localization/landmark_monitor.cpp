@@ -1,0 +1,104 @@
+#include "localization/landmark_monitor.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "localization/chi_square.h"
+
+namespace fathom {
+namespace {
+
+using Monitor = LandmarkMonitor;
+
+/// The panel where the filter saw it stand still between two sightings, up to noise. `doubt`: odometry errors
+/// that nobody knows of are allowed for.
+bool agree(const JudgedFix& a, const JudgedFix& b, bool doubt) {
+  const auto [panel_a, unused, by_sighting_a] = composed(a.T_odom_robot, a.T_robot_panel.pose);
+  const auto [panel_b, by_robot, by_sighting_b] = composed(b.T_odom_robot, b.T_robot_panel.pose);
+  Vector6d drift = (b.pose_variance - a.pose_variance).cwiseMax(0.0);
+  if (doubt) {
+    const double dt = b.t_s - a.t_s;
+    drift.head<3>().array() += Monitor::kDoubt_m_s * dt * Monitor::kDoubt_m_s * dt;
+    drift.tail<3>().array() += Monitor::kDoubt_rad_s * dt * Monitor::kDoubt_rad_s * dt;
+  }
+  const Matrix6d covariance = by_sighting_a * a.T_robot_panel.covariance * by_sighting_a.transpose() +
+                              by_sighting_b * b.T_robot_panel.covariance * by_sighting_b.transpose() +
+                              by_robot * drift.asDiagonal() * by_robot.transpose();
+  const Vector6d difference = poseDifference(panel_a, panel_b);
+  static const double kGate = chiSquareQuantile(6, 0.9999);
+  return difference.dot(covariance.ldlt().solve(difference)) <= kGate;
+}
+
+}  // namespace
+
+auto LandmarkMonitor::panel(int index) -> Panel& {
+  const auto found =
+      std::find_if(panels_.begin(), panels_.end(), [&](const Panel& known) { return known.index == index; });
+  if (found != panels_.end()) return *found;
+  panels_.emplace_back().index = index;
+  return panels_.back();
+}
+
+void LandmarkMonitor::fused(int index, const JudgedFix& fix) {
+  Panel& seen = panel(index);
+  seen.streak.clear();
+  ++seen.confirmations;
+  seen.last_fused_s = fix.t_s;
+  ++confirmations_;
+  last_fused_s_ = fix.t_s;
+  variance_then_ = fix.pose_variance;
+}
+
+auto LandmarkMonitor::rejected(int index, const JudgedFix& fix) -> Judgement {
+  Panel& seen = panel(index);
+  auto& streak = seen.streak;
+  const bool agrees = std::all_of(streak.begin(), streak.end(),
+                                  [&](const JudgedFix& earlier) { return agree(earlier, fix, true); });
+  if (!agrees) streak.clear();
+  streak.push_back(fix);
+  Judgement judgement{Verdict::outlier, static_cast<int>(streak.size()), streak.front().t_s, last_fused_s_};
+  if (judgement.agreeing < kAgreeing) return judgement;
+  if (fix.panel_is_estimated && seen.confirmations < kConfirming)
+    judgement.verdict = Verdict::panel_restart;
+  else if (vouched(seen))
+    judgement.verdict = fix.panel_is_movable ? Verdict::panel_moved : Verdict::outlier;
+  else
+    judgement.verdict = Verdict::reacquire;
+  if (judgement.verdict == Verdict::outlier)
+    streak.erase(streak.begin());
+  else
+    streak.clear();
+  if (judgement.verdict == Verdict::panel_moved || judgement.verdict == Verdict::panel_restart)
+    seen.confirmations = 0;
+  return judgement;
+}
+
+bool LandmarkMonitor::vouched(const Panel& seen) const {
+  const JudgedFix &first = seen.streak.front(), &last = seen.streak.back();
+  if (confirmations_ < kConfirming || !last_fused_s_) return false;
+  const double gap_s = std::max(0.0, first.t_s - *last_fused_s_);
+  if (gap_s > kVouching_s) return false;
+  const bool still = std::all_of(seen.streak.begin(), seen.streak.end(), [&](const JudgedFix& earlier) {
+    return &earlier == &last || agree(earlier, last, false);
+  });
+  if (!still) return false;
+  const bool another_too = std::any_of(panels_.begin(), panels_.end(), [&](const Panel& other) {
+    return other.index != seen.index && other.streak.size() >= 2 && other.streak.back().t_s >= first.t_s &&
+           other.last_fused_s.value_or(first.t_s - 1.0) < first.t_s;
+  });
+  if (another_too) return false;
+  const Vector6d jump = poseDifference(last.T_odom_panel, last.T_odom_robot * last.T_robot_panel.pose);
+  const Vector6d growth = (first.pose_variance - variance_then_).cwiseMax(0.0);
+  const double distance_m = last.T_robot_panel.pose.position.norm();
+  const double turn_rad = kDoubt_rad_s * gap_s + 3.0 * std::sqrt(growth.tail<3>().sum());
+  const double shift_m = kDoubt_m_s * gap_s + 3.0 * std::sqrt(growth.head<3>().sum()) + distance_m * turn_rad;
+  return jump.head<3>().norm() > shift_m || jump.tail<3>().norm() > turn_rad;
+}
+
+void LandmarkMonitor::startAnew() {
+  for (Panel& known : panels_) known.streak.clear();
+  confirmations_ = 0;
+  last_fused_s_.reset();
+}
+
+}  // namespace fathom

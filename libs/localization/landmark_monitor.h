@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/uncertain_pose.h"
+
+namespace fathom {
+
+/// A sighting of a panel, as the filter that rejected or fused it saw it.
+struct JudgedFix {
+  double t_s = 0.0;
+  Pose T_odom_robot;              ///< the filter's
+  Vector6d pose_variance;         ///< its own, of each coordinate
+  UncertainPose T_robot_panel;    ///< the sighting
+  Pose T_odom_panel;              ///< where the filter believes the panel to be
+  bool panel_is_movable = false;  ///< false: a fix that is not of one panel alone
+  bool panel_is_estimated = false;
+};
+
+/// What a fix means that the filter's chi-square gate has rejected.
+///
+/// One rejected fix is an outlier; so are any number of them that disagree with each other. Fixes agree where
+/// the panel that they show stands still in the filter's own dead reckoning: a filter that is off by a turn
+/// and a shift sees a panel stand still (elsewhere), and so does a filter that is right, where the panel was
+/// moved. kAgreeing fixes of a panel in a row that agree with each other are believed, against the filter or
+/// against the panel's pose. Which of the two is decided so:
+///
+/// The panel has moved, if dead reckoning vouches for the robot's pose:
+///   - kConfirming fixes have been fused since the last reset, so that the filter was right then, and
+///   - the last of them, of any panel, was at most kVouching_s before the first rejected one, and
+///   - the jump is larger than what the filter's sigma has grown by since (3 sigma) and what an odometry
+///   error
+///     would make of the gap that nobody knows of (kDoubt_m_s, kDoubt_rad_s), and
+///   - the panel stood still while it was seen at the new place: a faulty gyro or DVL makes it drift, and
+///   - no other panel that was seen meanwhile was rejected too: two panels are not pushed at once.
+/// Otherwise the filter is wrong (wrong start, a long time without landmarks, a faulty gyro or DVL): the
+/// robot's pose is acquired anew. Each landmark is a measurement of its own, from an image of its own; that
+/// several agree by chance is far less probable than one biased odometry, so landmarks that agree are
+/// believed before gyro and DVL. For that, agreement is judged with the odometry's doubt added.
+///
+/// An estimated panel that fewer than kConfirming fixes have confirmed was attached by a false sighting: it
+/// starts anew.
+class LandmarkMonitor {
+ public:
+  static constexpr int kAgreeing = 5;
+  static constexpr int kConfirming = 3;
+  static constexpr double kVouching_s = 10.0;
+  static constexpr double kDoubt_m_s = 0.05, kDoubt_rad_s = 0.01;
+
+  enum class Verdict { outlier, reacquire, panel_moved, panel_restart };
+  struct Judgement {
+    Verdict verdict = Verdict::outlier;
+    int agreeing = 1;                    ///< fixes in a row that agree, this one included
+    double since_s = 0.0;                ///< time of the first of them
+    std::optional<double> last_fused_s;  ///< of any panel, before them
+  };
+
+  void fused(int panel, const JudgedFix& fix);
+  Judgement rejected(int panel, const JudgedFix& fix);
+  /// After a reset, by which everything known of the robot's pose starts anew.
+  void startAnew();
+
+ private:
+  struct Panel {
+    int index = 0;
+    std::vector<JudgedFix> streak;  ///< rejected ones that agree; kAgreeing at most
+    int confirmations = 0;
+    std::optional<double> last_fused_s;
+  };
+  Panel& panel(int index);
+  bool vouched(const Panel& seen) const;
+
+  std::vector<Panel> panels_;
+  int confirmations_ = 0;
+  std::optional<double> last_fused_s_;
+  Vector6d variance_then_ = Vector6d::Zero();
+};
+
+}  // namespace fathom

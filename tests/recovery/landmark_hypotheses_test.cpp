@@ -1,0 +1,268 @@
+// What the filter makes of landmarks that contradict it: false fixes, a wrong start, long times without any, a
+// panel that was pushed, sensors that fail. In each case the right conclusion has to be drawn and named, and
+// none where nothing is wrong.
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "support/landmark_runs.h"
+
+namespace fathom {
+namespace {
+
+using test::LandmarkRun;
+
+void printEvents(const LandmarkRun::Outcome& outcome) {
+  for (const Event& e : outcome.events) std::cout << e.t_s << " " << e.kind << ": " << e.text << "\n";
+}
+
+/// Fixes are good to 1 cm and 0.5 degrees twice a second: the filter stays within this, m.
+constexpr double kOnTrack_m = 0.1;
+
+void turnAndShift(UncertainPose& seen, Random& random) {
+  seen.pose.position += 1.0 * random.normal3();
+  seen.pose.rotation = seen.pose.rotation * expSO3<double>(0.5 * random.normal3());
+}
+
+TEST(LandmarkHypotheses, NothingIsReportedWhereNothingIsWrong) {
+  std::size_t gated = 0, fixes = 0;
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    LandmarkRun run;
+    run.seed = seed;
+    run.sees = [](std::size_t, double t) { return std::fmod(t, 20.0) < 12.0; };
+    const auto outcome = run.run(60.0);
+    for (const char* kind : {"reacquired", "panel-moved", "panel-prior", "panel-restarted", "lost"})
+      EXPECT_EQ(outcome.count(kind), 0u) << kind << ", seed " << seed;
+    EXPECT_EQ(outcome.summary.panels.at(0).state, PanelResult::State::known);
+    EXPECT_LT(outcome.worst(20.0, 60.0), kOnTrack_m) << "seed " << seed;
+    gated += outcome.count("fix-rejected");
+    fixes += outcome.summary.channels.at(Channel::landmark).fused;
+  }
+  // One in 10 000 good fixes is rejected; of some 2000 more than three by chance once in 10 000 such tests.
+  EXPECT_GT(fixes, 2000u);
+  EXPECT_LE(gated, 3u);
+}
+
+TEST(LandmarkHypotheses, SingleFalseFixesAreRejected) {
+  LandmarkRun run;
+  run.fault = [](Sample& sample, double t_s, Random& random) {
+    if (auto* panels = std::get_if<PanelSample>(&sample.reading); panels && std::fmod(t_s, 10.0) < 0.5)
+      turnAndShift(panels->panels.front().T_camera_panel, random);
+    return true;
+  };
+  const auto outcome = run.run(60.0);
+  EXPECT_GE(outcome.count("fix-rejected"), 5u);
+  EXPECT_EQ(outcome.count("reacquired") + outcome.count("panel-moved") + outcome.count("lost"), 0u);
+  EXPECT_LT(outcome.worst(5.0, 60.0), kOnTrack_m);
+}
+
+TEST(LandmarkHypotheses, BurstOfFalseFixesIsRejectedAsLongAsItLasts) {
+  LandmarkRun run;
+  run.fault = [](Sample& sample, double t_s, Random& random) {
+    if (auto* panels = std::get_if<PanelSample>(&sample.reading); panels && t_s > 30.0 && t_s < 35.0)
+      turnAndShift(panels->panels.front().T_camera_panel, random);
+    return true;
+  };
+  const auto outcome = run.run(60.0);
+  EXPECT_EQ(outcome.count("fix-rejected"), 10u);
+  EXPECT_EQ(outcome.count("reacquired") + outcome.count("panel-moved") + outcome.count("lost"), 0u);
+  EXPECT_LT(outcome.worst(5.0, 60.0), kOnTrack_m);
+}
+
+TEST(LandmarkHypotheses, WrongStartIsPutRight) {
+  for (const bool bias_states : {true, false}) {
+    LandmarkRun run;
+    run.options.bias_states = bias_states;
+    run.wrong_start_m = 10.0;
+    run.wrong_start_rad = radians(60);
+    const auto outcome = run.run(40.0);
+    EXPECT_EQ(outcome.count("reacquired"), 1u);
+    EXPECT_EQ(outcome.count("panel-moved"), 0u);
+    ASSERT_NE(outcome.first("reacquired"), nullptr);
+    EXPECT_LT(outcome.first("reacquired")->t_s, 4.0);  // five fixes at 2 Hz
+    EXPECT_GT(outcome.worst(0.0, 2.0), 9.0);
+    EXPECT_LT(outcome.worst(6.0, 40.0), kOnTrack_m);
+    EXPECT_FALSE(outcome.estimates.back().lost);
+  }
+}
+
+// Two minutes out of view with a compass error the filter knows nothing of: a gyro bias of 0.3 degrees a second.
+TEST(LandmarkHypotheses, DriftWithoutLandmarksIsPutRight) {
+  for (const bool bias_states : {true, false}) {
+    LandmarkRun run;
+    run.options.bias_states = bias_states;
+    run.sees = [](std::size_t, double t) { return t < 30.0 || t > 150.0; };
+    run.fault = [](Sample& sample, double t_s, Random&) {
+      if (auto* ins = std::get_if<InsSample>(&sample.reading); ins && t_s > 35.0 && t_s < 140.0)
+        ins->angular_velocity_ins->z() += radians(0.3);
+      return true;
+    };
+    const auto outcome = run.run(180.0);
+    EXPECT_EQ(outcome.count("reacquired"), 1u);
+    EXPECT_EQ(outcome.count("panel-moved"), 0u);
+    EXPECT_GT(outcome.worst(149.0, 150.0), 0.3);
+    EXPECT_LT(outcome.worst(155.0, 180.0), kOnTrack_m);
+    EXPECT_FALSE(outcome.estimates.back().lost);
+  }
+}
+
+TEST(LandmarkHypotheses, PushedPanelIsNoticedMeasuredAndUsed) {
+  const Pose push{rotationFromYawPitchRoll(radians(0), radians(8), 0), {0.15, 0.0, 0.0}};
+  for (const bool bias_states : {true, false}) {
+    LandmarkRun run;
+    run.options.bias_states = bias_states;
+    run.T_odom_panel = [&](std::size_t, double t) { return t < 40.0 ? run.panels[0] : run.panels[0] * push; };
+    const auto outcome = run.run(80.0);
+    EXPECT_EQ(outcome.count("panel-moved"), 1u);
+    EXPECT_EQ(outcome.count("reacquired") + outcome.count("lost"), 0u);
+    const PanelResult& panel = outcome.summary.panels.at(0);
+    ASSERT_EQ(panel.moves.size(), 1u);
+    EXPECT_NEAR(panel.moves[0].t_s, 40.25, 0.01);
+    const auto& [offset, covariance] = panel.moves[0].T_before_after;
+    const Vector6d error = poseDifference(push, offset);
+    EXPECT_LT(error.dot(covariance.ldlt().solve(error)), 22.5);  // chi-square, 6 degrees of freedom: 99.9 %
+    EXPECT_LT(std::sqrt(covariance.topLeftCorner<3, 3>().trace()), 0.05);
+    EXPECT_EQ(panel.state, PanelResult::State::estimated);
+    EXPECT_LT((panel.T_odom_panel.pose.position - (run.panels[0] * push).position).norm(), 0.03);
+    EXPECT_LT(outcome.worst(5.0, 80.0), kOnTrack_m);
+  }
+}
+
+TEST(LandmarkHypotheses, OfTwoPanelsTheOneThatWasPushedIsNamed) {
+  LandmarkRun run;
+  run.panels.push_back({rotationFromYawPitchRoll(radians(30), 0, radians(90)), {5.0, 2.0, -4.5}});
+  run.T_odom_panel = [&](std::size_t i, double t) {
+    return i == 1 && t > 40.0
+               ? run.panels[1] * Pose{rotationFromYawPitchRoll(radians(5), 0, 0), {0.1, 0.05, 0.0}}
+               : run.panels[i];
+  };
+  const auto outcome = run.run(80.0);
+  EXPECT_EQ(outcome.count("panel-moved"), 1u);
+  EXPECT_EQ(outcome.count("reacquired") + outcome.count("lost"), 0u);
+  EXPECT_EQ(outcome.summary.panels.at(0).state, PanelResult::State::known);
+  EXPECT_EQ(outcome.summary.panels.at(1).state, PanelResult::State::estimated);
+  EXPECT_EQ(outcome.summary.panels.at(1).moves.size(), 1u);
+  EXPECT_LT(outcome.worst(5.0, 80.0), kOnTrack_m);
+}
+
+// A robot that is carried away (or a DVL that lies once) moves all panels alike.
+TEST(LandmarkHypotheses, AllPanelsAtOnceMeanTheFilter) {
+  LandmarkRun run;
+  run.panels.push_back({rotationFromYawPitchRoll(radians(30), 0, radians(90)), {5.0, 2.0, -4.5}});
+  const Pose carried{rotationFromYawPitchRoll(radians(10), 0, 0), {0.5, 0.5, 0.0}};
+  run.T_odom_panel = [&](std::size_t i, double t) { return t > 40.0 ? carried * run.panels[i] : run.panels[i]; };
+  const auto outcome = run.run(60.0);
+  EXPECT_EQ(outcome.count("panel-moved"), 0u);
+  EXPECT_GE(outcome.count("reacquired"), 1u);
+}
+
+// A gyro that begins to lie while landmarks are in view is not the panel's doing, at any size; and where the
+// estimate goes wrong for good, it says so.
+TEST(LandmarkHypotheses, FaultyOdometryIsNoMovedPanel) {
+  for (const double bias_deg_s : {0.1, 0.5, 2.0, 10.0, 60.0})
+    for (const bool bias_states : {true, false}) {
+      LandmarkRun run;
+      run.options.bias_states = bias_states;
+      run.fault = [&](Sample& sample, double t_s, Random&) {
+        if (auto* ins = std::get_if<InsSample>(&sample.reading); ins && t_s > 30.0)
+          ins->angular_velocity_ins->z() += radians(bias_deg_s);
+        return true;
+      };
+      const auto outcome = run.run(90.0);
+      EXPECT_EQ(outcome.count("panel-moved"), 0u) << bias_deg_s;
+      for (const Estimate& e : outcome.estimates)
+        if (e.t_s > 45.0 && outcome.error(e).head<3>().norm() > 0.5)
+          EXPECT_TRUE(e.lost) << bias_deg_s << " deg/s, at " << e.t_s << " s";
+    }
+}
+
+TEST(LandmarkHypotheses, FaultyDvlIsNoMovedPanel) {
+  for (const double bias_m_s : {0.02, 0.05, 0.1, 0.2, 0.5, 2.0})
+    for (const bool bias_states : {true, false}) {
+      LandmarkRun run;
+      run.options.bias_states = bias_states;
+      run.fault = [&](Sample& sample, double t_s, Random&) {
+        if (auto* dvl = std::get_if<DvlSample>(&sample.reading); dvl && dvl->velocity_dvl && t_s > 30.0)
+          dvl->velocity_dvl->x() += bias_m_s;
+        return true;
+      };
+      const auto outcome = run.run(90.0);
+      EXPECT_EQ(outcome.count("panel-moved"), 0u) << bias_m_s;
+      for (const Estimate& e : outcome.estimates)
+        if (e.t_s > 45.0 && outcome.error(e).head<3>().norm() > 0.5)
+          EXPECT_TRUE(e.lost) << bias_m_s << " m/s, at " << e.t_s << " s";
+    }
+}
+
+TEST(LandmarkHypotheses, LostWithoutDvlAndLandmarksAndFoundAgain) {
+  LandmarkRun run;
+  run.sees = [](std::size_t, double t) { return t < 30.0 || t > 210.0; };
+  run.fault = [](Sample& sample, double t_s, Random&) {
+    const bool dvl = sample.label == labels::kDvl || sample.label == labels::kDvlBeams;
+    return !(dvl && t_s > 30.0 && t_s < 230.0);
+  };
+  const auto outcome = run.run(240.0);
+  ASSERT_EQ(outcome.count("lost"), 1u);
+  EXPECT_NEAR(outcome.first("lost")->t_s, 60.0, 2.0);  // blind_s after the last reading
+  ASSERT_EQ(outcome.count("found"), 1u);
+  EXPECT_LT(outcome.first("found")->t_s, 215.0);
+  for (const Estimate& e : outcome.estimates) EXPECT_EQ(e.lost, e.t_s > 60.5 && e.t_s < 209.0) << e.t_s;
+  EXPECT_FALSE(outcome.summary.lost_since_s);
+  EXPECT_LT(outcome.worst(220.0, 240.0), kOnTrack_m);
+}
+
+TEST(LandmarkHypotheses, EndingLostIsInTheSummary) {
+  LandmarkRun run;
+  run.sees = [](std::size_t, double t) { return t < 30.0; };
+  run.fault = [](Sample& sample, double t_s, Random&) {
+    return !(t_s > 30.0 && (sample.label == labels::kDvl || sample.label == labels::kDvlBeams));
+  };
+  const auto outcome = run.run(90.0);
+  ASSERT_TRUE(outcome.summary.lost_since_s);
+  EXPECT_NEAR(*outcome.summary.lost_since_s, 60.0, 2.0);
+  EXPECT_FALSE(outcome.summary.lost_reason.empty());
+}
+
+// The prior says the panel is elsewhere by ten of its sigmas.
+TEST(LandmarkHypotheses, PriorThatContradictsIsNamedAndLeftAside) {
+  LandmarkRun run;
+  Pose elsewhere = run.panels[0];
+  elsewhere.position.x() += 5.0;
+  run.priors = {{"P0", elsewhere, 0.5, radians(5)}};
+  const auto outcome = run.run(40.0);
+  EXPECT_EQ(outcome.count("panel-prior"), 1u);
+  EXPECT_EQ(outcome.count("reacquired") + outcome.count("panel-moved"), 0u);
+  EXPECT_LT((outcome.summary.panels.at(0).T_odom_panel.pose.position - run.panels[0].position).norm(), 0.5);
+}
+
+// The first sighting of an unknown panel is a false one.
+TEST(LandmarkHypotheses, PanelThatWasFirstSeenWronglyStartsAnew) {
+  LandmarkRun run;
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  run.priors = {{"P0", {}, kUnknown, kUnknown}};
+  run.fault = [](Sample& sample, double t_s, Random&) {
+    if (auto* panels = std::get_if<PanelSample>(&sample.reading); panels && t_s < 0.5)
+      panels->panels.front().T_camera_panel.pose.position.x() += 2.0;
+    return true;
+  };
+  const auto outcome = run.run(40.0);
+  EXPECT_EQ(outcome.count("panel-restarted"), 1u);
+  EXPECT_EQ(outcome.count("reacquired"), 0u);
+  EXPECT_LT((outcome.summary.panels.at(0).T_odom_panel.pose.position - run.panels[0].position).norm(), 0.5);
+}
+
+// The paper's fixed gate and no gate at all are what they are: no hypotheses.
+TEST(LandmarkHypotheses, OtherGatesArePlain) {
+  for (const Gate::Kind kind : {Gate::Kind::none, Gate::Kind::fixed}) {
+    LandmarkRun run;
+    run.options.gate.kind = kind;
+    run.wrong_start_m = 10.0;
+    const auto outcome = run.run(30.0);
+    EXPECT_EQ(outcome.count("reacquired") + outcome.count("fix-rejected"), 0u);
+    EXPECT_EQ(outcome.count("rejected"), kind == Gate::Kind::fixed ? 1u : 0u);  // believed again
+    EXPECT_LT(outcome.worst(20.0, 30.0), 0.5);
+  }
+}
+
+}  // namespace
+}  // namespace fathom
