@@ -17,7 +17,10 @@ namespace {
 /// Tells whether a result is of the same inputs: files by what they hold, images by name, size and time.
 std::string fingerprintOf(const RecordingJob& job) {
   Fingerprint print;
-  print.add(std::string(FATHOM_VERSION)).add(job.start).add(job.chain.panel_unknown ? 1.0 : 0.0);
+  print.add(std::string(FATHOM_VERSION))
+      .add(job.start)
+      .add(job.chain.backend)
+      .add(job.chain.panel_unknown ? 1.0 : 0.0);
   print.add(readTextFile(job.chain.rawlog));
   for (const std::string& file : {job.chain.vehicle, job.chain.map, job.chain.calibration, job.chain.sources,
                                   job.reference, job.faults})

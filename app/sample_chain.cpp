@@ -3,9 +3,29 @@
 #include "core/error.h"
 #include "effects/calibration.h"
 #include "inputs.h"
+#include "panel/panel_maps.h"
 #include "sources/make_source.h"
 
 namespace fathom {
+namespace {
+
+std::vector<PanelPrior> priorsOf(const std::vector<PanelMap>& panels, bool unknown) {
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  std::vector<PanelPrior> priors;
+  for (const PanelMap& panel : panels)
+    priors.push_back({panel.name, panel.T_odom_panel, unknown ? kUnknown : panel.position_sigma_m,
+                      unknown ? kUnknown : panel.angle_sigma_rad});
+  return priors;
+}
+
+DetectionSettings settingsFor(const std::vector<PanelMap>& panels, const std::string& backend) {
+  DetectionSettings settings;
+  settings.families = familiesOf(panels);
+  settings.backend = backend == nameOf(Backend::aruco) ? Backend::aruco : Backend::apriltag;
+  return settings;
+}
+
+}  // namespace
 
 SampleChain::SampleChain(const ChainOptions& options, bool landmarks) : options_(options) {
   auto source = openBare();
@@ -17,7 +37,26 @@ SampleChain::SampleChain(const ChainOptions& options, bool landmarks) : options_
   if (!options.calibration.empty()) setup_.calibration = readCalibration(options.calibration);
   remarks_ = disagreements(inspectRecording(options.rawlog), setup_.vehicle);
   setup_.time_zero = source->next()->time;
-  (void)landmarks;
+  if (landmarks) findLandmarks(source->header());
+}
+
+void SampleChain::findLandmarks(const RecordingHeader& header) {
+  const auto map = panelMapFile(options_.map, options_.rawlog, header);
+  if (!map) {
+    remarks_.emplace_back("no landmarks: the recording names no panel map, and --map gives none");
+    return;
+  }
+  panels_ = readPanelMaps(*map);
+  setup_.panels = priorsOf(panels_, options_.panel_unknown);
+  const std::vector<CameraImage> images = imagesOf(*openBare());
+  if (images.empty()) remarks_.emplace_back("no landmarks: there are no images");
+  const Detections detections =
+      detectImages(images, settingsFor(panels_, options_.backend), keepBeside(options_.rawlog));
+  if (!detections.not_kept_why.empty())
+    remarks_.push_back("detections are not kept: " + detections.not_kept_why);
+  for (const UnreadableImage& image : detections.unreadable)
+    remarks_.push_back(image.file.string() + ": " + image.why);
+  detections_ = std::make_shared<const Detections>(detections);
 }
 
 std::unique_ptr<SampleSource> SampleChain::openBare() const {
@@ -25,6 +64,10 @@ std::unique_ptr<SampleSource> SampleChain::openBare() const {
   return std::make_unique<RecordingSource>(options_.rawlog);
 }
 
-std::unique_ptr<SampleSource> SampleChain::open() const { return openBare(); }
+std::unique_ptr<SampleSource> SampleChain::open() const {
+  auto source = openBare();
+  if (detections_) source = std::make_unique<LandmarkSource>(std::move(source), detections_, panels_);
+  return source;
+}
 
 }  // namespace fathom

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "landmarks/landmark_source.h"
 #include "localization/localizer.h"
 #include "recording/sample_source.h"
 
@@ -16,6 +17,7 @@ struct ChainOptions {
   std::filesystem::path rawlog;
   std::string vehicle, map;          ///< files; empty: those that the recording names
   std::string calibration, sources;  ///< files; empty: none
+  std::string backend = "apriltag";  ///< which library finds the markers
   bool panel_unknown = false;        ///< the map's panel poses are not to be believed
 };
 
@@ -35,13 +37,17 @@ class SampleChain {
   const LocalizationSetup& setup() const { return setup_; }
   /// What a user should know, one line each.
   const std::vector<std::string>& remarks() const { return remarks_; }
+  const std::vector<PanelMap>& panels() const { return panels_; }
 
  private:
   std::unique_ptr<SampleSource> openBare() const;
+  void findLandmarks(const RecordingHeader& header);
 
   ChainOptions options_;
   LocalizationSetup setup_;
   std::vector<std::string> remarks_;
+  std::vector<PanelMap> panels_;
+  std::shared_ptr<const Detections> detections_;  ///< null: landmarks are not wanted, or there are none
 };
 
 }  // namespace fathom
