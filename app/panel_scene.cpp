@@ -1,6 +1,5 @@
 #include "panel_scene.h"
 
-#include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/opengl/CSetOfTriangles.h>
 #include <mrpt/opengl/CText3D.h>
 #include <mrpt/opengl/stock_objects.h>
@@ -79,15 +78,19 @@ Pose T_scene_odom(const Pose& T_odom_panel) {
 
 }  // namespace
 
-gl::COpenGLScene panelScene(const std::vector<PanelMap>& panels) {
+gl::CSetOfObjects::Ptr panelsInOdom(const std::vector<PanelMap>& panels) {
   auto odom = gl::CSetOfObjects::Create();
   odom->setName("odom");
-  odom->setPose(T_scene_odom(panels.front().T_odom_panel).toMrpt());
+  if (!panels.empty()) odom->setPose(T_scene_odom(panels.front().T_odom_panel).toMrpt());
   addAxes(*odom, {}, 1.0);
   addName(*odom, {0.05, 0.05, 0.0}, "odom", 0.2);
   for (const PanelMap& panel : panels) odom->insert(panelObject(panel));
+  return odom;
+}
+
+gl::COpenGLScene panelScene(const std::vector<PanelMap>& panels) {
   gl::COpenGLScene scene;
-  scene.insert(odom);
+  scene.insert(panelsInOdom(panels));
   return scene;
 }
 

@@ -8,6 +8,11 @@
 namespace fathom {
 namespace {
 
+/// A lone marker's eight coordinates leave but two to judge the corners by. Where those are worse than they
+/// say (JPEG's are), nothing shows it, and the mirror image may fit better by more than chance allows: it
+/// must be far worse then.
+constexpr double kLoneMarkerChiSquare = 200;
+
 std::size_t countOn(const PanelMap& panel, const std::vector<Detection>& detections) {
   return static_cast<std::size_t>(
       std::count_if(detections.begin(), detections.end(),
@@ -84,9 +89,10 @@ void addMarkers(const PanelPoseEstimate& estimate, const std::vector<CameraDetec
   }
 }
 
-bool isSeen(const PanelMap& panel, const std::vector<CameraDetections>& cameras) {
-  return std::any_of(cameras.begin(), cameras.end(),
-                     [&](const CameraDetections& seen) { return countOn(panel, seen.detections) > 0; });
+std::size_t countOn(const PanelMap& panel, const std::vector<CameraDetections>& cameras) {
+  std::size_t count = 0;
+  for (const CameraDetections& seen : cameras) count += countOn(panel, seen.detections);
+  return count;
 }
 
 }  // namespace
@@ -104,9 +110,13 @@ Sighting sightingOf(const std::vector<CameraDetections>& cameras, const Pose& T_
                     {T_robot_camera * forwardFrame(), {}},
                     {}};
   for (std::size_t i = 0; i < panels.size(); ++i) {
-    if (!isSeen(panels[i], cameras)) continue;
+    const std::size_t count = countOn(panels[i], cameras);
+    if (count == 0) continue;
     const int index = static_cast<int>(i);
-    const PanelPoseEstimate estimate = solvePanelPose(cameras, panels[i], options);
+    PanelPoseOptions panel_options = options;
+    if (count == 1)
+      panel_options.ambiguity_chi_square = std::max(options.ambiguity_chi_square, kLoneMarkerChiSquare);
+    const PanelPoseEstimate estimate = solvePanelPose(cameras, panels[i], panel_options);
     if (!estimate.solved || estimate.isAmbiguous()) {
       sighting.unused.push_back({index, estimate.solved ? kAmbiguous : estimate.why_not});
       continue;

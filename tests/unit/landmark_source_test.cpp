@@ -4,6 +4,7 @@
 #include "recording/recorded_camera.h"
 #include "support/detections.h"
 #include "support/recordings.h"
+#include "support/shared_data.h"
 
 namespace fathom {
 namespace {

@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "fiducials/single_marker_pose.h"
 #include "support/detections.h"
 
 namespace fathom {
