@@ -72,7 +72,7 @@ gl::CSetOfLines::Ptr frustaOf(const ResultsScene& results) {
   std::vector<Vector3d> corners_camera;
   for (const Vector2d& pixel :
        {Vector2d(-0.5, -0.5), Vector2d(right, -0.5), Vector2d(right, bottom), Vector2d(-0.5, bottom)})
-    corners_camera.push_back(kFrustumDepth_m * results.camera.idealAt(pixel).homogeneous());
+    corners_camera.emplace_back(kFrustumDepth_m * results.camera.idealAt(pixel).homogeneous());
   for (const Pose& camera : results.T_odom_camera)
     for (std::size_t k = 0; k < 4; ++k) {
       const Vector3d corner = camera * corners_camera[k];

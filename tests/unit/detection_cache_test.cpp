@@ -1,8 +1,9 @@
 // Detections are made once: what is kept, when it counts, and what damage does to it.
 #include "landmarks/detection_cache.h"
 
+#include <bit>
 #include <csignal>
-#include <cstring>
+#include <cstdint>
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/error.h"
@@ -18,7 +19,9 @@ namespace fs = std::filesystem;
 const CameraModel kCamera{
     .width_px = 320, .height_px = 240, .fx_px = 277, .fy_px = 277, .cx_px = 160, .cy_px = 120};
 
-bool sameBits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool sameBits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
 
 void expectSame(const Detection& a, const Detection& b) {
   EXPECT_EQ(a.family, b.family);

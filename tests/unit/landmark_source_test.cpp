@@ -70,6 +70,7 @@ class LandmarkSourceTest : public testing::Test {
   }
   static std::vector<std::string> labelsOf(const std::vector<Sample>& samples) {
     std::vector<std::string> labels;
+    labels.reserve(samples.size());
     for (const Sample& sample : samples) labels.push_back(sample.label);
     return labels;
   }
