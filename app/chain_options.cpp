@@ -1,5 +1,6 @@
+#include "chain_options.h"
+
 #include "commands.h"
-#include "sample_chain.h"
 
 namespace fathom {
 

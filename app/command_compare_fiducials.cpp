@@ -10,8 +10,8 @@
 #include "evaluation/contact_sheet.h"
 #include "evaluation/fiducial_sheet.h"
 #include "fiducial_report.h"
-#include "inputs.h"
 #include "recorded_fiducials_report.h"
+#include "tasks/companions.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

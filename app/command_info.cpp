@@ -3,10 +3,10 @@
 
 #include "commands.h"
 #include "core/progress.h"
-#include "inputs.h"
 #include "recording/export_csv.h"
 #include "recording/recording_info.h"
 #include "report/run_info.h"
+#include "tasks/companions.h"
 
 namespace fathom {
 namespace {

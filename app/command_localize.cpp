@@ -2,9 +2,11 @@
 #include <memory>
 #include <set>
 
+#include "chain_options.h"
 #include "commands.h"
 #include "core/error.h"
 #include "localization_batch.h"
+#include "localization_report.h"
 #include "tasks_report.h"
 
 namespace fathom {

@@ -1,14 +1,15 @@
 #include <iostream>
 #include <memory>
 
+#include "chain_options.h"
 #include "commands.h"
 #include "core/error.h"
 #include "core/text.h"
 #include "report/html_report.h"
-#include "sample_chain.h"
-#include "start_pose.h"
-#include "stress_runs.h"
-#include "task_run.h"
+#include "tasks/sample_chain.h"
+#include "tasks/start_pose.h"
+#include "tasks/stress_runs.h"
+#include "tasks/task_run.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

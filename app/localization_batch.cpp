@@ -7,6 +7,7 @@
 #include "core/fingerprint.h"
 #include "core/progress.h"
 #include "evaluation/statistics.h"
+#include "localization_report.h"
 #include "report/html_report.h"
 #include "tasks_report.h"
 

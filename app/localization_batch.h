@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "recording_localization.h"
 #include "report/run_info.h"
 #include "report/table.h"
+#include "tasks/recording_localization.h"
 
 namespace fathom {
 

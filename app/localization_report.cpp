@@ -37,7 +37,7 @@ Series path(const std::string& name, const std::vector<StampedPose>& poses, Seri
   return series;
 }
 
-Plot pathPlot(const RecordingStory& recording, const LocalizationOutputs& outputs) {
+Plot pathPlot(const RecordingStory& recording, const TaskOutputs& outputs) {
   Plot plot{.title = "Path from above", .x_label = "x in odom [m]", .y_label = "y in odom [m]"};
   plot.equal_axes = true;
   Series filter{.name = "filter"};
@@ -54,7 +54,7 @@ Plot pathPlot(const RecordingStory& recording, const LocalizationOutputs& output
 }
 
 template <class Value>
-Plot overTime(const char* title, const char* y_label, const LocalizationOutputs& outputs,
+Plot overTime(const char* title, const char* y_label, const TaskOutputs& outputs,
               const char* const (&names)[3], const Value& value) {
   Plot plot{.title = title, .x_label = "time [s]", .y_label = y_label};
   for (int axis = 0; axis < 3; ++axis) {
@@ -150,15 +150,6 @@ nlohmann::ordered_json jsonList(const Vector3d& v) { return {v.x(), v.y(), v.z()
 
 }  // namespace
 
-TaskMeasures measuresOf(const std::vector<StampedPose>& path, const RecordingStory& recording) {
-  std::vector<StampedPose> reference;
-  for (const StampedPose& sighting : recording.marker_poses)
-    if (const auto pose = poseAt(recording.reference, sighting.time))
-      reference.push_back({sighting.time, *pose});
-  return {errorsAgainst(recording.marker_poses, path), errorsAgainst(reference, path),
-          smoothnessOf(path, recording.image_times)};
-}
-
 Table errorsOverTime(const RecordingStory& recording, const TaskStory& task) {
   Table table{.header = {"time [s]", "filter [m]", "smoother [m]", "reference attitude + DVL [m]",
                          "plain integration [m]"},
@@ -208,7 +199,7 @@ nlohmann::ordered_json toJson(const RecordingStory& recording) {
 }
 
 nlohmann::ordered_json toJson(const RecordingStory& recording, const TaskStory& story,
-                              const LocalizationOutputs& outputs) {
+                              const TaskOutputs& outputs) {
   nlohmann::ordered_json json;
   json["task"] = story.options.task;
   json["improved"] = story.improved;
@@ -255,7 +246,7 @@ nlohmann::ordered_json toJson(const RecordingStory& recording, const TaskStory& 
 }
 
 void writeReport(const std::filesystem::path& file, const RecordingStory& recording, const TaskStory& story,
-                 const LocalizationOutputs& outputs) {
+                 const TaskOutputs& outputs) {
   HtmlReport report("Localization of " + recording.recording.filename().string());
   const LocalizationSummary& summary = story.summary;
   std::vector<std::pair<std::string, std::string>> values{

@@ -1,5 +1,6 @@
 #include "tasks_report.h"
 
+#include "localization_report.h"
 #include "report/html_report.h"
 
 namespace fathom {

@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "recording_localization.h"
 #include "report/table.h"
+#include "tasks/recording_localization.h"
 
 namespace fathom {
 

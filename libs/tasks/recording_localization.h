@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "sample_chain.h"
-#include "task_run.h"
+#include "tasks/sample_chain.h"
+#include "tasks/task_run.h"
 
 namespace fathom {
 

@@ -1,4 +1,4 @@
-#include "localization_outputs.h"
+#include "tasks/task_outputs.h"
 
 #include "core/error.h"
 
@@ -44,14 +44,14 @@ void NisWindows::add(const Innovation& innovation) {
   windows_ = std::move(merged);
 }
 
-void LocalizationOutputs::TumFile::finish() {
+void TaskOutputs::TumFile::finish() {
   out.close();
   if (!out) throw Error(file.target().string(), "", "cannot be written; is the disk full?");
   file.commit();
 }
 
-LocalizationOutputs::LocalizationOutputs(const std::filesystem::path& folder, const std::string& task,
-                                         bool smoothed, ResultsLog& results, std::size_t stream)
+TaskOutputs::TaskOutputs(const std::filesystem::path& folder, const std::string& task, bool smoothed,
+                         ResultsLog& results, std::size_t stream)
     : label_("EKF_" + task),
       results_(results),
       stream_(stream),
@@ -60,7 +60,7 @@ LocalizationOutputs::LocalizationOutputs(const std::filesystem::path& folder, co
   if (smoothed) smoothed_ = std::make_unique<TumFile>(folder / "trajectory_smoothed.tum");
 }
 
-void LocalizationOutputs::estimate(const Estimate& e) {
+void TaskOutputs::estimate(const Estimate& e) {
   const KinematicState<double>& m = e.state.motion;
   poses_.push_back({e.time, {m.R_odom_robot, m.position_odom}});
   writeTumLine(trajectory_.out, poses_.back());
@@ -70,21 +70,21 @@ void LocalizationOutputs::estimate(const Estimate& e) {
   last_ = e;
 }
 
-void LocalizationOutputs::smoothed(const Estimate& e) {
+void TaskOutputs::smoothed(const Estimate& e) {
   smoothed_poses_.push_back({e.time, {e.state.motion.R_odom_robot, e.state.motion.position_odom}});
   writeTumLine(smoothed_->out, smoothed_poses_.back());
 }
 
-void LocalizationOutputs::innovation(const Innovation& innovation) {
+void TaskOutputs::innovation(const Innovation& innovation) {
   innovations_.write(innovation);
   nis_[innovation.channel].add(innovation);
 }
 
-void LocalizationOutputs::event(const Event& event) {
+void TaskOutputs::event(const Event& event) {
   if (events_.size() < kEventsKept) events_.push_back(event);
 }
 
-void LocalizationOutputs::finish() {
+void TaskOutputs::finish() {
   trajectory_.finish();
   if (smoothed_) smoothed_->finish();
   innovations_.finish();

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -20,9 +19,6 @@ struct ChainOptions {
   std::string backend = "apriltag";  ///< which library finds the markers
   bool panel_unknown = false;        ///< the map's panel poses are not to be believed
 };
-
-/// All but the rawlog, as a command's options.
-void addChainOptions(CLI::App& command, ChainOptions& options);
 
 /// A recording's samples on their way to a filter: from where --sources says, with what the images tell of
 /// the panels. What takes long (finding the markers) is done once, by prepare; open() begins anew each time.

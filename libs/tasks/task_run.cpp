@@ -1,4 +1,4 @@
-#include "task_run.h"
+#include "tasks/task_run.h"
 
 namespace fathom {
 namespace {

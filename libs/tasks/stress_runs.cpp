@@ -1,4 +1,4 @@
-#include "stress_runs.h"
+#include "tasks/stress_runs.h"
 
 #include <tbb/parallel_for.h>
 

@@ -1,4 +1,4 @@
-#include "inputs.h"
+#include "tasks/companions.h"
 
 #include <cmath>
 

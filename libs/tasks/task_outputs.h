@@ -8,7 +8,7 @@
 
 #include "core/files.h"
 #include "localization/evaluation.h"
-#include "results_log.h"
+#include "tasks/results_log.h"
 
 namespace fathom {
 
@@ -53,11 +53,11 @@ struct PathPoint {
 
 /// Writes what a task gives while it runs (trajectory, innovations, its poses in the results rawlog), and
 /// keeps what the report needs.
-class LocalizationOutputs {
+class TaskOutputs {
  public:
   /// Files go to `folder`, poses to a stream of `results` under the label EKF_TASK.
-  LocalizationOutputs(const std::filesystem::path& folder, const std::string& task, bool smoothed,
-                      ResultsLog& results, std::size_t stream);
+  TaskOutputs(const std::filesystem::path& folder, const std::string& task, bool smoothed,
+              ResultsLog& results, std::size_t stream);
 
   void estimate(const Estimate& estimate);
   void smoothed(const Estimate& estimate);

@@ -1,4 +1,4 @@
-#include "task_spec.h"
+#include "tasks/task_spec.h"
 
 #include <algorithm>
 

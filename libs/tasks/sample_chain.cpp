@@ -1,10 +1,10 @@
-#include "sample_chain.h"
+#include "tasks/sample_chain.h"
 
 #include "core/error.h"
 #include "effects/calibration.h"
-#include "inputs.h"
 #include "panel/panel_maps.h"
 #include "sources/make_source.h"
+#include "tasks/companions.h"
 
 namespace fathom {
 namespace {

@@ -1,4 +1,4 @@
-#include "results_log.h"
+#include "tasks/results_log.h"
 
 #include <algorithm>
 

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "localization/localizer.h"
-#include "localization_outputs.h"
-#include "localization_report.h"
-#include "task_spec.h"
+#include "tasks/task_outputs.h"
+#include "tasks/task_spec.h"
+#include "tasks/task_story.h"
 
 namespace fathom {
 
@@ -23,14 +23,14 @@ class TaskRun {
   void finish(LocalizationSummary summary);
 
   const TaskStory& story() const { return story_; }
-  const LocalizationOutputs& outputs() const { return outputs_; }
+  const TaskOutputs& outputs() const { return outputs_; }
 
  private:
   LocalizationSink sink();
 
   TaskSpec spec_;
   const RecordingStory& recording_;
-  LocalizationOutputs outputs_;
+  TaskOutputs outputs_;
   Evaluator evaluator_, smooth_evaluator_;
   TaskStory story_;
   Localizer localizer_;

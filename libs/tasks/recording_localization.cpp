@@ -1,4 +1,4 @@
-#include "recording_localization.h"
+#include "tasks/recording_localization.h"
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@
 #include "localization/dead_reckoning.h"
 #include "localization/run_tasks.h"
 #include "sources/degraded_source.h"
-#include "start_pose.h"
+#include "tasks/start_pose.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

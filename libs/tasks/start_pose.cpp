@@ -1,7 +1,8 @@
-#include "start_pose.h"
+#include "tasks/start_pose.h"
 
-#include <CLI/CLI.hpp>
+#include <charconv>
 #include <cmath>
+#include <sstream>
 
 #include "core/error.h"
 #include "localization/evaluation.h"
@@ -47,9 +48,11 @@ StartPose startFromReference(const fs::path& rawlog, const std::vector<StampedPo
 
 StartPose startFromNumbers(const std::string& text) {
   std::vector<double> v;
-  for (const std::string& word : CLI::detail::split(text, ',')) {
+  std::istringstream words(text);
+  for (std::string word; std::getline(words, word, ',');) {
     double value = 0.0;
-    if (!CLI::detail::lexical_cast(word, value) || !std::isfinite(value))
+    const auto [end, problem] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (problem != std::errc{} || end != word.data() + word.size() || !std::isfinite(value))
       throw Error("--start", text, "must be auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]");
     v.push_back(value);
   }
