@@ -16,7 +16,7 @@ struct FusionLog {
   std::vector<Event> events;
   std::vector<std::pair<std::size_t, PanelMove>> moves;  ///< panel, move
   std::vector<int> anew;                                 ///< error coordinates that were reset
-  bool corrected = false;                                ///< the robot's pose was acquired anew
+  bool corrected = false;                                ///< the robot's pose or a panel's was put right
 };
 
 /// What is remembered of landmarks from one to the next.
@@ -168,7 +168,7 @@ class LandmarkFuser {
     if (setup_.options.gate.kind != Gate::Kind::chi_square) return;
     if (passed) {
       judged.pose_variance = filter.P.diagonal().template head<6>();
-      memory.monitor.fused(fix.panel, judged);
+      memory.monitor.fused(fix.panel, judged, nis);
     } else {
       actOn(memory.monitor.rejected(fix.panel, judged), filter, memory, fix, judged, off, nis, log);
     }
@@ -254,6 +254,7 @@ class LandmarkFuser {
                     mixed.transpose();
     }
     startPanelAnew(filter, memory, fix, log);
+    log.corrected = true;
     log.moves.push_back(
         {static_cast<std::size_t>(fix.panel), {judgement.since_s, {T_before_now, covariance}}});
     const Vector3d& offset = T_before_now.position;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <numeric>
 
 #include "localization/chi_square.h"
 
@@ -29,6 +30,27 @@ bool agree(const JudgedFix& a, const JudgedFix& b, bool doubt) {
   return difference.dot(covariance.ldlt().solve(difference)) <= kGate;
 }
 
+/// Whether a panel stands still in the filter's dead reckoning, by the slope of its pose over time.
+bool standsStill(const std::vector<JudgedFix>& fixes) {
+  const JudgedFix &first = fixes.front(), &last = fixes.back();
+  const auto [T_odom_panel, by_robot, by_sighting] = composed(last.T_odom_robot, last.T_robot_panel.pose);
+  double mean_s = 0.0, spread_s2 = 0.0;
+  for (const JudgedFix& fix : fixes) mean_s += fix.t_s / static_cast<double>(fixes.size());
+  Vector6d slope = Vector6d::Zero();
+  for (const JudgedFix& fix : fixes) {
+    slope += (fix.t_s - mean_s) * poseDifference(T_odom_panel, fix.T_odom_robot * fix.T_robot_panel.pose);
+    spread_s2 += (fix.t_s - mean_s) * (fix.t_s - mean_s);
+  }
+  slope /= spread_s2;
+  const double duration_s = last.t_s - first.t_s;
+  const Vector6d drift = (last.pose_variance - first.pose_variance).cwiseMax(0.0) / (duration_s * duration_s);
+  const Matrix6d covariance =
+      by_sighting * last.T_robot_panel.covariance * by_sighting.transpose() / spread_s2 +
+      by_robot * drift.asDiagonal() * by_robot.transpose();
+  static const double kGate = chiSquareQuantile(6, 0.999);
+  return slope.dot(covariance.ldlt().solve(slope)) <= kGate;
+}
+
 }  // namespace
 
 auto LandmarkMonitor::panel(int index) -> Panel& {
@@ -39,11 +61,12 @@ auto LandmarkMonitor::panel(int index) -> Panel& {
   return panels_.back();
 }
 
-void LandmarkMonitor::fused(int index, const JudgedFix& fix) {
+void LandmarkMonitor::fused(int index, const JudgedFix& fix, double nis) {
   Panel& seen = panel(index);
   seen.streak.clear();
   ++seen.confirmations;
   seen.last_fused_s = fix.t_s;
+  last_nis_[static_cast<std::size_t>(confirmations_ % kConfirming)] = nis;
   ++confirmations_;
   last_fused_s_ = fix.t_s;
   variance_then_ = fix.pose_variance;
@@ -78,10 +101,9 @@ bool LandmarkMonitor::vouched(const Panel& seen) const {
   if (confirmations_ < kConfirming || !last_fused_s_) return false;
   const double gap_s = std::max(0.0, first.t_s - *last_fused_s_);
   if (gap_s > kVouching_s) return false;
-  const bool still = std::all_of(seen.streak.begin(), seen.streak.end(), [&](const JudgedFix& earlier) {
-    return &earlier == &last || agree(earlier, last, false);
-  });
-  if (!still) return false;
+  static const double kUnremarkable = chiSquareQuantile(6.0 * kConfirming, 0.999);
+  if (std::accumulate(last_nis_.begin(), last_nis_.end(), 0.0) > kUnremarkable) return false;
+  if (!standsStill(seen.streak)) return false;
   const bool another_too = std::any_of(panels_.begin(), panels_.end(), [&](const Panel& other) {
     return other.index != seen.index && other.streak.size() >= 2 && other.streak.back().t_s >= first.t_s &&
            other.last_fused_s.value_or(first.t_s - 1.0) < first.t_s;

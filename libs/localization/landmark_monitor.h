@@ -29,12 +29,14 @@ struct JudgedFix {
 /// against the panel's pose. Which of the two is decided so:
 ///
 /// The panel has moved, if dead reckoning vouches for the robot's pose:
-///   - kConfirming fixes have been fused since the last reset, so that the filter was right then, and
+///   - kConfirming fixes have been fused since the last reset, and the last so many agreed with the filter as
+///     they should (a faulty gyro or DVL pulls it away until fixes are rejected; a push is sudden), and
 ///   - the last of them, of any panel, was at most kVouching_s before the first rejected one, and
 ///   - the jump is larger than what the filter's sigma has grown by since (3 sigma) and what an odometry
 ///   error
 ///     would make of the gap that nobody knows of (kDoubt_m_s, kDoubt_rad_s), and
-///   - the panel stood still while it was seen at the new place: a faulty gyro or DVL makes it drift, and
+///   - the panel stood still while it was seen at the new place, by the slope of a line through the fixes: a
+///     faulty gyro or DVL makes it drift, and
 ///   - no other panel that was seen meanwhile was rejected too: two panels are not pushed at once.
 /// Otherwise the filter is wrong (wrong start, a long time without landmarks, a faulty gyro or DVL): the
 /// robot's pose is acquired anew. Each landmark is a measurement of its own, from an image of its own; that
@@ -58,7 +60,7 @@ class LandmarkMonitor {
     std::optional<double> last_fused_s;  ///< of any panel, before them
   };
 
-  void fused(int panel, const JudgedFix& fix);
+  void fused(int panel, const JudgedFix& fix, double nis);
   Judgement rejected(int panel, const JudgedFix& fix);
   /// After a reset, by which everything known of the robot's pose starts anew.
   void startAnew();
@@ -75,6 +77,7 @@ class LandmarkMonitor {
 
   std::vector<Panel> panels_;
   int confirmations_ = 0;
+  std::array<double, kConfirming> last_nis_{};  ///< of fused fixes
   std::optional<double> last_fused_s_;
   Vector6d variance_then_ = Vector6d::Zero();
 };
