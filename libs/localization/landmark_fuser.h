@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <memory>
 
 #include "core/text.h"
@@ -143,16 +144,16 @@ class LandmarkFuser {
     const Pose T_odom_panel = estimated       ? filter.attachedPose(attached).pose
                               : fix.panel < 0 ? Pose{}
                                               : prior(fix.panel).T_odom_panel;
+    const Pose T_odom_robot = T_odom_panel * fix.T_robot_panel.pose.inverse();
+    const Vector6d off = poseDifference(robotOf(filter), T_odom_robot);
     JudgedFix judged{t_s,
                      robotOf(filter),
                      filter.P.diagonal().template head<6>(),
                      fix.T_robot_panel,
                      T_odom_panel,
+                     whitenedInnovation(filter, attached, T_odom_panel, fix.T_robot_panel),
                      fix.panel != kNoPanel,
                      estimated};
-
-    const Pose T_odom_robot = T_odom_panel * fix.T_robot_panel.pose.inverse();
-    const Vector6d off = poseDifference(judged.T_odom_robot, T_odom_robot);
     const bool patient = memory.rejected_in_a_row < kFixedGatePatience;
     const double gate = setup_.options.gate.kind != Gate::Kind::fixed || isInside(off) ? gate_ : kNever;
     const bool believed = setup_.options.gate.kind == Gate::Kind::fixed && !patient;
@@ -168,10 +169,21 @@ class LandmarkFuser {
     if (setup_.options.gate.kind != Gate::Kind::chi_square) return;
     if (passed) {
       judged.pose_variance = filter.P.diagonal().template head<6>();
-      memory.monitor.fused(fix.panel, judged, nis);
+      memory.monitor.fused(fix.panel, judged);
     } else {
       actOn(memory.monitor.rejected(fix.panel, judged), filter, memory, fix, judged, off, nis, log);
     }
+  }
+
+  /// Of the robot's pose. (An estimated panel's correlation with the robot is left out: whiter than white.)
+  static Vector6d whitenedInnovation(const ErrorStateFilter<N>& filter, int attached,
+                                     const Pose& T_odom_panel, const UncertainPose& T_robot_panel) {
+    const UncertainPose T_panel_robot = T_robot_panel.inverse();
+    const auto [T_odom_robot, wrt_panel, wrt_sighting] = composed(T_odom_panel, T_panel_robot.pose);
+    Matrix6d S = filter.P.template topLeftCorner<6, 6>() +
+                 wrt_sighting * T_panel_robot.covariance * wrt_sighting.transpose();
+    if (attached >= 0) S += wrt_panel * filter.attachedPose(attached).covariance * wrt_panel.transpose();
+    return S.llt().matrixL().solve(poseDifference(robotOf(filter), T_odom_robot));
   }
 
   bool isInside(const Vector6d& off) const {

@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <numeric>
 
 #include "localization/chi_square.h"
 
@@ -61,12 +60,13 @@ auto LandmarkMonitor::panel(int index) -> Panel& {
   return panels_.back();
 }
 
-void LandmarkMonitor::fused(int index, const JudgedFix& fix, double nis) {
+void LandmarkMonitor::fused(int index, const JudgedFix& fix) {
   Panel& seen = panel(index);
   seen.streak.clear();
   ++seen.confirmations;
   seen.last_fused_s = fix.t_s;
-  last_nis_[static_cast<std::size_t>(confirmations_ % kConfirming)] = nis;
+  if (recent_innovations_.size() == kRecent) recent_innovations_.erase(recent_innovations_.begin());
+  recent_innovations_.push_back(fix.whitened_innovation);
   ++confirmations_;
   last_fused_s_ = fix.t_s;
   variance_then_ = fix.pose_variance;
@@ -101,8 +101,10 @@ bool LandmarkMonitor::vouched(const Panel& seen) const {
   if (confirmations_ < kConfirming || !last_fused_s_) return false;
   const double gap_s = std::max(0.0, first.t_s - *last_fused_s_);
   if (gap_s > kVouching_s) return false;
-  static const double kUnremarkable = chiSquareQuantile(6.0 * kConfirming, 0.999);
-  if (std::accumulate(last_nis_.begin(), last_nis_.end(), 0.0) > kUnremarkable) return false;
+  Vector6d pull = Vector6d::Zero();
+  for (const Vector6d& innovation : recent_innovations_) pull += innovation;
+  static const double kAtRandom = chiSquareQuantile(6, 0.999);
+  if (pull.squaredNorm() > kAtRandom * static_cast<double>(recent_innovations_.size())) return false;
   if (!standsStill(seen.streak)) return false;
   const bool another_too = std::any_of(panels_.begin(), panels_.end(), [&](const Panel& other) {
     return other.index != seen.index && other.streak.size() >= 2 && other.streak.back().t_s >= first.t_s &&
@@ -120,6 +122,7 @@ bool LandmarkMonitor::vouched(const Panel& seen) const {
 void LandmarkMonitor::startAnew() {
   for (Panel& known : panels_) known.streak.clear();
   confirmations_ = 0;
+  recent_innovations_.clear();
   last_fused_s_.reset();
 }
 

@@ -12,11 +12,12 @@ namespace fathom {
 /// A sighting of a panel, as the filter that rejected or fused it saw it.
 struct JudgedFix {
   double t_s = 0.0;
-  Pose T_odom_robot;              ///< the filter's
-  Vector6d pose_variance;         ///< its own, of each coordinate
-  UncertainPose T_robot_panel;    ///< the sighting
-  Pose T_odom_panel;              ///< where the filter believes the panel to be
-  bool panel_is_movable = false;  ///< false: a fix that is not of one panel alone
+  Pose T_odom_robot;                                ///< the filter's
+  Vector6d pose_variance;                           ///< its own, of each coordinate
+  UncertainPose T_robot_panel;                      ///< the sighting
+  Pose T_odom_panel;                                ///< where the filter believes the panel to be
+  Vector6d whitened_innovation = Vector6d::Zero();  ///< of unit covariance where all is as it should be
+  bool panel_is_movable = false;                    ///< false: a fix that is not of one panel alone
   bool panel_is_estimated = false;
 };
 
@@ -29,8 +30,10 @@ struct JudgedFix {
 /// against the panel's pose. Which of the two is decided so:
 ///
 /// The panel has moved, if dead reckoning vouches for the robot's pose:
-///   - kConfirming fixes have been fused since the last reset, and the last so many agreed with the filter as
-///     they should (a faulty gyro or DVL pulls it away until fixes are rejected; a push is sudden), and
+///   - kConfirming fixes have been fused since the last reset, and the last ones (kRecent at most) disagreed
+///   with
+///     the filter at random (a push is sudden; a faulty gyro or DVL pulls to one side before fixes are
+///     rejected), and
 ///   - the last of them, of any panel, was at most kVouching_s before the first rejected one, and
 ///   - the jump is larger than what the filter's sigma has grown by since (3 sigma) and what an odometry
 ///   error
@@ -49,6 +52,7 @@ class LandmarkMonitor {
  public:
   static constexpr int kAgreeing = 5;
   static constexpr int kConfirming = 3;
+  static constexpr std::size_t kRecent = 10;
   static constexpr double kVouching_s = 10.0;
   static constexpr double kDoubt_m_s = 0.05, kDoubt_rad_s = 0.01;
 
@@ -60,7 +64,7 @@ class LandmarkMonitor {
     std::optional<double> last_fused_s;  ///< of any panel, before them
   };
 
-  void fused(int panel, const JudgedFix& fix, double nis);
+  void fused(int panel, const JudgedFix& fix);
   Judgement rejected(int panel, const JudgedFix& fix);
   /// After a reset, by which everything known of the robot's pose starts anew.
   void startAnew();
@@ -77,7 +81,7 @@ class LandmarkMonitor {
 
   std::vector<Panel> panels_;
   int confirmations_ = 0;
-  std::array<double, kConfirming> last_nis_{};  ///< of fused fixes
+  std::vector<Vector6d> recent_innovations_;  ///< of fused fixes
   std::optional<double> last_fused_s_;
   Vector6d variance_then_ = Vector6d::Zero();
 };
