@@ -101,10 +101,12 @@ bool LandmarkMonitor::vouched(const Panel& seen) const {
   if (confirmations_ < kConfirming || !last_fused_s_) return false;
   const double gap_s = std::max(0.0, first.t_s - *last_fused_s_);
   if (gap_s > kVouching_s) return false;
-  Vector6d pull = Vector6d::Zero();
-  for (const Vector6d& innovation : recent_innovations_) pull += innovation;
-  static const double kAtRandom = chiSquareQuantile(6, 0.999);
-  if (pull.squaredNorm() > kAtRandom * static_cast<double>(recent_innovations_.size())) return false;
+  Vector6d pull = Vector6d::Zero(), push = Vector6d::Zero();
+  for (const Vector6d& innovation : recent_innovations_)
+    pull += innovation / static_cast<double>(recent_innovations_.size());
+  for (const JudgedFix& fix : seen.streak)
+    push += fix.whitened_innovation / static_cast<double>(seen.streak.size());
+  if (push.norm() < kSudden * pull.norm()) return false;
   if (!standsStill(seen.streak)) return false;
   const bool another_too = std::any_of(panels_.begin(), panels_.end(), [&](const Panel& other) {
     return other.index != seen.index && other.streak.size() >= 2 && other.streak.back().t_s >= first.t_s &&

@@ -30,10 +30,11 @@ struct JudgedFix {
 /// against the panel's pose. Which of the two is decided so:
 ///
 /// The panel has moved, if dead reckoning vouches for the robot's pose:
-///   - kConfirming fixes have been fused since the last reset, and the last ones (kRecent at most) disagreed
-///   with
-///     the filter at random (a push is sudden; a faulty gyro or DVL pulls to one side before fixes are
-///     rejected), and
+///   - kConfirming fixes have been fused since the last reset, and the innovations of the last ones (kRecent
+///   at
+///     most), averaged with their signs and in units of their sigma, were kSudden times smaller than those of
+///     the fixes rejected: a push is sudden, while a faulty gyro or DVL pulls to one side before fixes are
+///     rejected, and
 ///   - the last of them, of any panel, was at most kVouching_s before the first rejected one, and
 ///   - the jump is larger than what the filter's sigma has grown by since (3 sigma) and what an odometry
 ///   error
@@ -53,6 +54,7 @@ class LandmarkMonitor {
   static constexpr int kAgreeing = 5;
   static constexpr int kConfirming = 3;
   static constexpr std::size_t kRecent = 10;
+  static constexpr double kSudden = 4.0;
   static constexpr double kVouching_s = 10.0;
   static constexpr double kDoubt_m_s = 0.05, kDoubt_rad_s = 0.01;
 
