@@ -18,6 +18,15 @@ struct FusionLog {
   std::vector<std::pair<std::size_t, PanelMove>> moves;  ///< panel, move
   std::vector<int> anew;                                 ///< error coordinates that were reset
   bool corrected = false;                                ///< the robot's pose or a panel's was put right
+
+  /// As new, but for the memory it holds.
+  void clear() {
+    innovations.clear();
+    events.clear();
+    moves.clear();
+    anew.clear();
+    corrected = false;
+  }
 };
 
 /// What is remembered of landmarks from one to the next.
@@ -215,6 +224,16 @@ class LandmarkFuser {
                        ? print("fused none for %.1f s", judged.t_s - *judgement.last_fused_s).c_str()
                        : "fused none before",
                    offset.c_str())});
+        return;
+      case Verdict::lead:
+        reacquire(filter, memory, fix, log);
+        if (!judgement.leads_already)
+          log.events.push_back(
+              {judged.t_s, "reacquired",
+               print(
+                   "%s: for more than %.0f s fixes have contradicted the other sensors and been plausible by "
+                   "themselves: they set the pose until the filter agrees, %s from where it was",
+                   who.c_str(), LandmarkMonitor::kPatience_s, offset.c_str())});
         return;
       case Verdict::panel_moved:
         return notePanelMove(judgement, filter, memory, fix, judged, log);

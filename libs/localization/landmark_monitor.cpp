@@ -68,6 +68,9 @@ void LandmarkMonitor::fused(int index, const JudgedFix& fix) {
   if (recent_innovations_.size() == kRecent) recent_innovations_.erase(recent_innovations_.begin());
   recent_innovations_.push_back(fix.whitened_innovation);
   ++confirmations_;
+  shown_.clear();
+  rejected_since_s_.reset();
+  leading_ = false;
   last_fused_s_ = fix.t_s;
   variance_then_ = fix.pose_variance;
 }
@@ -78,22 +81,46 @@ auto LandmarkMonitor::rejected(int index, const JudgedFix& fix) -> Judgement {
   const bool agrees = std::all_of(streak.begin(), streak.end(),
                                   [&](const JudgedFix& earlier) { return agree(earlier, fix, true); });
   if (!agrees) streak.clear();
+  if (streak.size() == kAgreeing) streak.erase(streak.begin());
   streak.push_back(fix);
-  Judgement judgement{Verdict::outlier, static_cast<int>(streak.size()), streak.front().t_s, last_fused_s_};
-  if (judgement.agreeing < kAgreeing) return judgement;
-  if (fix.panel_is_estimated && seen.confirmations < kConfirming)
-    judgement.verdict = Verdict::panel_restart;
-  else if (vouched(seen))
-    judgement.verdict = fix.panel_is_movable ? Verdict::panel_moved : Verdict::outlier;
-  else
-    judgement.verdict = Verdict::reacquire;
-  if (judgement.verdict == Verdict::outlier)
-    streak.erase(streak.begin());
-  else
-    streak.clear();
+  rejected_since_s_ = rejected_since_s_.value_or(fix.t_s);
+  const bool leads = plausible(fix) && fix.t_s - *rejected_since_s_ > kPatience_s;
+
+  Judgement judgement{Verdict::outlier, static_cast<int>(streak.size()), streak.front().t_s, last_fused_s_,
+                      leading_};
+  if (judgement.agreeing == kAgreeing) judgement.verdict = verdict(seen, fix);
+  if (judgement.verdict == Verdict::outlier && leads) judgement.verdict = Verdict::lead;
+  if (judgement.verdict == Verdict::outlier) return judgement;
+  streak.clear();
+  leading_ = judgement.verdict == Verdict::lead;
   if (judgement.verdict == Verdict::panel_moved || judgement.verdict == Verdict::panel_restart)
     seen.confirmations = 0;
   return judgement;
+}
+
+auto LandmarkMonitor::verdict(const Panel& seen, const JudgedFix& fix) const -> Verdict {
+  if (fix.panel_is_estimated && seen.confirmations < kConfirming) return Verdict::panel_restart;
+  if (!vouched(seen)) return Verdict::reacquire;
+  return fix.panel_is_movable ? Verdict::panel_moved : Verdict::outlier;
+}
+
+/// Of the fixes by themselves: the filter is not asked.
+bool LandmarkMonitor::plausible(const JudgedFix& fix) {
+  const Pose T_odom_robot = fix.T_odom_panel * fix.T_robot_panel.pose.inverse();
+  if (!shown_.empty()) {
+    const double dt = fix.t_s - shown_.back().first;
+    const Matrix6d& covariance = fix.T_robot_panel.covariance;
+    const double turn_sigma_rad = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
+    const double shift_sigma_m = std::sqrt(covariance.topLeftCorner<3, 3>().trace()) +
+                                 turn_sigma_rad * fix.T_robot_panel.pose.position.norm();
+    const Vector6d step = poseDifference(shown_.back().second, T_odom_robot);
+    if (step.head<3>().norm() > kPlausible_m_s * dt + 5.0 * shift_sigma_m ||
+        step.tail<3>().norm() > kPlausible_rad_s * dt + 5.0 * turn_sigma_rad)
+      shown_.clear();
+  }
+  if (shown_.size() == kAgreeing) shown_.erase(shown_.begin());
+  shown_.emplace_back(fix.t_s, T_odom_robot);
+  return shown_.size() == kAgreeing;
 }
 
 bool LandmarkMonitor::vouched(const Panel& seen) const {

@@ -47,6 +47,11 @@ struct JudgedFix {
 /// several agree by chance is far less probable than one biased odometry, so landmarks that agree are
 /// believed before gyro and DVL. For that, agreement is judged with the odometry's doubt added.
 ///
+/// Where the odometry is so wrong that not even the panel's fixes agree by it, and none has been fused for
+/// kPatience_s, fixes that are plausible by themselves (the robot that they show moves slower than
+/// kPlausible_m_s, kPlausible_rad_s) lead: each sets the pose, until the filter agrees with them again. It is
+/// lost meanwhile.
+///
 /// An estimated panel that fewer than kConfirming fixes have confirmed was attached by a false sighting: it
 /// starts anew.
 class LandmarkMonitor {
@@ -58,12 +63,16 @@ class LandmarkMonitor {
   static constexpr double kVouching_s = 10.0;
   static constexpr double kDoubt_m_s = 0.05, kDoubt_rad_s = 0.01;
 
-  enum class Verdict { outlier, reacquire, panel_moved, panel_restart };
+  static constexpr double kPatience_s = 10.0;
+  static constexpr double kPlausible_m_s = 1.0, kPlausible_rad_s = 0.5;
+
+  enum class Verdict { outlier, reacquire, panel_moved, panel_restart, lead };
   struct Judgement {
     Verdict verdict = Verdict::outlier;
     int agreeing = 1;                    ///< fixes in a row that agree, this one included
     double since_s = 0.0;                ///< time of the first of them
     std::optional<double> last_fused_s;  ///< of any panel, before them
+    bool leads_already = false;          ///< it is not the first that leads
   };
 
   void fused(int panel, const JudgedFix& fix);
@@ -79,12 +88,18 @@ class LandmarkMonitor {
     std::optional<double> last_fused_s;
   };
   Panel& panel(int index);
+  Verdict verdict(const Panel& seen, const JudgedFix& fix) const;
   bool vouched(const Panel& seen) const;
+  bool plausible(const JudgedFix& fix);
 
   std::vector<Panel> panels_;
   int confirmations_ = 0;
   std::vector<Vector6d> recent_innovations_;  ///< of fused fixes
   std::optional<double> last_fused_s_;
+  /// The robot's poses by the last fixes rejected, kAgreeing at most, since when, and whether they lead.
+  std::vector<std::pair<double, Pose>> shown_;
+  std::optional<double> rejected_since_s_;
+  bool leading_ = false;
   Vector6d variance_then_ = Vector6d::Zero();
 };
 
