@@ -327,7 +327,11 @@ void ErrorStateFilter<N>::resetPose(int index, const UncertainPose& T_robot_pose
   const auto [T_odom_robot, wrt_pose, wrt_sighting] =
       composed(attached.T_odom[static_cast<std::size_t>(index)], T_pose_robot.pose);
   resetPose(attached.T_odom[static_cast<std::size_t>(index)], T_robot_pose);
+  // The robot's error is now a function of the attached pose's and the sighting's: it inherits the
+  // correlations.
   P.template topLeftCorner<6, 6>() += wrt_pose * attachedPose(index).covariance * wrt_pose.transpose();
+  P.template topRightCorner<6, N - 6>() = wrt_pose * attached.cross.template block<6, N - 6>(6 * index, 6);
+  P.template bottomLeftCorner<N - 6, 6>() = P.template topRightCorner<6, N - 6>().transpose();
   attached.cross.template leftCols<6>() =
       attached.block.template middleCols<6>(6 * index) * wrt_pose.transpose();
 }

@@ -98,7 +98,7 @@ class ErrorStateFilter {
   UncertainPose attachedPose(int index) const;
 
   /// The robot's pose is what the sighting of a pose says, exact or attached, and nothing else: motion and
-  /// biases are kept, their correlation with the pose is dropped.
+  /// biases are kept; with them the robot's pose is correlated as the attached one is, and not otherwise.
   void resetPose(const Pose& T_odom_pose, const UncertainPose& T_robot_pose);
   void resetPose(int index, const UncertainPose& T_robot_pose);
 

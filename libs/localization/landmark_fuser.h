@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <memory>
 
 #include "core/text.h"
@@ -16,7 +17,16 @@ struct FusionLog {
   std::vector<Event> events;
   std::vector<std::pair<std::size_t, PanelMove>> moves;  ///< panel, move
   std::vector<int> anew;                                 ///< error coordinates that were reset
-  bool corrected = false;                                ///< the robot's pose was acquired anew
+  bool corrected = false;                                ///< the robot's pose or a panel's was put right
+
+  /// As new, but for the memory it holds.
+  void clear() {
+    innovations.clear();
+    events.clear();
+    moves.clear();
+    anew.clear();
+    corrected = false;
+  }
 };
 
 /// What is remembered of landmarks from one to the next.
@@ -143,16 +153,16 @@ class LandmarkFuser {
     const Pose T_odom_panel = estimated       ? filter.attachedPose(attached).pose
                               : fix.panel < 0 ? Pose{}
                                               : prior(fix.panel).T_odom_panel;
+    const Pose T_odom_robot = T_odom_panel * fix.T_robot_panel.pose.inverse();
+    const Vector6d off = poseDifference(robotOf(filter), T_odom_robot);
     JudgedFix judged{t_s,
                      robotOf(filter),
                      filter.P.diagonal().template head<6>(),
                      fix.T_robot_panel,
                      T_odom_panel,
+                     whitenedInnovation(filter, attached, T_odom_panel, fix.T_robot_panel),
                      fix.panel != kNoPanel,
                      estimated};
-
-    const Pose T_odom_robot = T_odom_panel * fix.T_robot_panel.pose.inverse();
-    const Vector6d off = poseDifference(judged.T_odom_robot, T_odom_robot);
     const bool patient = memory.rejected_in_a_row < kFixedGatePatience;
     const double gate = setup_.options.gate.kind != Gate::Kind::fixed || isInside(off) ? gate_ : kNever;
     const bool believed = setup_.options.gate.kind == Gate::Kind::fixed && !patient;
@@ -172,6 +182,17 @@ class LandmarkFuser {
     } else {
       actOn(memory.monitor.rejected(fix.panel, judged), filter, memory, fix, judged, off, nis, log);
     }
+  }
+
+  /// Of the robot's pose. (An estimated panel's correlation with the robot is left out: whiter than white.)
+  static Vector6d whitenedInnovation(const ErrorStateFilter<N>& filter, int attached,
+                                     const Pose& T_odom_panel, const UncertainPose& T_robot_panel) {
+    const UncertainPose T_panel_robot = T_robot_panel.inverse();
+    const auto [T_odom_robot, wrt_panel, wrt_sighting] = composed(T_odom_panel, T_panel_robot.pose);
+    Matrix6d S = filter.P.template topLeftCorner<6, 6>() +
+                 wrt_sighting * T_panel_robot.covariance * wrt_sighting.transpose();
+    if (attached >= 0) S += wrt_panel * filter.attachedPose(attached).covariance * wrt_panel.transpose();
+    return S.llt().matrixL().solve(poseDifference(robotOf(filter), T_odom_robot));
   }
 
   bool isInside(const Vector6d& off) const {
@@ -203,6 +224,16 @@ class LandmarkFuser {
                        ? print("fused none for %.1f s", judged.t_s - *judgement.last_fused_s).c_str()
                        : "fused none before",
                    offset.c_str())});
+        return;
+      case Verdict::lead:
+        reacquire(filter, memory, fix, log);
+        if (!judgement.leads_already)
+          log.events.push_back(
+              {judged.t_s, "reacquired",
+               print(
+                   "%s: for more than %.0f s fixes have contradicted the other sensors and been plausible by "
+                   "themselves: they set the pose until the filter agrees, %s from where it was",
+                   who.c_str(), LandmarkMonitor::kPatience_s, offset.c_str())});
         return;
       case Verdict::panel_moved:
         return notePanelMove(judgement, filter, memory, fix, judged, log);
@@ -254,6 +285,7 @@ class LandmarkFuser {
                     mixed.transpose();
     }
     startPanelAnew(filter, memory, fix, log);
+    log.corrected = true;
     log.moves.push_back(
         {static_cast<std::size_t>(fix.panel), {judgement.since_s, {T_before_now, covariance}}});
     const Vector3d& offset = T_before_now.position;

@@ -29,6 +29,27 @@ bool agree(const JudgedFix& a, const JudgedFix& b, bool doubt) {
   return difference.dot(covariance.ldlt().solve(difference)) <= kGate;
 }
 
+/// Whether a panel stands still in the filter's dead reckoning, by the slope of its pose over time.
+bool standsStill(const std::vector<JudgedFix>& fixes) {
+  const JudgedFix &first = fixes.front(), &last = fixes.back();
+  const auto [T_odom_panel, by_robot, by_sighting] = composed(last.T_odom_robot, last.T_robot_panel.pose);
+  double mean_s = 0.0, spread_s2 = 0.0;
+  for (const JudgedFix& fix : fixes) mean_s += fix.t_s / static_cast<double>(fixes.size());
+  Vector6d slope = Vector6d::Zero();
+  for (const JudgedFix& fix : fixes) {
+    slope += (fix.t_s - mean_s) * poseDifference(T_odom_panel, fix.T_odom_robot * fix.T_robot_panel.pose);
+    spread_s2 += (fix.t_s - mean_s) * (fix.t_s - mean_s);
+  }
+  slope /= spread_s2;
+  const double duration_s = last.t_s - first.t_s;
+  const Vector6d drift = (last.pose_variance - first.pose_variance).cwiseMax(0.0) / (duration_s * duration_s);
+  const Matrix6d covariance =
+      by_sighting * last.T_robot_panel.covariance * by_sighting.transpose() / spread_s2 +
+      by_robot * drift.asDiagonal() * by_robot.transpose();
+  static const double kGate = chiSquareQuantile(6, 0.999);
+  return slope.dot(covariance.ldlt().solve(slope)) <= kGate;
+}
+
 }  // namespace
 
 auto LandmarkMonitor::panel(int index) -> Panel& {
@@ -44,7 +65,12 @@ void LandmarkMonitor::fused(int index, const JudgedFix& fix) {
   seen.streak.clear();
   ++seen.confirmations;
   seen.last_fused_s = fix.t_s;
+  if (recent_innovations_.size() == kRecent) recent_innovations_.erase(recent_innovations_.begin());
+  recent_innovations_.push_back(fix.whitened_innovation);
   ++confirmations_;
+  shown_.clear();
+  rejected_since_s_.reset();
+  leading_ = false;
   last_fused_s_ = fix.t_s;
   variance_then_ = fix.pose_variance;
 }
@@ -55,22 +81,46 @@ auto LandmarkMonitor::rejected(int index, const JudgedFix& fix) -> Judgement {
   const bool agrees = std::all_of(streak.begin(), streak.end(),
                                   [&](const JudgedFix& earlier) { return agree(earlier, fix, true); });
   if (!agrees) streak.clear();
+  if (streak.size() == kAgreeing) streak.erase(streak.begin());
   streak.push_back(fix);
-  Judgement judgement{Verdict::outlier, static_cast<int>(streak.size()), streak.front().t_s, last_fused_s_};
-  if (judgement.agreeing < kAgreeing) return judgement;
-  if (fix.panel_is_estimated && seen.confirmations < kConfirming)
-    judgement.verdict = Verdict::panel_restart;
-  else if (vouched(seen))
-    judgement.verdict = fix.panel_is_movable ? Verdict::panel_moved : Verdict::outlier;
-  else
-    judgement.verdict = Verdict::reacquire;
-  if (judgement.verdict == Verdict::outlier)
-    streak.erase(streak.begin());
-  else
-    streak.clear();
+  rejected_since_s_ = rejected_since_s_.value_or(fix.t_s);
+  const bool leads = plausible(fix) && fix.t_s - *rejected_since_s_ > kPatience_s;
+
+  Judgement judgement{Verdict::outlier, static_cast<int>(streak.size()), streak.front().t_s, last_fused_s_,
+                      leading_};
+  if (judgement.agreeing == kAgreeing) judgement.verdict = verdict(seen, fix);
+  if (judgement.verdict == Verdict::outlier && leads) judgement.verdict = Verdict::lead;
+  if (judgement.verdict == Verdict::outlier) return judgement;
+  streak.clear();
+  leading_ = judgement.verdict == Verdict::lead;
   if (judgement.verdict == Verdict::panel_moved || judgement.verdict == Verdict::panel_restart)
     seen.confirmations = 0;
   return judgement;
+}
+
+auto LandmarkMonitor::verdict(const Panel& seen, const JudgedFix& fix) const -> Verdict {
+  if (fix.panel_is_estimated && seen.confirmations < kConfirming) return Verdict::panel_restart;
+  if (!vouched(seen)) return Verdict::reacquire;
+  return fix.panel_is_movable ? Verdict::panel_moved : Verdict::outlier;
+}
+
+/// Of the fixes by themselves: the filter is not asked.
+bool LandmarkMonitor::plausible(const JudgedFix& fix) {
+  const Pose T_odom_robot = fix.T_odom_panel * fix.T_robot_panel.pose.inverse();
+  if (!shown_.empty()) {
+    const double dt = fix.t_s - shown_.back().first;
+    const Matrix6d& covariance = fix.T_robot_panel.covariance;
+    const double turn_sigma_rad = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
+    const double shift_sigma_m = std::sqrt(covariance.topLeftCorner<3, 3>().trace()) +
+                                 turn_sigma_rad * fix.T_robot_panel.pose.position.norm();
+    const Vector6d step = poseDifference(shown_.back().second, T_odom_robot);
+    if (step.head<3>().norm() > kPlausible_m_s * dt + 5.0 * shift_sigma_m ||
+        step.tail<3>().norm() > kPlausible_rad_s * dt + 5.0 * turn_sigma_rad)
+      shown_.clear();
+  }
+  if (shown_.size() == kAgreeing) shown_.erase(shown_.begin());
+  shown_.emplace_back(fix.t_s, T_odom_robot);
+  return shown_.size() == kAgreeing;
 }
 
 bool LandmarkMonitor::vouched(const Panel& seen) const {
@@ -78,10 +128,13 @@ bool LandmarkMonitor::vouched(const Panel& seen) const {
   if (confirmations_ < kConfirming || !last_fused_s_) return false;
   const double gap_s = std::max(0.0, first.t_s - *last_fused_s_);
   if (gap_s > kVouching_s) return false;
-  const bool still = std::all_of(seen.streak.begin(), seen.streak.end(), [&](const JudgedFix& earlier) {
-    return &earlier == &last || agree(earlier, last, false);
-  });
-  if (!still) return false;
+  Vector6d pull = Vector6d::Zero(), push = Vector6d::Zero();
+  for (const Vector6d& innovation : recent_innovations_)
+    pull += innovation / static_cast<double>(recent_innovations_.size());
+  for (const JudgedFix& fix : seen.streak)
+    push += fix.whitened_innovation / static_cast<double>(seen.streak.size());
+  if (push.norm() < kSudden * pull.norm()) return false;
+  if (!standsStill(seen.streak)) return false;
   const bool another_too = std::any_of(panels_.begin(), panels_.end(), [&](const Panel& other) {
     return other.index != seen.index && other.streak.size() >= 2 && other.streak.back().t_s >= first.t_s &&
            other.last_fused_s.value_or(first.t_s - 1.0) < first.t_s;
@@ -98,6 +151,7 @@ bool LandmarkMonitor::vouched(const Panel& seen) const {
 void LandmarkMonitor::startAnew() {
   for (Panel& known : panels_) known.streak.clear();
   confirmations_ = 0;
+  recent_innovations_.clear();
   last_fused_s_.reset();
 }
 

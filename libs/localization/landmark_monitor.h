@@ -12,11 +12,12 @@ namespace fathom {
 /// A sighting of a panel, as the filter that rejected or fused it saw it.
 struct JudgedFix {
   double t_s = 0.0;
-  Pose T_odom_robot;              ///< the filter's
-  Vector6d pose_variance;         ///< its own, of each coordinate
-  UncertainPose T_robot_panel;    ///< the sighting
-  Pose T_odom_panel;              ///< where the filter believes the panel to be
-  bool panel_is_movable = false;  ///< false: a fix that is not of one panel alone
+  Pose T_odom_robot;                                ///< the filter's
+  Vector6d pose_variance;                           ///< its own, of each coordinate
+  UncertainPose T_robot_panel;                      ///< the sighting
+  Pose T_odom_panel;                                ///< where the filter believes the panel to be
+  Vector6d whitened_innovation = Vector6d::Zero();  ///< of unit covariance where all is as it should be
+  bool panel_is_movable = false;                    ///< false: a fix that is not of one panel alone
   bool panel_is_estimated = false;
 };
 
@@ -29,17 +30,27 @@ struct JudgedFix {
 /// against the panel's pose. Which of the two is decided so:
 ///
 /// The panel has moved, if dead reckoning vouches for the robot's pose:
-///   - kConfirming fixes have been fused since the last reset, so that the filter was right then, and
+///   - kConfirming fixes have been fused since the last reset, and the innovations of the last ones (kRecent
+///   at
+///     most), averaged with their signs and in units of their sigma, were kSudden times smaller than those of
+///     the fixes rejected: a push is sudden, while a faulty gyro or DVL pulls to one side before fixes are
+///     rejected, and
 ///   - the last of them, of any panel, was at most kVouching_s before the first rejected one, and
 ///   - the jump is larger than what the filter's sigma has grown by since (3 sigma) and what an odometry
 ///   error
 ///     would make of the gap that nobody knows of (kDoubt_m_s, kDoubt_rad_s), and
-///   - the panel stood still while it was seen at the new place: a faulty gyro or DVL makes it drift, and
+///   - the panel stood still while it was seen at the new place, by the slope of a line through the fixes: a
+///     faulty gyro or DVL makes it drift, and
 ///   - no other panel that was seen meanwhile was rejected too: two panels are not pushed at once.
 /// Otherwise the filter is wrong (wrong start, a long time without landmarks, a faulty gyro or DVL): the
 /// robot's pose is acquired anew. Each landmark is a measurement of its own, from an image of its own; that
 /// several agree by chance is far less probable than one biased odometry, so landmarks that agree are
 /// believed before gyro and DVL. For that, agreement is judged with the odometry's doubt added.
+///
+/// Where the odometry is so wrong that not even the panel's fixes agree by it, and none has been fused for
+/// kPatience_s, fixes that are plausible by themselves (the robot that they show moves slower than
+/// kPlausible_m_s, kPlausible_rad_s) lead: each sets the pose, until the filter agrees with them again. It is
+/// lost meanwhile.
 ///
 /// An estimated panel that fewer than kConfirming fixes have confirmed was attached by a false sighting: it
 /// starts anew.
@@ -47,15 +58,21 @@ class LandmarkMonitor {
  public:
   static constexpr int kAgreeing = 5;
   static constexpr int kConfirming = 3;
+  static constexpr std::size_t kRecent = 10;
+  static constexpr double kSudden = 4.0;
   static constexpr double kVouching_s = 10.0;
   static constexpr double kDoubt_m_s = 0.05, kDoubt_rad_s = 0.01;
 
-  enum class Verdict { outlier, reacquire, panel_moved, panel_restart };
+  static constexpr double kPatience_s = 10.0;
+  static constexpr double kPlausible_m_s = 1.0, kPlausible_rad_s = 0.5;
+
+  enum class Verdict { outlier, reacquire, panel_moved, panel_restart, lead };
   struct Judgement {
     Verdict verdict = Verdict::outlier;
     int agreeing = 1;                    ///< fixes in a row that agree, this one included
     double since_s = 0.0;                ///< time of the first of them
     std::optional<double> last_fused_s;  ///< of any panel, before them
+    bool leads_already = false;          ///< it is not the first that leads
   };
 
   void fused(int panel, const JudgedFix& fix);
@@ -71,11 +88,18 @@ class LandmarkMonitor {
     std::optional<double> last_fused_s;
   };
   Panel& panel(int index);
+  Verdict verdict(const Panel& seen, const JudgedFix& fix) const;
   bool vouched(const Panel& seen) const;
+  bool plausible(const JudgedFix& fix);
 
   std::vector<Panel> panels_;
   int confirmations_ = 0;
+  std::vector<Vector6d> recent_innovations_;  ///< of fused fixes
   std::optional<double> last_fused_s_;
+  /// The robot's poses by the last fixes rejected, kAgreeing at most, since when, and whether they lead.
+  std::vector<std::pair<double, Pose>> shown_;
+  std::optional<double> rejected_since_s_;
+  bool leading_ = false;
   Vector6d variance_then_ = Vector6d::Zero();
 };
 

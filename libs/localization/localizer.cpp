@@ -1,9 +1,8 @@
 #include "localization/localizer.h"
 
-#include <cstdio>
+#include <bitset>
 #include <deque>
 #include <limits>
-#include <set>
 
 #include "localization/alignment.h"
 #include "localization/input_watch.h"
@@ -58,7 +57,7 @@ class Fuser {
       gates_[static_cast<std::size_t>(dof)] = setup.options.gate.kind == Gate::Kind::chi_square
                                                   ? chiSquareQuantile(dof, setup.options.gate.probability)
                                                   : std::numeric_limits<double>::infinity();
-    for (const Channel channel : setup.options.fuse) fused_.insert(channel);
+    for (const Channel channel : setup.options.fuse) fused_.set(static_cast<std::size_t>(channel));
   }
 
   void fuse(GatedFilter<N>& state, const Sample& sample, double t_s, FusionLog& log) const {
@@ -88,7 +87,7 @@ class Fuser {
   typename LandmarkFuser<N>::Memory startLandmarks() const { return landmarks_.start(); }
 
  private:
-  bool uses(Channel channel) const { return fused_.contains(channel); }
+  bool uses(Channel channel) const { return fused_[static_cast<std::size_t>(channel)]; }
 
   template <class Update>
   void fuseIns(ErrorStateFilter<N>& f, const InsSample& s, const Update& update) const {
@@ -149,7 +148,7 @@ class Fuser {
   const LocalizationSetup& setup_;
   MeasurementContext context_;
   std::array<double, 7> gates_{};
-  std::set<Channel> fused_;
+  std::bitset<kAllChannels.size()> fused_;
   LandmarkFuser<N> landmarks_;
 };
 
@@ -180,7 +179,7 @@ class Localizer::RunOf : public Run {
       noise_.bias_time_constant_s = ins->bias_time_constant_s;
     }
     dvl_offset_s_ = dvlValidityOffset(setup_.calibration);
-    before_.landmarks = fuser_.startLandmarks();
+    before_->after.landmarks = fuser_.startLandmarks();
     for (const PanelPrior& panel : setup_.panels)
       summary_.panels.push_back({panel.name, PanelResult::State::unseen, {panel.T_odom_panel}, {}});
   }
@@ -208,10 +207,13 @@ class Localizer::RunOf : public Run {
     finalizeBefore(std::numeric_limits<double>::infinity());
     summary_.panels = panelResults();
     if (setup_.options.smooth) smooth();
-    for (auto& [channel, s] : summary_.channels) {
+    for (const Channel channel : kAllChannels) {
+      ChannelSummary& s = channels_[static_cast<std::size_t>(channel)];
       const std::size_t count = s.fused + s.gated;
+      if (count == 0) continue;
       s.nis_mean /= static_cast<double>(count);
       std::tie(s.nis_band95_low, s.nis_band95_high) = meanChiSquareBand(s.degrees_of_freedom, count);
+      summary_.channels[channel] = s;
     }
     return summary_;
   }
@@ -240,51 +242,59 @@ class Localizer::RunOf : public Run {
     summary_.start_source = initial.source;
     summary_.start_t_s = initial.t_s;
     report(initial.t_s, "start", initial.source);
-    before_.filter.x = initial.state;
-    before_.filter.P = initial.sigma.template head<N>().cwiseAbs2().asDiagonal();
-    before_t_s_ = initial.t_s;
+    before_->after.filter.x = initial.state;
+    before_->after.filter.P = initial.sigma.template head<N>().cwiseAbs2().asDiagonal();
+    before_->t_s = initial.t_s;
     lost_.start(initial.t_s);
     next_output_s_ = initial.t_s;
-    for (Sample& sample : std::exchange(waiting_, {})) {
+    for (const Sample& sample : std::exchange(waiting_, {})) {
       const double t_s = validity_s(sample);
-      insert(t_s, std::move(sample));
+      insert(t_s, sample);
     }
   }
 
-  void insert(double t_s, Sample sample) {
-    if (t_s < before_t_s_) {
+  void insert(double t_s, const Sample& sample) {
+    if (t_s < before_->t_s) {
       report(t_s, "too-late",
-             sample.label + print(" is %.3f s older than the history reaches; left out", before_t_s_ - t_s));
+             sample.label + print(" is %.3f s older than the history reaches; left out", before_->t_s - t_s));
       return;
     }
-    const auto later = std::upper_bound(entries_.begin(), entries_.end(), t_s,
-                                        [](double t, const Entry& entry) { return t < entry.t_s; });
+    const auto later =
+        std::upper_bound(entries_.begin(), entries_.end(), t_s,
+                         [](double t, const std::unique_ptr<Entry>& entry) { return t < entry->t_s; });
     if (later != entries_.end()) ++summary_.late_fused;
-    auto position = entries_.insert(later, Entry{t_s, std::move(sample), {}, {}});
-    for (; position != entries_.end(); ++position) process(position);
-    finalizeBefore(entries_.back().t_s - setup_.options.history_s);
+    auto position = entries_.insert(later, unusedEntry());
+    (*position)->t_s = t_s;
+    (*position)->sample = sample;
+    for (; position != entries_.end(); ++position)
+      process(position == entries_.begin() ? *before_ : **std::prev(position), **position);
+    finalizeBefore(entries_.back()->t_s - setup_.options.history_s);
   }
 
-  void process(typename std::deque<Entry>::iterator entry) {
-    const bool first = entry == entries_.begin();
-    entry->after = first ? before_ : std::prev(entry)->after;
-    const double dt = entry->t_s - (first ? before_t_s_ : std::prev(entry)->t_s);
-    if (dt > 0.0) entry->after.filter.predict(dt, noise_);
-    entry->log = {};
-    fuser_.fuse(entry->after, entry->sample, entry->t_s, entry->log);
+  /// Entries are used again and again: they are large.
+  std::unique_ptr<Entry> unusedEntry() {
+    if (unused_.empty()) return std::make_unique<Entry>();
+    auto entry = std::move(unused_.back());
+    unused_.pop_back();
+    return entry;
+  }
+
+  void process(const Entry& last, Entry& entry) const {
+    entry.after = last.after;
+    if (entry.t_s > last.t_s) entry.after.filter.predict(entry.t_s - last.t_s, noise_);
+    entry.log.clear();
+    fuser_.fuse(entry.after, entry.sample, entry.t_s, entry.log);
   }
 
   /// Nothing older can change any more: hand it out. The last entry before the horizon stays the base for
   /// later ones.
   void finalizeBefore(double horizon_s) {
-    while (!entries_.empty() && entries_.front().t_s < horizon_s) {
-      Entry& entry = entries_.front();
-      account(entry);
-      const bool last_at_this_time = entries_.size() == 1 || entries_[1].t_s > entry.t_s;
-      if (last_at_this_time) output(entry);
-      before_ = entry.after;
-      before_t_s_ = entry.t_s;
+    while (!entries_.empty() && entries_.front()->t_s < horizon_s) {
+      unused_.push_back(std::exchange(before_, std::move(entries_.front())));
       entries_.pop_front();
+      account(*before_);
+      const bool last_at_this_time = entries_.empty() || entries_.front()->t_s > before_->t_s;
+      if (last_at_this_time) output(*before_);
     }
   }
 
@@ -329,7 +339,7 @@ class Localizer::RunOf : public Run {
   }
 
   void account(const Innovation& innovation) {
-    ChannelSummary& s = summary_.channels[innovation.channel];
+    ChannelSummary& s = channels_[static_cast<std::size_t>(innovation.channel)];
     s.degrees_of_freedom = innovation.degrees_of_freedom;
     s.nis_mean += innovation.nis;
     ++(innovation.fused ? s.fused : s.gated);
@@ -363,11 +373,11 @@ class Localizer::RunOf : public Run {
   std::vector<PanelResult> panelResults() const {
     std::vector<PanelResult> results = summary_.panels;
     for (std::size_t i = 0; i < results.size(); ++i) {
-      const int attached = before_.landmarks->attached[i];
+      const int attached = before_->after.landmarks->attached[i];
       results[i].state = attached == LandmarkMemory::kExact    ? PanelResult::State::known
                          : attached == LandmarkMemory::kUnseen ? PanelResult::State::unseen
                                                                : PanelResult::State::estimated;
-      if (attached >= 0) results[i].T_odom_panel = before_.filter.attachedPose(attached);
+      if (attached >= 0) results[i].T_odom_panel = before_->after.filter.attachedPose(attached);
     }
     return results;
   }
@@ -385,10 +395,11 @@ class Localizer::RunOf : public Run {
   InputWatch watch_;
   double dvl_offset_s_ = 0.0;
   LocalizationSummary summary_;
-  std::vector<Sample> waiting_;  ///< until alignment
-  GatedFilter<N> before_;        ///< the state that the first entry starts from
-  double before_t_s_ = 0.0;
-  std::deque<Entry> entries_;
+  std::array<ChannelSummary, kAllChannels.size()> channels_{};
+  std::vector<Sample> waiting_;                                ///< until alignment
+  std::unique_ptr<Entry> before_ = std::make_unique<Entry>();  ///< what the first of the entries starts from
+  std::deque<std::unique_ptr<Entry>> entries_;
+  std::vector<std::unique_ptr<Entry>> unused_;
   double next_output_s_ = 0.0;
   std::vector<double> outputs_;
   std::vector<int> anew_;  ///< since the smoother's last record

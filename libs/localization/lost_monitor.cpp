@@ -22,9 +22,11 @@ void LostMonitor::reading(double t_s, Channel channel, bool fused, bool contradi
   Contradiction& c = channels_[static_cast<std::size_t>(channel)];
   // From nothing the average reaches kMost in contradiction_s. Rare readings do not count for more than a
   // fifth of it, so that it takes several.
-  const double time_constant_s = options_.contradiction_s / -std::log(1.0 - kMost);
   const double dt = c.any ? std::min(t_s - c.last_s, options_.contradiction_s / 5.0) : 0.0;
-  c.share += (1.0 - std::exp(-dt / time_constant_s)) * ((contradicts ? 1.0 : 0.0) - c.share);
+  if (contradicts || c.share > 0.0)
+    c.share +=
+        (1.0 - std::pow(1.0 - kMost, dt / options_.contradiction_s)) * ((contradicts ? 1.0 : 0.0) - c.share);
+  if (c.share < 1e-3 && !contradicts) c.share = 0.0;
   c.last_s = t_s;
   c.any = true;
   // What follows a contradiction is relied on again when most readings agree.

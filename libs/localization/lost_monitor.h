@@ -14,7 +14,8 @@ namespace fathom {
 ///   - a channel contradicts the filter: for contradiction_s most of its readings (kMost) had an innovation
 ///     that a consistent filter sees once in 10 000, whether the gate let them pass or not. Ranges to the sea
 ///     floor are left out: ground that is not flat contradicts them, and they tell the height only;
-///   - landmarks had to correct the filter kCorrections times within kCorrected_s: another sensor is wrong.
+///   - landmarks had to correct the filter (or a panel was said to have moved) kCorrections times within
+///     kCorrected_s: a sensor is wrong, not the start and not the panels.
 class LostMonitor {
  public:
   static constexpr double kMost = 0.8;

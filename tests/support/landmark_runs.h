@@ -16,8 +16,8 @@ struct LandmarkRun {
   std::vector<Pose> panels{{rotationFromYawPitchRoll(0.0, 0.0, radians(90)), {5.0, 0.0, -4.0}}};
   double sighting_rate_hz = 2.0;
   double sighting_sigma_m = 0.01, sighting_sigma_rad = radians(0.5);  ///< robot axes; panel axes
-  double wrong_start_m = 0.0, wrong_start_rad = 0.0;                  ///< the start pose given is off by so much
-  bool perturb_start = true;                                          ///< by its sigmas
+  double wrong_start_m = 0.0, wrong_start_rad = 0.0;  ///< the start pose given is off by so much
+  double start_error = 1.0;                           ///< random error of the start pose given, in its sigmas
   LocalizationOptions options;
   std::vector<PanelPrior> priors;  ///< empty: all exact
   std::uint64_t seed = 1;
@@ -68,7 +68,8 @@ struct LandmarkRun::Outcome {
 
 inline LandmarkRun::LandmarkRun() {
   simulation.vehicle = readVehicle(std::filesystem::path(FATHOM_SOURCE_DIR) / "config/rov.yaml");
-  simulation.vehicle.ins->rate_hz = 20.0;  // what is tested does not depend on it, and it is five times faster
+  simulation.vehicle.ins->rate_hz =
+      20.0;  // what is tested does not depend on it, and it is five times faster
   simulation.vehicle.camera.reset();
   simulation.sea_floor_z_m = -9.0;
   options.output_rate_hz = 2.0;
@@ -124,14 +125,11 @@ inline auto LandmarkRun::run(double duration_s) const -> Outcome {
   for (std::size_t i = priors.size(); i < panels.size(); ++i)
     setup.panels.push_back({"P" + std::to_string(i), panels[i]});
   StartPose start{outcome.truth.front().T_odom_robot};
-  if (perturb_start) {
-    start.T_odom_robot.position += start.position_sigma_m * random.normal3();
-    start.T_odom_robot.rotation =
-        start.T_odom_robot.rotation * expSO3<double>(start.angle_sigma_rad * random.normal3());
-  }
-  start.T_odom_robot.position.x() += wrong_start_m;
+  start.T_odom_robot.position += start_error * start.position_sigma_m * random.normal3();
   start.T_odom_robot.rotation =
-      rotationFromYawPitchRoll(wrong_start_rad, 0, 0) * start.T_odom_robot.rotation;
+      start.T_odom_robot.rotation * expSO3<double>(start_error * start.angle_sigma_rad * random.normal3());
+  start.T_odom_robot.position.x() += wrong_start_m;
+  start.T_odom_robot.rotation = rotationFromYawPitchRoll(wrong_start_rad, 0, 0) * start.T_odom_robot.rotation;
   setup.start = start;
 
   LocalizationSink sink;
