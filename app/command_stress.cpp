@@ -49,15 +49,17 @@ std::string saidText(const StressRun& run) {
 
 Table stressTable(const std::vector<StressRun>& runs) {
   Table table{.header = {"fault", "strength", "outcome", "position error: mean [m]", "largest", "at the end",
-                         "largest while not lost", "lost [s]", "what it said"}};
+                         "largest while not lost", "said lost [s]", "outside in silence [s]",
+                         "what it said"}};
   for (const StressRun& run : runs) {
     std::vector<double> errors;
     for (const PoseError& error : run.errors) errors.push_back(error.position_m.norm());
     const bool any = !errors.empty();
-    table.rows.push_back(
-        {run.fault, strengthText(run), nameOf(run.outcome), any ? fixed(meanAndSigma(errors).mean, 3) : "-",
-         any ? fixed(*std::max_element(errors.begin(), errors.end()), 2) : "-", fixed(run.final_error_m, 3),
-         fixed(run.largest_unflagged_m, 2), fixed(run.lost_s, 0), saidText(run)});
+    table.rows.push_back({run.fault, strengthText(run), nameOf(run.outcome),
+                          any ? fixed(meanAndSigma(errors).mean, 3) : "-",
+                          any ? fixed(*std::max_element(errors.begin(), errors.end()), 2) : "-",
+                          fixed(run.final_error_m, 3), fixed(run.largest_unflagged_m, 2),
+                          fixed(run.lost_s, 0), fixed(run.longest_silent_s, 0), saidText(run)});
   }
   return table;
 }

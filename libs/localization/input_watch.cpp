@@ -40,11 +40,42 @@ bool isFinite(const Sample& sample) {
   return std::visit(Visitor{}, sample.reading);
 }
 
+/// What no underwater vehicle does, and no sea allows: such a value is garbage, and no gate need weigh it.
+struct Limits {
+  static constexpr double kAngularVelocity_rad_s = 50.0;
+  static constexpr double kSpecificForce_m_s2 = 500.0;
+  static constexpr double kVelocity_m_s = 50.0;
+  static constexpr double kRange_m = 12'000.0;   // the deepest sea
+  static constexpr double kPressure_pa = 1.3e8;  // at its bottom
+};
+
+bool isPossible(const Sample& sample) {
+  const auto within = [](const std::optional<Vector3d>& v, double limit) {
+    return !v || v->cwiseAbs().maxCoeff() <= limit;
+  };
+  if (const auto* ins = std::get_if<InsSample>(&sample.reading))
+    return within(ins->angular_velocity_ins, Limits::kAngularVelocity_rad_s) &&
+           within(ins->specific_force_ins, Limits::kSpecificForce_m_s2);
+  if (const auto* dvl = std::get_if<DvlSample>(&sample.reading))
+    return within(dvl->velocity_dvl, Limits::kVelocity_m_s);
+  if (const auto* beams = std::get_if<DvlBeamsSample>(&sample.reading))
+    return std::all_of(beams->beams.begin(), beams->beams.end(), [](const DvlBeam& beam) {
+      return !beam.range_m || (*beam.range_m >= 0.0 && *beam.range_m <= Limits::kRange_m);
+    });
+  if (const auto* depth = std::get_if<DepthSample>(&sample.reading))
+    return depth->pressure_pa >= 0.0 && depth->pressure_pa <= Limits::kPressure_pa;
+  return true;
+}
+
 }  // namespace
 
 bool InputWatch::accept(const Sample& sample, double t_s) {
   if (!isFinite(sample)) {
     report_(t_s, "not-a-number", sample.label + " has a value that is not finite; the entry is left out");
+    return false;
+  }
+  if (!isPossible(sample)) {
+    report_(t_s, "impossible", sample.label + " has a value beyond all bounds; the entry is left out");
     return false;
   }
   const auto [it, first] = sensors_.try_emplace(sample.label, Sensor{t_s});

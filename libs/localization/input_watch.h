@@ -9,7 +9,8 @@
 
 namespace fathom {
 
-/// Names what is wrong with the stream of samples: events not-a-number, duplicate, silent, gap, time-jump.
+/// Names what is wrong with the stream of samples: events not-a-number, impossible, duplicate, silent, gap,
+/// time-jump.
 class InputWatch {
  public:
   using Report = std::function<void(double t_s, const char* kind, std::string text)>;

@@ -29,25 +29,25 @@ struct JudgedFix {
 /// moved. kAgreeing fixes of a panel in a row that agree with each other are believed, against the filter or
 /// against the panel's pose. Which of the two is decided so:
 ///
-/// The panel has moved, if dead reckoning vouches for the robot's pose:
-///   - kConfirming fixes have been fused since the last reset, and the innovations of the last ones (kRecent
-///   at
-///     most), averaged with their signs and in units of their sigma, were kSudden times smaller than those of
-///     the fixes rejected: a push is sudden, while a faulty gyro or DVL pulls to one side before fixes are
-///     rejected, and
-///   - the last of them, of any panel, was at most kVouching_s before the first rejected one, and
-///   - the jump is larger than what the filter's sigma has grown by since (3 sigma) and what an odometry
-///   error
-///     would make of the gap that nobody knows of (kDoubt_m_s, kDoubt_rad_s), and
-///   - the panel stood still while it was seen at the new place, by the slope of a line through the fixes: a
-///     faulty gyro or DVL makes it drift, and
-///   - no other panel that was seen meanwhile was rejected too: two panels are not pushed at once.
+/// The panel has moved, if dead reckoning vouches for the robot's pose, that is if
+/// 1. kConfirming fixes have been fused since the last reset: the filter was right then;
+/// 2. the last of them, of any panel, was at most kVouching_s before the first rejected one;
+/// 3. the push was sudden: innovations of the last fixes fused (kRecent at most), averaged with their signs
+///    and in units of their sigma, were kSudden times smaller than those of the fixes rejected. A faulty gyro
+///    or DVL pulls to one side before fixes are rejected;
+/// 4. the panel stood still where it was seen then, by the slope of a line through the fixes. A faulty gyro
+/// or
+///    DVL makes it drift;
+/// 5. no other panel that was seen meanwhile was rejected too: two panels are not pushed at once;
+/// 6. the jump is larger than what the filter's sigma has grown by since the last fix fused (3 sigma) plus
+///    what an odometry error that nobody knows of makes of the gap (kDoubt_m_s, kDoubt_rad_s).
+///
 /// Otherwise the filter is wrong (wrong start, a long time without landmarks, a faulty gyro or DVL): the
 /// robot's pose is acquired anew. Each landmark is a measurement of its own, from an image of its own; that
 /// several agree by chance is far less probable than one biased odometry, so landmarks that agree are
 /// believed before gyro and DVL. For that, agreement is judged with the odometry's doubt added.
 ///
-/// Where the odometry is so wrong that not even the panel's fixes agree by it, and none has been fused for
+/// Where the odometry is so wrong that not even a panel's fixes agree by it, and none has been fused for
 /// kPatience_s, fixes that are plausible by themselves (the robot that they show moves slower than
 /// kPlausible_m_s, kPlausible_rad_s) lead: each sets the pose, until the filter agrees with them again. It is
 /// lost meanwhile.

@@ -25,17 +25,41 @@ bool isFusible(const Sample& sample, LandmarkOptions::Form form) {
          std::holds_alternative<DepthSample>(sample.reading);
 }
 
+bool isLandmark(const Sample& sample) {
+  return std::holds_alternative<PanelSample>(sample.reading) || sample.label == labels::kMarkers;
+}
+
+/// A channel's readings that the gate has rejected one after the other, and that say the same.
+struct Rejections {
+  int in_a_row = 0;
+  Vector3d residual = Vector3d::Zero();  ///< of the latest, in as many entries as it has
+
+  /// Garbage is rejected too, again and again, but says something else each time; a filter that has gone
+  /// astray sees the same contradiction, or one that grows. So a residual counts that is like the one before:
+  /// the difference is within the gate of two readings' own noise, or a quarter of its size.
+  template <int M>
+  void add(const Eigen::Matrix<double, M, 1>& now, const Eigen::Matrix<double, M, M>& R, double gate) {
+    const Eigen::LDLT<Eigen::Matrix<double, M, M>> noise(R);
+    const Eigen::Matrix<double, M, 1> change = now - residual.template head<M>();
+    const double changed = change.dot(noise.solve(change)), size = now.dot(noise.solve(now));
+    constexpr double kLikeness = 0.25;
+    const bool alike = in_a_row > 0 && (changed <= 2.0 * gate || changed <= kLikeness * kLikeness * size);
+    in_a_row = alike ? in_a_row + 1 : 1;
+    residual.template head<M>() = now;
+  }
+};
+
 /// The filter with what it remembers of its gates: a late reading rewinds both.
 template <int N>
 struct GatedFilter {
   ErrorStateFilter<N> filter;
-  std::array<int, kAllChannels.size()> rejected_in_a_row{};
+  std::array<Rejections, kAllChannels.size()> rejected{};
   typename LandmarkFuser<N>::Memory landmarks;
 };
 
-/// One rejected reading is an outlier. This many in a row are a filter that has gone astray: the channel is
-/// believed again until a reading passes the gate, so that a gate cannot lock the filter out for good. (Of
-/// landmarks LandmarkFuser and LandmarkMonitor decide.)
+/// One rejected reading is an outlier. This many in a row that agree are a filter that has gone astray: the
+/// channel is believed again until a reading passes the gate, so that a gate cannot lock the filter out for
+/// good. (Of landmarks LandmarkFuser and LandmarkMonitor decide.)
 constexpr int kRejectionsBelieved = 5;
 
 /// What a chi-square variable of so many degrees of freedom exceeds once in 10 000 times.
@@ -64,12 +88,15 @@ class Fuser {
     ErrorStateFilter<N>& filter = state.filter;
     const auto update = [&](Channel channel, const auto& m) {
       constexpr int M = std::remove_cvref_t<decltype(m.residual)>::RowsAtCompileTime;
-      int& streak = state.rejected_in_a_row[static_cast<std::size_t>(channel)];
+      Rejections& rejected = state.rejected[static_cast<std::size_t>(channel)];
       const double gate = gates_[M];
-      const bool believed = streak >= kRejectionsBelieved;
+      const bool believed = rejected.in_a_row >= kRejectionsBelieved;
       const double nis = filter.update(m, believed ? kAlways : gate);
-      streak = nis <= gate ? 0 : streak + 1;
-      log.innovations.push_back({t_s, channel, M, nis, believed || nis <= gate, streak});
+      if (nis <= gate)
+        rejected.in_a_row = 0;
+      else
+        rejected.template add<M>(m.residual, m.R, gate);
+      log.innovations.push_back({t_s, channel, M, nis, believed || nis <= gate, rejected.in_a_row});
     };
     if (const auto* ins = std::get_if<InsSample>(&sample.reading)) fuseIns(filter, *ins, update);
     if (const auto* dvl = std::get_if<DvlSample>(&sample.reading)) fuseDvl(filter, *dvl, update);
@@ -293,6 +320,7 @@ class Localizer::RunOf : public Run {
       unused_.push_back(std::exchange(before_, std::move(entries_.front())));
       entries_.pop_front();
       account(*before_);
+      landmark_seen_ = landmark_seen_ || isLandmark(before_->sample);
       const bool last_at_this_time = entries_.empty() || entries_.front()->t_s > before_->t_s;
       if (last_at_this_time) output(*before_);
     }
@@ -302,12 +330,14 @@ class Localizer::RunOf : public Run {
     summary_.end_t_s = entry.t_s;
     judge(entry);
     if (setup_.options.smooth) smoother_.record(entry.t_s, entry.after.filter, std::exchange(anew_, {}));
-    if (entry.t_s < next_output_s_ - 1e-6) return;
+    // A landmark moves the estimate at once: between grid points that would not show.
+    if (!std::exchange(landmark_seen_, false) && entry.t_s < next_output_s_ - 1e-6) return;
     sink_.estimate(makeEstimate(entry.t_s, entry.after.filter.x, entry.after.filter.P));
     outputs_.push_back(entry.t_s);
     // The grid is kept, however unevenly readings come.
     const double period = 1.0 / setup_.options.output_rate_hz;
-    next_output_s_ += period * (1.0 + std::floor((entry.t_s - next_output_s_) / period + 1e-6));
+    if (entry.t_s >= next_output_s_ - 1e-6)
+      next_output_s_ += period * (1.0 + std::floor((entry.t_s - next_output_s_) / period + 1e-6));
     if (!setup_.options.smooth) outputs_.clear();
   }
 
@@ -401,6 +431,7 @@ class Localizer::RunOf : public Run {
   std::deque<std::unique_ptr<Entry>> entries_;
   std::vector<std::unique_ptr<Entry>> unused_;
   double next_output_s_ = 0.0;
+  bool landmark_seen_ = false;  ///< since the latest output
   std::vector<double> outputs_;
   std::vector<int> anew_;  ///< since the smoother's last record
   Smoother<N> smoother_;

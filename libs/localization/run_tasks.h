@@ -17,8 +17,8 @@ struct TaskHooks {
   std::function<void(double newest_t_s)> block = [](double) {};
 };
 
-/// Runs several localizers over one source, which is read once, all cores at once: while they work on one block
-/// of samples the next is read. Memory does not depend on the source's length. Returns their summaries.
+/// Runs several localizers over one source, which is read once, all cores at once: while they work on one
+/// block of samples the next is read. Memory does not depend on the source's length. Returns their summaries.
 std::vector<LocalizationSummary> runTasks(SampleSource& source, const std::vector<Localizer*>& tasks,
                                           Time time_zero, const TaskHooks& hooks = {});
 

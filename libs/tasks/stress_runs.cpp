@@ -33,7 +33,7 @@ bool isNotable(const Event& event) {
 /// Judges the run by its errors and by what it said of itself.
 void judge(StressRun& run) {
   double silent_since_s = -1, last_s = 0;
-  bool ever_outside = false, outside_at_end = false;
+  bool harmed = false;
   for (std::size_t i = 0; i < run.errors.size(); ++i) {
     const PoseError& error = run.errors[i];
     const bool lost = run.lost[i], outside = error.nees > kStressBound;
@@ -45,20 +45,18 @@ void judge(StressRun& run) {
     } else {
       silent_since_s = -1;
     }
-    ever_outside = ever_outside || outside || lost;
-    outside_at_end = outside;
+    harmed = harmed || lost || run.longest_silent_s > kChance_s;
     last_s = error.t_s;
   }
   if (!run.summary.started || run.errors.empty()) return;
   run.final_error_m = run.errors.back().position_m.norm();
-  if (run.longest_silent_s > kSilence_s)
-    run.outcome = StressRun::Outcome::silent;
-  else if (run.summary.lost_since_s)
+  const bool silent_at_end = silent_since_s >= 0 && last_s - silent_since_s > kChance_s;
+  if (run.summary.lost_since_s)
     run.outcome = StressRun::Outcome::lost;
-  else if (outside_at_end && run.longest_silent_s > 1.0)
+  else if (silent_at_end)
     run.outcome = StressRun::Outcome::silent;
   else
-    run.outcome = ever_outside ? StressRun::Outcome::recovered : StressRun::Outcome::unharmed;
+    run.outcome = harmed ? StressRun::Outcome::recovered : StressRun::Outcome::unharmed;
 }
 
 StressRun runOne(const LocalizationSetup& setup, std::unique_ptr<SampleSource> source, const Planned& plan,

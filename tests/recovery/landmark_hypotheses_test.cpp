@@ -266,6 +266,86 @@ TEST(LandmarkHypotheses, PanelThatWasFirstSeenWronglyStartsAnew) {
   EXPECT_LT((outcome.summary.panels.at(0).T_odom_panel.pose.position - run.panels[0].position).norm(), 0.5);
 }
 
+// The mean over markers is a robot's pose with a covariance from the options; of a single panel it is a
+// sighting all the same.
+TEST(LandmarkHypotheses, MeansOverMarkersAreJudgedAlike) {
+  const auto meanRun = [](LandmarkRun& run) {
+    run.options.landmarks.form = LandmarkOptions::Form::mean;
+    run.options.landmarks.position_sigma_m = 0.03;  // 1 cm and 0.5 degrees seen from some 4 m
+    run.options.landmarks.angle_sigma_rad = radians(0.5);
+  };
+  LandmarkRun nominal, start, pushed;
+  for (LandmarkRun* run : {&nominal, &start, &pushed}) meanRun(*run);
+  start.wrong_start_m = 10.0;
+  start.wrong_start_rad = radians(60);
+  const Pose push{rotationFromYawPitchRoll(0, radians(8), 0), {0.15, 0.0, 0.0}};
+  pushed.fault = [&](Sample& sample, double t_s, Random&) {  // as the map has it still where it was
+    if (auto* pose = std::get_if<PoseSample>(&sample.reading);
+        pose && sample.label == labels::kMarkers && t_s > 30.0) {
+      const Pose T_panel_robot = pushed.panels[0].inverse() * Pose::fromMrpt(pose->T_odom_robot.mean);
+      pose->T_odom_robot.mean = (pushed.panels[0] * push.inverse() * T_panel_robot).toMrpt();
+    }
+    return true;
+  };
+  const auto fine = nominal.run(60.0), put_right = start.run(60.0), moved = pushed.run(60.0);
+  EXPECT_EQ(fine.count("reacquired") + fine.count("panel-moved") + fine.count("lost"), 0u);
+  EXPECT_LT(fine.worst(5.0, 60.0), kOnTrack_m);
+  EXPECT_EQ(put_right.count("reacquired"), 1u);
+  EXPECT_LT(put_right.worst(10.0, 60.0), kOnTrack_m);
+  EXPECT_EQ(moved.count("panel-moved"), 1u);
+  EXPECT_EQ(moved.count("reacquired") + moved.count("lost"), 0u);
+  EXPECT_LT(moved.worst(5.0, 60.0), 2 * kOnTrack_m);
+  ASSERT_EQ(moved.summary.panels.at(0).moves.size(), 1u);
+  const UncertainPose& offset = moved.summary.panels[0].moves[0].T_before_after;
+  EXPECT_LT(poseDifference(push, offset.pose).head<3>().norm(), 0.1);
+}
+
+// Images take their time: sightings half a second late are fused at their own time, with all that they start.
+TEST(LandmarkHypotheses, LateSightingsChangeNothing) {
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  const Pose push{rotationFromYawPitchRoll(0, radians(8), 0), {0.15, 0.0, 0.0}};
+  LandmarkRun in_order, late;
+  for (LandmarkRun* run : {&in_order, &late}) {
+    run->priors = {{"P0", {}, kUnknown, kUnknown}};
+    run->options.smooth = true;
+    run->T_odom_panel = [run, &push](std::size_t, double t) {
+      return t < 20.0 ? run->panels[0] : run->panels[0] * push;
+    };
+  }
+  late.arrange = [](std::vector<Sample>& samples, const Time& zero) {
+    const auto arrival = [&](const Sample& sample) {
+      return secondsBetween(zero, sample.time) + (sample.label == labels::kPanel ? 0.51 : 0.0);
+    };
+    std::stable_sort(samples.begin(), samples.end(),
+                     [&](const Sample& a, const Sample& b) { return arrival(a) < arrival(b); });
+  };
+  const auto expected = in_order.run(40.0), outcome = late.run(40.0);
+  EXPECT_GT(outcome.summary.late_fused, 70u);
+  ASSERT_EQ(outcome.estimates.size(), expected.estimates.size());
+  EXPECT_EQ(outcome.events.size(), expected.events.size());
+  EXPECT_EQ(expected.count("panel-moved"), 1u);
+  for (std::size_t k = 0; k < expected.estimates.size(); ++k) {
+    const auto& a = expected.smoothed[k].state.motion;
+    const auto& b = outcome.smoothed[k].state.motion;
+    ASSERT_LT((a.position_odom - b.position_odom).norm(), 1e-9) << k;
+  }
+}
+
+// What is smoothed before a wrong start was noticed is not better for it, and what comes after not worse.
+TEST(LandmarkHypotheses, SmootherDoesNotLookThroughAReset) {
+  LandmarkRun run;
+  run.options.smooth = true;
+  run.wrong_start_m = 10.0;
+  const auto outcome = run.run(40.0);
+  const double at_s = outcome.first("reacquired")->t_s;
+  for (const Estimate& e : outcome.smoothed) {
+    ASSERT_TRUE(e.pose_covariance.allFinite());
+    if (e.t_s > at_s + 0.5) {
+      EXPECT_LT(outcome.error(e).head<3>().norm(), kOnTrack_m) << e.t_s;
+    }
+  }
+}
+
 // The paper's fixed gate and no gate at all are what they are: no hypotheses.
 TEST(LandmarkHypotheses, OtherGatesArePlain) {
   for (const Gate::Kind kind : {Gate::Kind::none, Gate::Kind::fixed}) {

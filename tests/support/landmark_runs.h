@@ -31,6 +31,9 @@ struct LandmarkRun {
   /// What else happens to a sample before it is fused; false: it is left out.
   std::function<bool(Sample&, double t_s, Random&)> fault = [](Sample&, double, Random&) { return true; };
 
+  /// Another order of arrival; absent: by time.
+  std::function<void(std::vector<Sample>& samples, const Time& zero)> arrange;
+
   LandmarkRun();
   LandmarkRun(const LandmarkRun&) = delete;
   struct Outcome;
@@ -111,7 +114,14 @@ inline auto LandmarkRun::run(double duration_s) const -> Outcome {
       seen.covariance = variance.asDiagonal();
       sample.panels.push_back({static_cast<int>(i), seen});
     }
-    if (!sample.panels.empty()) samples.push_back({after(zero, t), labels::kPanel, sample});
+    if (sample.panels.empty()) continue;
+    samples.push_back({after(zero, t), labels::kPanel, sample});
+    // Of the same image: the robot's pose by the first panel's map, as markers give it.
+    const SeenPanel& seen = sample.panels.front();
+    const Pose T_odom_robot =
+        panels[static_cast<std::size_t>(seen.panel)] * (T_robot_camera * seen.T_camera_panel.pose).inverse();
+    mrpt::poses::CPose3DPDFGaussian pdf(T_odom_robot.toMrpt());
+    samples.push_back({after(zero, t), labels::kMarkers, PoseSample{pdf}});
   }
   std::stable_sort(samples.begin(), samples.end(),
                    [](const Sample& a, const Sample& b) { return a.time < b.time; });
@@ -138,6 +148,7 @@ inline auto LandmarkRun::run(double duration_s) const -> Outcome {
   sink.innovation = [&](const Innovation& i) { outcome.innovations.push_back(i); };
   sink.event = [&](const Event& e) { outcome.events.push_back(e); };
   Localizer localizer(setup, sink);
+  if (arrange) arrange(samples, zero);
   for (Sample& sample : samples)
     if (fault(sample, secondsBetween(zero, sample.time), random)) localizer.add(sample);
   outcome.summary = localizer.finish();
