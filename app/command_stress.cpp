@@ -127,11 +127,13 @@ void writeOutputs(const StressOptions& options, const TaskSpec& task, const std:
   HtmlReport report("Faults and what they do to " + task.name());
   report.paragraph(
       "Each fault acts on the recording's samples on their way to the filter. Unharmed: the pose stays "
-      "inside "
-      "its own bounds. Recovered: it left them, or said that it was lost, and found back. Wrong in silence: "
-      "it "
-      "was outside for more than " +
-      fixed(kSilence_s, 0) + " s, or at the end, without saying so.");
+      "inside its "
+      "own bounds (NEES below " +
+      fixed(kStressBound, 1) +
+      ", once in ten thousand by chance). Recovered: it left them, or said that it was lost, and found back. "
+      "Wrong in silence: it is outside at the end and does not say so. Between sightings nothing can tell a "
+      "small "
+      "fault of the odometry; how long the pose was outside without saying so is listed.");
   report.table(table);
   for (const StressFault& fault : faults) {
     report.subheading(fault.name);
