@@ -336,6 +336,18 @@ void ErrorStateFilter<N>::resetPose(int index, const UncertainPose& T_robot_pose
       attached.block.template middleCols<6>(6 * index) * wrt_pose.transpose();
 }
 
+template <int N>
+void ErrorStateFilter<N>::resetMotion(int block, double sigma) {
+  Vector3d& motion = block == kVelocity          ? x.motion.velocity_robot
+                     : block == kAngularVelocity ? x.motion.angular_velocity_robot
+                                                 : x.motion.acceleration_robot;
+  motion.setZero();
+  P.template middleRows<3>(block).setZero();
+  P.template middleCols<3>(block).setZero();
+  P.diagonal().template segment<3>(block).setConstant(sigma * sigma);
+  attached.cross.template middleCols<3>(block).setZero();
+}
+
 template class ErrorStateFilter<kCoreSize>;
 template class ErrorStateFilter<kFullSize>;
 

@@ -101,6 +101,9 @@ class ErrorStateFilter {
   /// biases are kept; with them the robot's pose is correlated as the attached one is, and not otherwise.
   void resetPose(const Pose& T_odom_pose, const UncertainPose& T_robot_pose);
   void resetPose(int index, const UncertainPose& T_robot_pose);
+  /// Velocity, angular velocity or acceleration (kVelocity …) is zero with this sigma in each axis, whatever
+  /// it was before.
+  void resetMotion(int block, double sigma);
 
   /// Covariance of all: N coordinates of the motion, six of each attached pose.
   Eigen::MatrixXd wholeCovariance() const;

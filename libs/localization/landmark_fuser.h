@@ -166,12 +166,13 @@ class LandmarkFuser {
     const bool patient = memory.rejected_in_a_row < kFixedGatePatience;
     const double gate = setup_.options.gate.kind != Gate::Kind::fixed || isInside(off) ? gate_ : kNever;
     const bool believed = setup_.options.gate.kind == Gate::Kind::fixed && !patient;
-    const double nis =
-        estimated ? filter.updateSighting(attached, fix.T_robot_panel, believed ? kAlways : gate)
-                  : filter.update(
-                        poseMeasurement<N>(
-                            filter.x, fix.T_odom_robot.value_or(T_odom_panel * fix.T_robot_panel.inverse())),
-                        believed ? kAlways : gate);
+    if (!estimated && setup_.options.gate.kind == Gate::Kind::chi_square && isTooWide(filter)) {
+      const double nis = updateByRobotPose(filter, fix, T_odom_panel, kNever);
+      if (nis <= gate) return restart(filter, memory, fix, judged, off, nis, log);
+    }
+    const double nis = estimated
+                           ? filter.updateSighting(attached, fix.T_robot_panel, believed ? kAlways : gate)
+                           : updateByRobotPose(filter, fix, T_odom_panel, believed ? kAlways : gate);
     const bool passed = nis <= gate;
     memory.rejected_in_a_row = passed ? 0 : memory.rejected_in_a_row + 1;
     log.innovations.push_back({t_s, Channel::landmark, 6, nis, believed || passed, memory.rejected_in_a_row});
@@ -182,6 +183,48 @@ class LandmarkFuser {
     } else {
       actOn(memory.monitor.rejected(fix.panel, judged), filter, memory, fix, judged, off, nis, log);
     }
+  }
+
+  static double updateByRobotPose(ErrorStateFilter<N>& filter, const Fix& fix, const Pose& T_odom_panel,
+                                  double gate) {
+    const UncertainPose T_odom_robot = fix.T_odom_robot.value_or(T_odom_panel * fix.T_robot_panel.inverse());
+    return filter.update(poseMeasurement<N>(filter.x, T_odom_robot), gate);
+  }
+
+  /// Whether the orientation may be off by more than a linear update bears: it would turn what is known of
+  /// position and velocity by that much, and take the turn for knowledge.
+  static bool isTooWide(const ErrorStateFilter<N>& filter) {
+    constexpr double kWidest_rad = radians(15.0);
+    return filter.P.diagonal().template segment<3>(kOrientation).sum() > kWidest_rad * kWidest_rad;
+  }
+
+  /// How fast a vehicle of which nothing is known moves, each axis: m/s, rad/s, m/s².
+  static constexpr std::array<std::pair<int, double>, 3> kMotionAtRest{
+      {{kVelocity, 0.5}, {kAngularVelocity, 0.3}, {kAcceleration, 0.3}}};
+
+  /// Where the filter knows less of its motion than that.
+  static void restartMotion(ErrorStateFilter<N>& filter, int block, double sigma, FusionLog& log) {
+    if (filter.P.diagonal().template segment<3>(block).sum() < 3.0 * sigma * sigma) return;
+    filter.resetMotion(block, sigma);
+    for (int row = block; row < block + 3; ++row) log.anew.push_back(row);
+  }
+
+  /// The first fix after a time in which the pose has become anyone's guess sets it.
+  void restart(ErrorStateFilter<N>& filter, LandmarkMemory& memory, const Fix& fix, JudgedFix& judged,
+               const Vector6d& off, double nis, FusionLog& log) const {
+    const double angle_sigma_rad = std::sqrt(filter.P.diagonal().template segment<3>(kOrientation).sum());
+    reacquire(filter, memory, fix, log);
+    log.corrected = false;  // nothing contradicts anything
+    for (const auto& [block, sigma] : kMotionAtRest) restartMotion(filter, block, sigma, log);
+    log.innovations.push_back({judged.t_s, Channel::landmark, 6, nis, true, 0});
+    log.events.push_back(
+        {judged.t_s, "reacquired",
+         print("%s: the orientation's own sigma had grown to %.0f deg: pose set by this fix, "
+               "%.3f m and %.2f deg from where it was",
+               nameOf(fix.panel).c_str(), degrees(angle_sigma_rad), off.head<3>().norm(),
+               degrees(off.tail<3>().norm()))});
+    judged.pose_variance = filter.P.diagonal().template head<6>();
+    memory.monitor.fused(fix.panel, judged);
   }
 
   /// Of the robot's pose. (An estimated panel's correlation with the robot is left out: whiter than white.)
