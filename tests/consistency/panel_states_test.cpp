@@ -14,7 +14,7 @@ namespace {
 
 using test::LandmarkRun;
 
-constexpr int kRuns = 40;
+constexpr int kPanelRuns = 40;
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
 struct MeanNees {
@@ -26,7 +26,7 @@ struct MeanNees {
 /// smoothed, and of both panels at the end.
 MeanNees meanNees(const std::vector<PanelPrior>& priors, double start_error, bool smooth) {
   MeanNees mean;
-  for (int k = 0; k < kRuns; ++k) {
+  for (int k = 0; k < kPanelRuns; ++k) {
     LandmarkRun run;
     run.seed = static_cast<std::uint64_t>(100 + k);
     run.options.smooth = smooth;
@@ -45,7 +45,7 @@ MeanNees meanNees(const std::vector<PanelPrior>& priors, double start_error, boo
     run.start_error = start_error;
     const auto outcome = run.run(30.0);
     const auto nees = [](const Vector6d& error, const Matrix6d& covariance) {
-      return error.dot(covariance.ldlt().solve(error)) / kRuns;
+      return error.dot(covariance.ldlt().solve(error)) / kPanelRuns;
     };
     const Estimate& last =
         outcome.estimates[outcome.estimates.size() - 2];  // the truth's last pose is earlier
@@ -66,8 +66,8 @@ void expectConsistent(const std::vector<PanelPrior>& priors) {
   const MeanNees right = meanNees(priors, 1.0, true);
   // The start's sigmas are drawn, the motion is not the model's own: within the band of 99.9 % instead of 95
   // %.
-  const double low = chiSquareQuantile(6 * kRuns, 0.0005) / kRuns,
-               high = chiSquareQuantile(6 * kRuns, 0.9995) / kRuns;
+  const double low = chiSquareQuantile(6 * kPanelRuns, 0.0005) / kPanelRuns,
+               high = chiSquareQuantile(6 * kPanelRuns, 0.9995) / kPanelRuns;
   for (const double nees : {right.robot, right.smoothed_robot, right.panels[0], right.panels[1]}) {
     EXPECT_GT(nees, low);
     EXPECT_LT(nees, high);

@@ -20,7 +20,7 @@ void expectNoSilentDivergence(const LandmarkRun::Outcome& outcome, double from_s
     }
 }
 
-std::string print(double size, bool bias_states) {
+std::string faultOf(double size, bool bias_states) {
   return std::to_string(size) + (bias_states ? ", 23 states" : ", 15 states");
 }
 
@@ -181,7 +181,7 @@ TEST(LandmarkHypotheses, FaultyOdometryIsNoMovedPanel) {
       };
       const auto outcome = run.run(90.0);
       EXPECT_EQ(outcome.count("panel-moved"), 0u) << bias_deg_s;
-      expectNoSilentDivergence(outcome, 45.0, print(bias_deg_s, bias_states));
+      expectNoSilentDivergence(outcome, 45.0, faultOf(bias_deg_s, bias_states));
     }
 }
 
@@ -197,7 +197,7 @@ TEST(LandmarkHypotheses, FaultyDvlIsNoMovedPanel) {
       };
       const auto outcome = run.run(90.0);
       EXPECT_EQ(outcome.count("panel-moved"), 0u) << bias_m_s;
-      expectNoSilentDivergence(outcome, 45.0, print(bias_m_s, bias_states));
+      expectNoSilentDivergence(outcome, 45.0, faultOf(bias_m_s, bias_states));
     }
 }
 

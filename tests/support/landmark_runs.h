@@ -133,7 +133,7 @@ inline auto LandmarkRun::run(double duration_s) const -> Outcome {
   setup.time_zero = zero;
   setup.panels = priors;
   for (std::size_t i = priors.size(); i < panels.size(); ++i)
-    setup.panels.push_back({"P" + std::to_string(i), panels[i]});
+    setup.panels.push_back({std::string("P").append(std::to_string(i)), panels[i]});
   StartPose start{outcome.truth.front().T_odom_robot};
   start.T_odom_robot.position += start_error * start.position_sigma_m * random.normal3();
   start.T_odom_robot.rotation =
