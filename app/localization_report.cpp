@@ -127,6 +127,28 @@ nlohmann::ordered_json toJson(const Evaluation& e) {
           {"reference_path_m", e.path_m}};
 }
 
+nlohmann::ordered_json jsonList(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+nlohmann::ordered_json toJson(const PanelResult& panel) {
+  const auto& [pose, covariance] = panel.T_odom_panel;
+  const Vector6d sigma = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const char* const states[] = {"known", "unseen", "estimated"};
+  nlohmann::ordered_json json{
+      {"name", panel.name},
+      {"state", states[static_cast<int>(panel.state)]},
+      {"position_odom_m", jsonList(pose.position)},
+      {"yaw_pitch_roll_deg", jsonList(yawPitchRollFromRotation(pose.rotation) * degrees(1.0))},
+      {"position_sigma_m", jsonList(sigma.head<3>())},
+      {"angle_sigma_deg", jsonList(sigma.tail<3>() * degrees(1.0))}};
+  json["moves"] = nlohmann::ordered_json::array();
+  for (const PanelMove& move : panel.moves)
+    json["moves"].push_back(
+        {{"t_s", move.t_s},
+         {"offset_m", jsonList(move.T_before_after.pose.position)},
+         {"rotation_deg", jsonList(logSO3<double>(move.T_before_after.pose.rotation) * degrees(1.0))}});
+  return json;
+}
+
 nlohmann::ordered_json toJson(const PathErrors& e) {
   return {{"sightings", e.count},
           {"position_mean_m", e.position_m.mean},
@@ -137,6 +159,7 @@ nlohmann::ordered_json toJson(const PathErrors& e) {
 
 nlohmann::ordered_json toJson(const TaskMeasures& measures) {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  json["lost_sightings"] = measures.lost_sightings;
   if (measures.against_markers) json["against_markers"] = toJson(*measures.against_markers);
   if (measures.against_reference) json["against_reference"] = toJson(*measures.against_reference);
   if (measures.smoothness) {
@@ -145,8 +168,6 @@ nlohmann::ordered_json toJson(const TaskMeasures& measures) {
   }
   return json;
 }
-
-nlohmann::ordered_json jsonList(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 }  // namespace
 
@@ -208,6 +229,13 @@ nlohmann::ordered_json toJson(const RecordingStory& recording, const TaskStory& 
   if (!story.summary.started) json["failure"] = story.summary.failure;
   json["start"] = {{"source", story.summary.start_source}, {"t_s", story.summary.start_t_s}};
   json["end_t_s"] = story.summary.end_t_s;
+  json["lost_since_s"] = nullptr;
+  if (story.summary.lost_since_s) {
+    json["lost_since_s"] = *story.summary.lost_since_s;
+    json["lost_reason"] = story.summary.lost_reason;
+  }
+  json["panels"] = nlohmann::ordered_json::array();
+  for (const PanelResult& panel : story.summary.panels) json["panels"].push_back(toJson(panel));
   json["samples"] = story.summary.samples;
   json["fused_late"] = story.summary.late_fused;
   json["channels"] = nlohmann::ordered_json::object();

@@ -116,7 +116,7 @@ Table taskTable(const LocalizedRecording& recording) {
   if (judged) table.header.insert(table.header.end(), {"position to S [m]", "angle to S [deg]"});
   table.header.push_back("m_A");
   if (judged) table.header.insert(table.header.end(), {"inside 3 sigma [%]", "NEES"});
-  table.header.push_back("lost");
+  table.header.insert(table.header.end(), {"sightings while lost", "lost at the end"});
   for (const Estimated& estimate : estimatesOf(recording)) {
     const TaskMeasures& measures = *estimate.measures;
     std::vector<std::string> row{estimate.name, withSigma(measures.against_markers, false),
@@ -129,6 +129,7 @@ Table taskTable(const LocalizedRecording& recording) {
     if (judged)
       row.insert(row.end(), {evaluation ? fixed(100.0 * evaluation->within_3_sigma, 2) : "-",
                              evaluation ? fixed(evaluation->nees_mean, 2) : "-"});
+    row.push_back(std::to_string(measures.lost_sightings));
     row.push_back(lostText(estimate.task->story().summary));
     table.rows.push_back(row);
   }

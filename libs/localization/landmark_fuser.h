@@ -194,13 +194,13 @@ class LandmarkFuser {
   /// Whether the orientation may be off by more than a linear update bears: it would turn what is known of
   /// position and velocity by that much, and take the turn for knowledge.
   static bool isTooWide(const ErrorStateFilter<N>& filter) {
-    constexpr double kWidest_rad = radians(15.0);
+    constexpr double kWidest_rad = radians(25.0);
     return filter.P.diagonal().template segment<3>(kOrientation).sum() > kWidest_rad * kWidest_rad;
   }
 
   /// How fast a vehicle of which nothing is known moves, each axis: m/s, rad/s, m/s².
   static constexpr std::array<std::pair<int, double>, 3> kMotionAtRest{
-      {{kVelocity, 0.5}, {kAngularVelocity, 0.3}, {kAcceleration, 0.3}}};
+      {{kVelocity, 0.5}, {kAngularVelocity, 0.2}, {kAcceleration, 0.3}}};
 
   /// Where the filter knows less of its motion than that.
   static void restartMotion(ErrorStateFilter<N>& filter, int block, double sigma, FusionLog& log) {

@@ -63,6 +63,7 @@ TaskOutputs::TaskOutputs(const std::filesystem::path& folder, const std::string&
 void TaskOutputs::estimate(const Estimate& e) {
   const KinematicState<double>& m = e.state.motion;
   poses_.push_back({e.time, {m.R_odom_robot, m.position_odom}});
+  lost_.push_back(e.lost);
   writeTumLine(trajectory_.out, poses_.back());
   results_.add(stream_, {e.time, label_, PoseSample{posePdf(e)}});
   path_.push_back({e.t_s, m.position_odom, m.velocity_robot, yawPitchRollFromRotation(m.R_odom_robot),

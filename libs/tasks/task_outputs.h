@@ -68,6 +68,7 @@ class TaskOutputs {
 
   const std::vector<PathPoint>& path() const { return path_; }
   const std::vector<StampedPose>& poses() const { return poses_; }
+  const std::vector<bool>& lost() const { return lost_; }  ///< of each pose
   const std::vector<StampedPose>& smoothedPoses() const { return smoothed_poses_; }
   const std::vector<Event>& events() const { return events_; }
   const std::map<Channel, NisWindows>& nis() const { return nis_; }
@@ -91,6 +92,7 @@ class TaskOutputs {
   InnovationLog innovations_;
   std::vector<PathPoint> path_;
   std::vector<StampedPose> poses_, smoothed_poses_;
+  std::vector<bool> lost_;
   std::vector<Event> events_;  ///< the first kEventsKept
   std::map<Channel, NisWindows> nis_;
   std::optional<Estimate> last_;

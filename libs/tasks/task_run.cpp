@@ -41,8 +41,9 @@ void TaskRun::finish(LocalizationSummary summary) {
   story_.summary = std::move(summary);
   story_.filter = evaluator_.finish();
   story_.smoother = smooth_evaluator_.finish();
-  story_.filter_measures = measuresOf(outputs_.poses(), recording_);
-  story_.smoother_measures = measuresOf(outputs_.smoothedPoses(), recording_);
+  story_.filter_measures = measuresOf(outputs_.poses(), outputs_.poses(), outputs_.lost(), recording_);
+  story_.smoother_measures =
+      measuresOf(outputs_.smoothedPoses(), outputs_.poses(), outputs_.lost(), recording_);
   outputs_.finish();
 }
 

@@ -31,8 +31,11 @@ struct TaskMeasures {
   std::optional<PathErrors> against_markers;    ///< d(M, F)
   std::optional<PathErrors> against_reference;  ///< d(S, F) at the same times
   std::optional<PathSmoothness> smoothness;     ///< m_A at the images' times
+  std::size_t lost_sightings = 0;  ///< at which the task said that it was lost: they do not count
 };
-TaskMeasures measuresOf(const std::vector<StampedPose>& path, const RecordingStory& recording);
+/// `lost` tells of each of the task's poses whether it said so; `path` is those poses, or the smoothed ones.
+TaskMeasures measuresOf(const std::vector<StampedPose>& path, const std::vector<StampedPose>& poses,
+                        const std::vector<bool>& lost, const RecordingStory& recording);
 
 /// All that a finished task has to tell.
 struct TaskStory {
