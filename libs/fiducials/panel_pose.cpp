@@ -169,10 +169,10 @@ class Solver {
       const auto residual = reprojection(sighting, pose, &J);
       if (!residual) continue;
       const Vector8d white = sighting.whitener * *residual;
-      const Matrix86d white_J = sighting.whitener * J;
+      const Matrix86d white_J = sighting.whitener.lazyProduct(J);
       const double ratio = std::isfinite(soft) ? soft / (soft + white.squaredNorm()) : 1.0;
-      H += ratio * ratio * (white_J.transpose() * white_J);
-      g += ratio * ratio * (white_J.transpose() * white);
+      H += ratio * ratio * white_J.transpose().lazyProduct(white_J);
+      g += ratio * ratio * white_J.transpose().lazyProduct(white);
     }
     return {H, g};
   }
@@ -204,13 +204,20 @@ std::vector<Pose> startsFromPlane(const std::vector<Sighting>& sightings, std::s
   return starts;
 }
 
-std::vector<Pose> startsOf(const std::vector<CameraDetections>& cameras,
-                           const std::vector<Sighting>& sightings, const PanelPoseOptions& options) {
+/// From all markers together: good where all are what they seem.
+std::vector<Pose> commonStarts(const std::vector<CameraDetections>& cameras,
+                               const std::vector<Sighting>& sightings, const PanelPoseOptions& options) {
   std::vector<Pose> starts;
   for (std::size_t c = 0; c < cameras.size(); ++c)
     for (const Pose& T_camera_panel : startsFromPlane(sightings, c, cameras[c].camera))
       starts.push_back(cameras[c].T_first_camera * T_camera_panel);
   if (options.T_camera_panel_guess) starts.push_back(*options.T_camera_panel_guess);
+  return starts;
+}
+
+/// These, and both poses of every marker alone.
+std::vector<Pose> allStarts(std::vector<Pose> starts, const std::vector<CameraDetections>& cameras,
+                            const std::vector<Sighting>& sightings) {
   for (const Sighting& sighting : sightings) {
     const CameraDetections& seen = cameras[sighting.camera_index];
     for (const MarkerPose& pose :
@@ -239,6 +246,18 @@ Vector3d centreOf(const std::vector<Sighting>& sightings) {
   Vector3d sum = Vector3d::Zero();
   for (const Sighting& sighting : sightings) sum += sighting.marker->T_panel_marker.position;
   return sum / static_cast<double>(sightings.size());
+}
+
+/// Where the best of the starts leads to a pose that every marker agrees with, there is nothing to be robust
+/// against: that pose. (Its mirror image is tried later, whatever led here.)
+std::optional<Pose> poseOfAll(const std::vector<Pose>& starts, const std::vector<Sighting>& sightings,
+                              double gate) {
+  const auto best = bestStarts(starts, sightings);
+  if (best.empty() || sightings.size() < 2) return std::nullopt;
+  const auto minimum = Solver(sightings, gate).minimize(best.front(), false, 25);
+  const auto values = chiSquaresOf(sightings, minimum.pose);
+  const bool all = std::all_of(values.begin(), values.end(), [&](double value) { return value <= gate; });
+  return all ? std::optional(minimum.pose) : std::nullopt;
 }
 
 /// The robust minimum over all markers.
@@ -314,7 +333,9 @@ PanelPoseEstimate solvePanelPose(const std::vector<CameraDetections>& cameras, c
   if (sightings.empty()) return failed("no marker of the map is seen");
   const double gate = chiSquareQuantile(8, options.inlier_probability);
 
-  const auto robust = robustPose(startsOf(cameras, sightings, options), sightings, gate);
+  const std::vector<Pose> starts = commonStarts(cameras, sightings, options);
+  std::optional<Pose> robust = poseOfAll(starts, sightings, gate);
+  if (!robust) robust = robustPose(allStarts(starts, cameras, sightings), sightings, gate);
   if (!robust) return failed("no pose explains the corners");
 
   std::vector<Sighting> inliers = inliersAt(*robust, sightings, gate);

@@ -1,5 +1,7 @@
 #include "tasks/sample_chain.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include "core/error.h"
 #include "effects/calibration.h"
 #include "panel/panel_maps.h"
@@ -35,28 +37,35 @@ SampleChain::SampleChain(const ChainOptions& options, bool landmarks) : options_
                 "names no vehicle file in its first comment; give one with --vehicle");
   setup_.vehicle = readVehicle(*vehicle);
   if (!options.calibration.empty()) setup_.calibration = readCalibration(options.calibration);
-  remarks_ = disagreements(inspectRecording(options.rawlog), setup_.vehicle);
   setup_.time_zero = source->next()->time;
-  if (landmarks) findLandmarks(source->header());
+  std::vector<std::string> lacking;
+  // Each reads the recording once, so side by side.
+  tbb::parallel_invoke([&] { remarks_ = disagreements(inspectRecording(options.rawlog), setup_.vehicle); },
+                       [&] {
+                         if (landmarks) lacking = findLandmarks(source->header());
+                       });
+  remarks_.insert(remarks_.end(), lacking.begin(), lacking.end());
 }
 
-void SampleChain::findLandmarks(const RecordingHeader& header) {
+std::vector<std::string> SampleChain::findLandmarks(const RecordingHeader& header) {
+  std::vector<std::string> lacking;
   const auto map = panelMapFile(options_.map, options_.rawlog, header);
   if (!map) {
-    remarks_.emplace_back("no landmarks: the recording names no panel map, and --map gives none");
-    return;
+    lacking.emplace_back("no landmarks: the recording names no panel map, and --map gives none");
+    return lacking;
   }
   panels_ = readPanelMaps(*map);
   setup_.panels = priorsOf(panels_, options_.panel_unknown);
   const std::vector<CameraImage> images = imagesOf(*openBare());
-  if (images.empty()) remarks_.emplace_back("no landmarks: there are no images");
+  if (images.empty()) lacking.emplace_back("no landmarks: there are no images");
   const Detections detections =
       detectImages(images, settingsFor(panels_, options_.backend), keepBeside(options_.rawlog));
   if (!detections.not_kept_why.empty())
-    remarks_.push_back("detections are not kept: " + detections.not_kept_why);
+    lacking.push_back("detections are not kept: " + detections.not_kept_why);
   for (const UnreadableImage& image : detections.unreadable)
-    remarks_.push_back(image.file.string() + ": " + image.why);
+    lacking.push_back(image.file.string() + ": " + image.why);
   detections_ = std::make_shared<const Detections>(detections);
+  return lacking;
 }
 
 std::unique_ptr<SampleSource> SampleChain::openBare() const {

@@ -37,7 +37,8 @@ class SampleChain {
 
  private:
   std::unique_ptr<SampleSource> openBare() const;
-  void findLandmarks(const RecordingHeader& header);
+  /// What is missing, one line each.
+  std::vector<std::string> findLandmarks(const RecordingHeader& header);
 
   ChainOptions options_;
   LocalizationSetup setup_;
