@@ -9,6 +9,7 @@
 #include "evaluation/statistics.h"
 #include "localization_report.h"
 #include "report/html_report.h"
+#include "results_scene.h"
 #include "tasks_report.h"
 
 namespace fathom {
@@ -55,6 +56,31 @@ std::vector<std::string> taskIds(const std::vector<BatchEntry>& entries) {
   return ids;
 }
 
+/// The estimates of all tasks, the reference, the panels, and where these were seen from.
+ResultsScene sceneOf(const LocalizedRecording& done) {
+  constexpr std::size_t kMostFrusta = 100;
+  const mrpt::img::TColor colours[] = {{0, 114, 178},   {213, 94, 0},  {0, 158, 115},
+                                       {204, 121, 167}, {230, 159, 0}, {86, 180, 233}};
+  const RecordingStory& story = *done.story;
+  ResultsScene scene;
+  scene.panels = story.panels;
+  for (const auto& task : done.tasks) {
+    NamedPath path{task->spec().name(), colours[scene.paths.size() % std::size(colours)], {}};
+    for (const TaskOutputs::Mark& mark : task->outputs().marks())
+      path.points.push_back({mark.t_s, mark.T_odom_robot});
+    scene.paths.push_back(std::move(path));
+  }
+  NamedPath reference{story.reference_name, {40, 40, 40}, {}};
+  for (const StampedPose& pose : story.reference)
+    reference.points.push_back({secondsBetween(story.time_zero, pose.time), {pose.T_odom_robot}});
+  if (!reference.points.empty()) scene.paths.push_back(std::move(reference));
+  if (story.camera) scene.camera = *story.camera;
+  const std::size_t step = story.marker_poses.size() / kMostFrusta + 1;
+  for (std::size_t i = 0; i < story.marker_poses.size(); i += step)
+    scene.T_odom_camera.push_back(story.marker_poses[i].T_odom_robot * story.T_robot_camera);
+  return scene;
+}
+
 }  // namespace
 
 LocalizedRecording localizeAndReport(const RecordingJob& job) {
@@ -63,6 +89,8 @@ LocalizedRecording localizeAndReport(const RecordingJob& job) {
   nlohmann::ordered_json json = toJson(done);
   json["inputs"] = inputs;
   const fs::path report = job.folder / "report.html";
+  if (!done.story->panels.empty())
+    writeResultsScene(job.folder / (job.chain.rawlog.stem().string() + "_results.3Dscene"), sceneOf(done));
   if (done.tasks.size() == 1)
     writeReport(report, *done.story, done.tasks[0]->story(), done.tasks[0]->outputs());
   else

@@ -6,6 +6,7 @@
 #include "core/progress.h"
 #include "localization/dead_reckoning.h"
 #include "localization/run_tasks.h"
+#include "recording/recorded_camera.h"
 #include "sources/degraded_source.h"
 #include "tasks/start_pose.h"
 
@@ -32,9 +33,10 @@ class Witness {
   Witness(RecordingStory& story, bool collect_truth) : story_(story), collect_truth_(collect_truth) {}
 
   void see(const Sample& sample) {
-    if (std::holds_alternative<ImageSample>(sample.reading) ||
-        std::holds_alternative<StereoSample>(sample.reading))
-      story_.image_times.push_back(sample.time);
+    if (const auto* image = std::get_if<ImageSample>(&sample.reading))
+      seeImage(sample.time, image->intrinsics, image->T_robot_camera);
+    if (const auto* pair = std::get_if<StereoSample>(&sample.reading))
+      seeImage(sample.time, pair->left_intrinsics, pair->T_robot_left);
     const auto* pose = std::get_if<PoseSample>(&sample.reading);
     if (pose == nullptr) return;
     const StampedPose stamped{sample.time, Pose::fromMrpt(pose->T_odom_robot.mean)};
@@ -43,6 +45,13 @@ class Witness {
   }
 
  private:
+  void seeImage(Time time, const mrpt::img::TCamera& intrinsics, const Pose& T_robot_camera) {
+    story_.image_times.push_back(time);
+    if (story_.camera) return;
+    story_.camera = cameraModel(intrinsics);
+    story_.T_robot_camera = T_robot_camera;
+  }
+
   RecordingStory& story_;
   bool collect_truth_;
 };
@@ -78,6 +87,7 @@ LocalizedRecording localizeRecording(const RecordingJob& job) {
 
   const SampleChain chain(job.chain, needsLandmarks(job));
   story.remarks = chain.remarks();
+  story.panels = chain.panels();
   LocalizationSetup setup = chain.setup();
   setup.start = startPose(job.start, job.chain.rawlog, story.reference);
   story.time_zero = setup.time_zero;

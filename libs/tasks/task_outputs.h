@@ -73,6 +73,13 @@ class TaskOutputs {
   const std::vector<Event>& events() const { return events_; }
   const std::map<Channel, NisWindows>& nis() const { return nis_; }
   std::optional<Estimate> last() const { return last_; }
+  /// One pose with its covariance every kMarkEvery_s, to draw.
+  struct Mark {
+    double t_s = 0.0;
+    UncertainPose T_odom_robot;
+  };
+  const std::vector<Mark>& marks() const { return marks_; }
+  static constexpr double kMarkEvery_s = 1.0;
 
   static constexpr std::size_t kEventsKept = 1000;
 
@@ -93,6 +100,7 @@ class TaskOutputs {
   std::vector<PathPoint> path_;
   std::vector<StampedPose> poses_, smoothed_poses_;
   std::vector<bool> lost_;
+  std::vector<Mark> marks_;
   std::vector<Event> events_;  ///< the first kEventsKept
   std::map<Channel, NisWindows> nis_;
   std::optional<Estimate> last_;

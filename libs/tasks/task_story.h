@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "core/camera_model.h"
 #include "localization/localizer.h"
 #include "localization/path_measures.h"
+#include "panel/panel_map.h"
 #include "recording/rawlog.h"
 #include "report/run_info.h"
 
@@ -22,6 +24,9 @@ struct RecordingStory {
   std::vector<StampedPose> reference;
   std::vector<StampedPose> marker_poses;                  ///< M, the paper's: T_odom_robot of each sighting
   std::vector<Time> image_times;                          ///< of all images
+  std::optional<CameraModel> camera;                      ///< of the first image, of a pair the left one
+  Pose T_robot_camera;                                    ///< likewise
+  std::vector<PanelMap> panels;                           ///< what was looked for in them
   std::vector<StampedPose> plain, by_reference_attitude;  ///< dead reckoning, see DeadReckoning
   std::vector<std::string> remarks;                       ///< e.g. where vehicle file and recording disagree
 };
