@@ -47,7 +47,10 @@ gl::CEllipsoid3D::Ptr ellipsoidOf(const UncertainPose& T_odom_robot, const mrpt:
 void addEllipsoids(gl::CSetOfObjects& odom, const NamedPath& path, double every_s) {
   double next_s = -std::numeric_limits<double>::infinity();
   for (const auto& [t_s, T_odom_robot] : path.points) {
-    const bool known = T_odom_robot.covariance.diagonal().head<3>().minCoeff() > 0;
+    // Ellipsoids of metres would hide what they are about.
+    constexpr double kLargestSigma_m = 0.5;
+    const auto variance = T_odom_robot.covariance.diagonal().head<3>();
+    const bool known = variance.minCoeff() > 0 && variance.maxCoeff() < kLargestSigma_m * kLargestSigma_m;
     if (!known || t_s < next_s) continue;
     odom.insert(ellipsoidOf(T_odom_robot, path.colour));
     next_s = t_s + every_s;

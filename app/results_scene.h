@@ -26,7 +26,7 @@ struct NamedPath {
 struct ResultsScene {
   std::vector<PanelMap> panels;  ///< may be empty
   std::vector<NamedPath> paths;
-  double ellipsoid_every_s = 10;  ///< of position, three sigma
+  double ellipsoid_every_s = 10;  ///< of position, three sigma; none larger than 1.5 m
   CameraModel camera;
   std::vector<Pose> T_odom_camera;  ///< where panels were seen from: a frustum each
 };

@@ -1,5 +1,7 @@
 #include "tasks_report.h"
 
+#include <limits>
+
 #include "localization_report.h"
 #include "report/html_report.h"
 
@@ -41,6 +43,13 @@ std::string lostText(const LocalizationSummary& summary) {
   return "no";
 }
 
+/// Of a task with a smoother, what the smoother gives.
+bool isPlotted(const Estimated& estimate, bool improved) {
+  const TaskStory& story = estimate.task->story();
+  const bool smoothed = estimate.path == &estimate.task->outputs().smoothedPoses();
+  return story.improved == improved && story.options.smooth == smoothed;
+}
+
 /// Distance from the reference over time, of the paper's tasks or of the improved ones.
 Plot errorPlot(const LocalizedRecording& recording, bool improved, bool angle) {
   Plot plot{.title = std::string(angle ? "Orientation" : "Position") + " error, " +
@@ -49,7 +58,7 @@ Plot errorPlot(const LocalizedRecording& recording, bool improved, bool angle) {
             .y_label = angle ? "[deg]" : "[m]"};
   plot.log_y = true;
   for (const Estimated& estimate : estimatesOf(recording)) {
-    if (estimate.task->story().improved != improved || !*estimate.evaluation) continue;
+    if (!isPlotted(estimate, improved) || !*estimate.evaluation) continue;
     Series series{.name = estimate.name};
     for (const PoseError& error : (*estimate.evaluation)->errors) {
       series.x.push_back(error.t_s);
@@ -60,11 +69,15 @@ Plot errorPlot(const LocalizedRecording& recording, bool improved, bool angle) {
   return plot;
 }
 
-Series pathSeries(const std::string& name, const std::vector<StampedPose>& poses, Series::Style style) {
+/// Without the poses that the task said are lost: they may be anywhere. `lost` may be empty.
+Series pathSeries(const std::string& name, const std::vector<StampedPose>& poses,
+                  const std::vector<bool>& lost, Series::Style style) {
+  constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
   Series series{.name = name, .style = style};
-  for (const StampedPose& pose : poses) {
-    series.x.push_back(pose.T_odom_robot.position.x());
-    series.y.push_back(pose.T_odom_robot.position.y());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const bool shown = i >= lost.size() || !lost[i];
+    series.x.push_back(shown ? poses[i].T_odom_robot.position.x() : kGap);
+    series.y.push_back(shown ? poses[i].T_odom_robot.position.y() : kGap);
   }
   return series;
 }
@@ -75,11 +88,12 @@ Plot pathPlot(const LocalizedRecording& recording, bool improved) {
             .y_label = "y in odom [m]"};
   plot.equal_axes = true;
   for (const Estimated& estimate : estimatesOf(recording))
-    if (estimate.task->story().improved == improved)
-      plot.series.push_back(pathSeries(estimate.name, *estimate.path, Series::Style::kLine));
+    if (isPlotted(estimate, improved))
+      plot.series.push_back(
+          pathSeries(estimate.name, *estimate.path, estimate.task->outputs().lost(), Series::Style::kLine));
   if (!recording.story->reference.empty())
-    plot.series.push_back(pathSeries("reference", recording.story->reference, Series::Style::kDashed));
-  plot.series.push_back(pathSeries("markers", recording.story->marker_poses, Series::Style::kPoints));
+    plot.series.push_back(pathSeries("reference", recording.story->reference, {}, Series::Style::kDashed));
+  plot.series.push_back(pathSeries("markers", recording.story->marker_poses, {}, Series::Style::kPoints));
   return plot;
 }
 
@@ -111,12 +125,12 @@ bool anyImproved(const LocalizedRecording& recording, bool improved) {
 }  // namespace
 
 Table taskTable(const LocalizedRecording& recording) {
-  Table table{.header = {"task", "position to M [m]", "angle to M [deg]"}};
+  Table table{.header = {"task", "to M [m]", "to M [deg]"}};
   const bool judged = !recording.story->reference.empty();
-  if (judged) table.header.insert(table.header.end(), {"position to S [m]", "angle to S [deg]"});
+  if (judged) table.header.insert(table.header.end(), {"to S [m]", "to S [deg]"});
   table.header.push_back("m_A");
-  if (judged) table.header.insert(table.header.end(), {"inside 3 sigma [%]", "NEES"});
-  table.header.insert(table.header.end(), {"sightings while lost", "lost at the end"});
+  if (judged) table.header.insert(table.header.end(), {"in 3 sigma [%]", "NEES"});
+  table.header.insert(table.header.end(), {"lost then", "at the end"});
   for (const Estimated& estimate : estimatesOf(recording)) {
     const TaskMeasures& measures = *estimate.measures;
     std::vector<std::string> row{estimate.name, withSigma(measures.against_markers, false),
@@ -152,7 +166,9 @@ void writeTasksReport(const std::filesystem::path& file, const LocalizedRecordin
       taskTable(recording),
       "Mean ± sigma over the sightings. M: pose from the single markers' mean, as in the paper. S: " +
           (story.reference_name.empty() ? std::string("none") : story.reference_name) +
-          ". m_A: lag-one autocorrelation of the path's increments between images.");
+          ". m_A: lag-one autocorrelation of the path's increments between images. Lost then: sightings at "
+          "which the "
+          "task said that it was lost; they do not count.");
   for (const bool improved : {false, true}) {
     if (!anyImproved(recording, improved)) continue;
     report.plot(pathPlot(recording, improved));

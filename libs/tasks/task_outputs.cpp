@@ -64,7 +64,7 @@ void TaskOutputs::estimate(const Estimate& e) {
   const KinematicState<double>& m = e.state.motion;
   poses_.push_back({e.time, {m.R_odom_robot, m.position_odom}});
   lost_.push_back(e.lost);
-  if (marks_.empty() || e.t_s - marks_.back().t_s >= kMarkEvery_s)
+  if (!e.lost && (marks_.empty() || e.t_s - marks_.back().t_s >= kMarkEvery_s))
     marks_.push_back({e.t_s, {poses_.back().T_odom_robot, e.pose_covariance}});
   writeTumLine(trajectory_.out, poses_.back());
   results_.add(stream_, {e.time, label_, PoseSample{posePdf(e)}});

@@ -73,7 +73,7 @@ class TaskOutputs {
   const std::vector<Event>& events() const { return events_; }
   const std::map<Channel, NisWindows>& nis() const { return nis_; }
   std::optional<Estimate> last() const { return last_; }
-  /// One pose with its covariance every kMarkEvery_s, to draw.
+  /// One pose with its covariance every kMarkEvery_s where the estimate is not lost, to draw.
   struct Mark {
     double t_s = 0.0;
     UncertainPose T_odom_robot;
