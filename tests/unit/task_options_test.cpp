@@ -128,7 +128,7 @@ TEST(TaskOptions, BasesThatCannotBeReadAreNamed) {
     }
     return "none";
   };
-  EXPECT_NE(complaint("a.yaml").find("base: these files name each other in a circle"), std::string::npos);
+  EXPECT_NE(complaint("a.yaml").find("name each other in a circle"), std::string::npos);
   EXPECT_NE(complaint("self.yaml").find("in a circle"), std::string::npos);
   EXPECT_NE(complaint("lonely.yaml").find("absent.yaml"), std::string::npos);
 }
