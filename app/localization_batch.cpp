@@ -28,13 +28,14 @@ void addCompanions(Fingerprint& print, const RecordingJob& job) {
   if (const auto map = panelMapFile(job.chain.map, job.chain.rawlog, recording.header()))
     for (const fs::path& panel : panelMapFiles(*map)) print.add(readTextFile(panel));
   std::error_code none;  // a recording without images has no folder of them
-  std::vector<fs::directory_entry> images;
-  for (const auto& entry : fs::directory_iterator(recording.imageFolder(), none)) images.push_back(entry);
+  std::vector<fs::path> images;
+  for (const auto& entry : fs::directory_iterator(recording.imageFolder(), none))
+    images.push_back(entry.path());
   std::sort(images.begin(), images.end());
-  for (const fs::directory_entry& image : images)
-    print.add(image.path().filename().string())
-        .add(static_cast<double>(image.is_regular_file() ? image.file_size() : 0))
-        .add(static_cast<double>(image.last_write_time().time_since_epoch().count()));
+  for (const fs::path& image : images)
+    print.add(image.filename().string())
+        .add(static_cast<double>(fs::file_size(image, none)))
+        .add(static_cast<double>(fs::last_write_time(image, none).time_since_epoch().count()));
 }
 
 /// Tells whether a result is of the same inputs: files by what they hold, images by name, size and time.

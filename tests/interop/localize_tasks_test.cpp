@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "support/run_program.h"
 #include "support/shipped.h"
@@ -188,6 +190,23 @@ TEST_F(LocalizeTasks, ABatchSurvivesABrokenRecording) {
   const auto third = localize(command, folder / "out");
   EXPECT_EQ(countOf(third.out, "blind.rawlog: done\n"), 1U) << third.out;
   EXPECT_EQ(countOf(third.out, "dive.rawlog: done before\n"), 1U) << third.out;
+}
+
+// One recording given twice has two folders; other images of the same names are another input.
+TEST_F(LocalizeTasks, ABatchSeesThatImagesHaveChanged) {
+  const fs::path out = test::scratchFolder() / "out";
+  const std::string command = recording() + " " + recording() + " --tasks TL1 --paper-only --start reference";
+  const auto doneBefore = [&] {
+    const auto done = localize(command, out);
+    EXPECT_EQ(done.status, 0) << done.err;
+    return countOf(done.out, ": done before\n");
+  };
+  EXPECT_EQ(doneBefore(), 0U);
+  EXPECT_TRUE(fs::exists(out / "dive_2/result.json"));
+  EXPECT_EQ(doneBefore(), 2U);
+  const fs::path image = folder_ / "rec/dive_Images/CAMERA_0007.jpg";
+  fs::last_write_time(image, fs::last_write_time(image) + std::chrono::seconds(1));
+  EXPECT_EQ(doneBefore(), 0U);
 }
 
 TEST_F(LocalizeTasks, BadInputIsOneLine) {
