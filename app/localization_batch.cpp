@@ -1,5 +1,6 @@
 #include "localization_batch.h"
 
+#include <algorithm>
 #include <iostream>
 
 #include "core/error.h"
@@ -8,13 +9,38 @@
 #include "core/progress.h"
 #include "evaluation/statistics.h"
 #include "localization_report.h"
+#include "panel/panel_maps.h"
+#include "recording/rawlog.h"
 #include "report/html_report.h"
+<<<<<<< HEAD
 #include "results_scene.h"
+=======
+#include "tasks/companions.h"
+>>>>>>> 5a8a483
 #include "tasks_report.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
 namespace {
+
+/// What the recording names, or has beside it, is an input too.
+void addCompanions(Fingerprint& print, const RecordingJob& job) {
+  const RawlogReader recording(job.chain.rawlog);
+  if (const auto vehicle = vehicleFile(job.chain.vehicle, job.chain.rawlog, recording.header()))
+    print.add(readTextFile(*vehicle));
+  if (!needsLandmarks(job)) return;
+  if (const auto map = panelMapFile(job.chain.map, job.chain.rawlog, recording.header()))
+    for (const fs::path& panel : panelMapFiles(*map)) print.add(readTextFile(panel));
+  std::error_code none;  // a recording without images has no folder of them
+  std::vector<fs::path> images;
+  for (const auto& entry : fs::directory_iterator(recording.imageFolder(), none))
+    images.push_back(entry.path());
+  std::sort(images.begin(), images.end());
+  for (const fs::path& image : images)
+    print.add(image.filename().string())
+        .add(static_cast<double>(fs::file_size(image, none)))
+        .add(static_cast<double>(fs::last_write_time(image, none).time_since_epoch().count()));
+}
 
 /// Tells whether a result is of the same inputs: files by what they hold, images by name, size and time.
 std::string fingerprintOf(const RecordingJob& job) {
@@ -24,8 +50,8 @@ std::string fingerprintOf(const RecordingJob& job) {
       .add(job.chain.backend)
       .add(job.chain.panel_unknown ? 1.0 : 0.0);
   print.add(readTextFile(job.chain.rawlog));
-  for (const std::string& file : {job.chain.vehicle, job.chain.map, job.chain.calibration, job.chain.sources,
-                                  job.reference, job.faults})
+  addCompanions(print, job);
+  for (const std::string& file : {job.chain.calibration, job.chain.sources, job.reference, job.faults})
     print.add(file.empty() ? "" : readTextFile(file));
   for (const TaskSpec& task : job.tasks) print.add(task.id()).add(formatLocalizationOptions(task.options));
   return print.hex();

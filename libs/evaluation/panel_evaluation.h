@@ -26,7 +26,6 @@ PanelPoseError panelPoseError(const Pose& estimate, const Pose& truth);
 /// than to the truth where those two are more than 10 degrees apart. (Nearer ones are not told from noise.)
 bool isFlipped(const Pose& estimate, const Pose& truth);
 
-
 /// What came of one view.
 struct PanelViewResult {
   CameraView view;

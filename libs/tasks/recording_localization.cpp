@@ -56,12 +56,6 @@ class Witness {
   bool collect_truth_;
 };
 
-/// Several tasks are compared at the sightings, whether they fuse them or not.
-bool needsLandmarks(const RecordingJob& job) {
-  return job.tasks.size() > 1 || std::any_of(job.tasks.begin(), job.tasks.end(),
-                                             [](const TaskSpec& task) { return task.fusesLandmarks(); });
-}
-
 std::vector<std::unique_ptr<TaskRun>> makeTasks(const RecordingJob& job, const LocalizationSetup& setup,
                                                 const RecordingStory& story, ResultsLog& results) {
   std::vector<std::unique_ptr<TaskRun>> tasks;
@@ -73,6 +67,11 @@ std::vector<std::unique_ptr<TaskRun>> makeTasks(const RecordingJob& job, const L
 }
 
 }  // namespace
+
+bool needsLandmarks(const RecordingJob& job) {
+  return job.tasks.size() > 1 || std::any_of(job.tasks.begin(), job.tasks.end(),
+                                             [](const TaskSpec& task) { return task.fusesLandmarks(); });
+}
 
 LocalizedRecording localizeRecording(const RecordingJob& job) {
   LocalizedRecording done;

@@ -20,6 +20,9 @@ struct RecordingJob {
   std::string command_line;
 };
 
+/// Whether its images are looked at: a task fuses landmarks, or several are compared at the sightings.
+bool needsLandmarks(const RecordingJob& job);
+
 /// A recording with all its tasks done and all files written but for the reports.
 struct LocalizedRecording {
   std::unique_ptr<RecordingStory> story;  ///< where it is, the tasks look at it
