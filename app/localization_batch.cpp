@@ -12,11 +12,8 @@
 #include "panel/panel_maps.h"
 #include "recording/rawlog.h"
 #include "report/html_report.h"
-<<<<<<< HEAD
 #include "results_scene.h"
-=======
 #include "tasks/companions.h"
->>>>>>> 5a8a483
 #include "tasks_report.h"
 
 namespace fathom {
@@ -36,13 +33,10 @@ void addCompanions(Fingerprint& print, const RecordingJob& job) {
   for (const auto& entry : fs::directory_iterator(recording.imageFolder(), none))
     images.push_back(entry.path());
   std::sort(images.begin(), images.end());
-  for (const fs::path& image : images)
-    print.add(image.filename().string())
-        .add(static_cast<double>(fs::file_size(image, none)))
-        .add(static_cast<double>(fs::last_write_time(image, none).time_since_epoch().count()));
+  for (const fs::path& image : images) print.add(image.filename().string()).add(readTextFile(image));
 }
 
-/// Tells whether a result is of the same inputs: files by what they hold, images by name, size and time.
+/// Tells whether a result is of the same inputs, by what the files hold.
 std::string fingerprintOf(const RecordingJob& job) {
   Fingerprint print;
   print.add(std::string(FATHOM_VERSION))
