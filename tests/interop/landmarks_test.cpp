@@ -10,22 +10,23 @@
 #include "support/detections.h"
 #include "support/recordings.h"
 #include "support/run_program.h"
+#include "support/shipped.h"
 
 namespace fathom {
 namespace {
 namespace fs = std::filesystem;
 
-const fs::path kSource = FATHOM_SOURCE_DIR;
+using test::kSource;
 
 /// Two and a half metres before both panels of maps/two_panels, moving a little.
-constexpr const char* kStation =
+constexpr const char* kBeforeTwoPanels =
     "kind: station\npose: {x: 3.0, y: 1.2, z: -4.25, yaw_deg: 3}\nduration_s: 20\nsway:\n"
     "  - {axis: y, amplitude_m: 0.1, period_s: 7}\n  - {axis: roll, amplitude_deg: 4, period_s: 5}\n"
     "  - {axis: pitch, amplitude_deg: 2, period_s: 6}\n  - {axis: yaw, amplitude_deg: 3, period_s: 8}\n";
 
 /// Eight images (or pairs) in moderate water.
 RecordingFiles simulate(const fs::path& folder, bool stereo, const ImageFormat& format) {
-  writeTextFile(folder / "station.yaml", kStation);
+  writeTextFile(folder / "station.yaml", kBeforeTwoPanels);
   SimulationOptions options;
   options.vehicle = readVehicle(kSource / "config/rov.yaml");
   options.begin_s = 6;

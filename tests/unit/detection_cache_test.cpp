@@ -16,7 +16,7 @@ namespace fathom {
 namespace {
 namespace fs = std::filesystem;
 
-const CameraModel kCamera{
+const CameraModel kKeptCamera{
     .width_px = 320, .height_px = 240, .fx_px = 277, .fy_px = 277, .cx_px = 160, .cy_px = 120};
 
 bool sameBits(double a, double b) {
@@ -63,10 +63,10 @@ class DetectionCache : public testing::Test {
   void draw(int number, double distance_m) {
     Random random(static_cast<std::uint64_t>(number + 1));
     const Pose T_camera_panel = test::lookingAtPanel(distance_m, 0.3, 0.5);
-    const cv::Mat image = test::drawMarkers(map.markers, kCamera, T_camera_panel, look, random);
+    const cv::Mat image = test::drawMarkers(map.markers, kKeptCamera, T_camera_panel, look, random);
     const fs::path file = folder / ("CAMERA_" + std::to_string(number) + ".png");
     cv::imwrite(file.string(), image);
-    if (number >= static_cast<int>(images.size())) images.push_back({file, kCamera});
+    if (number >= static_cast<int>(images.size())) images.push_back({file, kKeptCamera});
   }
   Detections found() const { return detectImages(images, settings, keep_in); }
 
@@ -92,7 +92,7 @@ TEST_F(DetectionCache, SearchesOnceAndKeepsEveryBit) {
 
 TEST_F(DetectionCache, IsWhatADetectorFinds) {
   DetectorOptions options;
-  options.camera = kCamera;
+  options.camera = kKeptCamera;
   const auto detector = makeDetector(Backend::aruco, settings.families, options);
   const Detections all = found();
   for (const CameraImage& image : images) {

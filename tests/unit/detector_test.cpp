@@ -16,7 +16,7 @@ using test::lookingAtPanel;
 using test::markerAt;
 using test::trueCorners;
 
-const CameraModel kCamera;
+const CameraModel kDrawnCamera;
 
 /// Four markers of a family, the first, the last and two between, upright, on their sides and aslant; a cell
 /// is 8 px wide or a little less, whatever the family.
@@ -41,7 +41,7 @@ TEST_P(EveryFamily, IsReadByEveryBackendThatCan) {
   Random random(1);
   Look look;
   look.supersampling = 8;
-  const cv::Mat image = drawMarkers(markers, kCamera, T_camera_panel, look, random);
+  const cv::Mat image = drawMarkers(markers, kDrawnCamera, T_camera_panel, look, random);
   for (const Backend backend : {Backend::aruco, Backend::apriltag}) {
     if (!canRead(backend, family)) continue;
     const auto detections = makeDetector(backend, {family})->detect(image);
@@ -50,7 +50,7 @@ TEST_P(EveryFamily, IsReadByEveryBackendThatCan) {
       EXPECT_EQ(detections[i].id, markers[i].id);
       EXPECT_EQ(detections[i].family, family);
       EXPECT_TRUE(detections[i].refined);
-      const auto truth = trueCorners(markers[i], kCamera, T_camera_panel);
+      const auto truth = trueCorners(markers[i], kDrawnCamera, T_camera_panel);
       for (std::size_t k = 0; k < 4; ++k)
         EXPECT_LT((detections[i].corners_px[k] - truth[k]).norm(), 0.05)
             << nameOf(backend) << " id " << detections[i].id << " corner " << k;
@@ -75,7 +75,7 @@ TEST(Detector, OwnCornersOfTheLibrariesFollowOurConventions) {
   const auto markers = fourMarkers("tag36h11");
   const Pose T_camera_panel = lookingAtPanel(1.0, 0, 0, radians(10));
   Random random(1);
-  const cv::Mat image = drawMarkers(markers, kCamera, T_camera_panel, {}, random);
+  const cv::Mat image = drawMarkers(markers, kDrawnCamera, T_camera_panel, {}, random);
   DetectorOptions options;
   options.refine = false;
   for (const auto& [backend, tolerance_px] : {std::pair(Backend::apriltag, 0.2), {Backend::aruco, 0.3}}) {
@@ -84,7 +84,7 @@ TEST(Detector, OwnCornersOfTheLibrariesFollowOurConventions) {
     Vector2d mean = Vector2d::Zero();
     for (std::size_t i = 0; i < 4; ++i) {
       EXPECT_FALSE(detections[i].refined);
-      const auto truth = trueCorners(markers[i], kCamera, T_camera_panel);
+      const auto truth = trueCorners(markers[i], kDrawnCamera, T_camera_panel);
       for (std::size_t k = 0; k < 4; ++k) mean += (detections[i].corners_px[k] - truth[k]) / 16.0;
     }
     EXPECT_LT(mean.norm(), tolerance_px) << nameOf(backend);
@@ -95,7 +95,7 @@ TEST(Detector, TwoFamiliesInOneImageAreToldApart) {
   const std::vector<Marker> markers{markerAt("DICT_ARUCO_ORIGINAL", 17, 0.12, -0.12, 0),
                                     markerAt("tag36h11", 17, 0.12, 0.12, 0)};
   Random random(2);
-  const cv::Mat image = drawMarkers(markers, kCamera, lookingAtPanel(1.0, 0.2), {}, random);
+  const cv::Mat image = drawMarkers(markers, kDrawnCamera, lookingAtPanel(1.0, 0.2), {}, random);
   for (const Backend backend : {Backend::aruco, Backend::apriltag}) {
     const auto detections = makeDetector(backend, {"tag36h11", "DICT_ARUCO_ORIGINAL"})->detect(image);
     ASSERT_EQ(detections.size(), 2U) << nameOf(backend);
@@ -126,7 +126,7 @@ TEST(Detector, SameImageSameDetections) {
   Random random(4);
   Look look;
   look.noise_sigma = 4;
-  const cv::Mat image = drawMarkers(markers, kCamera, lookingAtPanel(1.3, 0.4, 1), look, random);
+  const cv::Mat image = drawMarkers(markers, kDrawnCamera, lookingAtPanel(1.3, 0.4, 1), look, random);
   for (const Backend backend : {Backend::aruco, Backend::apriltag}) {
     const auto first = makeDetector(backend, {"DICT_5X5_100"})->detect(image);
     const auto detector = makeDetector(backend, {"DICT_5X5_100"});
@@ -143,7 +143,7 @@ TEST(Detector, SameImageSameDetections) {
 
 TEST(Detector, ColourIsReadAsGray) {
   Random random(5);
-  const cv::Mat gray = drawMarkers(fourMarkers("tag25h9"), kCamera, lookingAtPanel(1.0, 0), {}, random);
+  const cv::Mat gray = drawMarkers(fourMarkers("tag25h9"), kDrawnCamera, lookingAtPanel(1.0, 0), {}, random);
   cv::Mat colour;
   cv::cvtColor(gray, colour, cv::COLOR_GRAY2BGR);
   const auto detector = makeDetector(Backend::apriltag, {"tag25h9"});
@@ -162,7 +162,7 @@ TEST(Detector, PreprocessingFindsMarkersBehindAVeil) {
   veiled.noise_sigma = 0.3;
   Random random(6);
   const cv::Mat image =
-      drawMarkers(fourMarkers("DICT_ARUCO_ORIGINAL"), kCamera, lookingAtPanel(1.0, 0.2), veiled, random);
+      drawMarkers(fourMarkers("DICT_ARUCO_ORIGINAL"), kDrawnCamera, lookingAtPanel(1.0, 0.2), veiled, random);
   DetectorOptions options;
   const auto count = [&] {
     return makeDetector(Backend::aruco, {"DICT_ARUCO_ORIGINAL"}, options)->detect(image).size();

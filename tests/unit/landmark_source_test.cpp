@@ -39,7 +39,7 @@ mrpt::img::TCamera intrinsics() {
   return camera;
 }
 
-const Pose kT_robot_camera{rotationFromYawPitchRoll(radians(-90), 0, radians(-92)), {0.35, 0.02, 0.05}};
+const Pose kMountedCamera{rotationFromYawPitchRoll(radians(-90), 0, radians(-92)), {0.35, 0.02, 0.05}};
 const Pose kT_left_right{Matrix3d::Identity(), {0.12, 0, 0}};
 const Pose kT_camera_panel = test::lookingAtPanel(2.5, 0.4, 1.0);
 
@@ -54,11 +54,11 @@ class LandmarkSourceTest : public testing::Test {
     found->by_file["images/empty.png"] = {};
   }
   static Sample image(double t_s, const std::string& file) {
-    return {after(kStart, t_s), labels::kCamera, ImageSample{kT_robot_camera, intrinsics(), file}};
+    return {after(kStart, t_s), labels::kCamera, ImageSample{kMountedCamera, intrinsics(), file}};
   }
   static Sample pair(double t_s, const std::string& left, const std::string& right) {
     return {after(kStart, t_s), labels::kStereo,
-            StereoSample{kT_robot_camera, kT_left_right, intrinsics(), intrinsics(), left, right}};
+            StereoSample{kMountedCamera, kT_left_right, intrinsics(), intrinsics(), left, right}};
   }
   LandmarkSource sourceOf(std::vector<Sample> samples) {
     return {std::make_unique<ListedSource>(std::move(samples)), found, panels};
@@ -100,7 +100,7 @@ TEST_F(LandmarkSourceTest, RobotAndPanelAgreeWithTruth) {
   const auto samples = all(source);
   const auto& seen = std::get<PanelSample>(samples.at(2).reading).panels.at(0);
   EXPECT_LT(test::poseError(seen.T_camera_panel.pose, kT_camera_panel).head<3>().norm(), 0.01);
-  const Pose T_odom_robot = panels[0].T_odom_panel * kT_camera_panel.inverse() * kT_robot_camera.inverse();
+  const Pose T_odom_robot = panels[0].T_odom_panel * kT_camera_panel.inverse() * kMountedCamera.inverse();
   const Pose told = Pose::fromMrpt(std::get<PoseSample>(samples.at(1).reading).T_odom_robot.mean);
   EXPECT_LT((told.position - T_odom_robot.position).norm(), 0.15);  // single markers, tilted
 }

@@ -10,7 +10,7 @@
 namespace fathom {
 namespace {
 
-LocalizationOptions readText(const std::string& text) {
+LocalizationOptions readOptionsText(const std::string& text) {
   const auto folder = test::scratchFolder();
   std::filesystem::remove(folder / "task.yaml");
   test::writeNew(folder / "task.yaml", text);
@@ -18,10 +18,10 @@ LocalizationOptions readText(const std::string& text) {
 }
 
 TEST(LocalizationOptions, LandmarksAndLost) {
-  const LocalizationOptions defaults = readText("task: TL4\n");
+  const LocalizationOptions defaults = readOptionsText("task: TL4\n");
   EXPECT_EQ(defaults.landmarks.form, LandmarkOptions::Form::joint);
   EXPECT_NEAR(defaults.landmarks.position_sigma_m * defaults.landmarks.position_sigma_m, 1e-3, 2e-6);
-  const LocalizationOptions options = readText(
+  const LocalizationOptions options = readOptionsText(
       "landmarks: {pose: mean, position_sigma_m: 0.2, angle_sigma_deg: 4}\n"
       "lost: {position_sigma_m: 2, angle_sigma_deg: 30, contradiction_s: 5, blind_s: 20}\n");
   EXPECT_EQ(options.landmarks.form, LandmarkOptions::Form::mean);
@@ -36,7 +36,7 @@ TEST(LocalizationOptions, LandmarksAndLost) {
 TEST(LocalizationOptions, WrongValuesAreNamed) {
   for (const char* text : {"landmarks: {pose: median}", "landmarks: {position_sigma_m: 0}",
                            "lost: {blind_s: -1}", "landmarks: {sigma: 1}", "lost: 3"})
-    EXPECT_THROW(readText(text), Error) << text;
+    EXPECT_THROW(readOptionsText(text), Error) << text;
 }
 
 }  // namespace

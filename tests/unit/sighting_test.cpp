@@ -14,35 +14,35 @@ using test::detectionsOf;
 using test::gridPanel;
 using test::poseError;
 
-const CameraModel kCamera{
+const CameraModel kSightedBy{
     .width_px = 640, .height_px = 480, .fx_px = 555, .fy_px = 553, .cx_px = 321, .cy_px = 245, .k1 = -0.04};
 const Pose kT_robot_camera{rotationFromYawPitchRoll(radians(-90), 0, radians(-92)), {0.35, 0.02, 0.05}};
 
 /// Two panels side by side, as a camera between them sees them.
-struct Scene {
+struct SightedScene {
   std::vector<PanelMap> panels{gridPanel(3, 2), gridPanel(2, 2, 100)};
   Pose T_odom_camera = Pose{rotationFromYawPitchRoll(0.2, 0.1, -1.6), {1, 2, -3}};
   std::vector<Pose> T_camera_panel{{test::lookingAtPanel(2.2, 0.35, 1.0)},
                                    {test::lookingAtPanel(2.6, 0.4, 2)}};
   Random random{3};
 
-  Scene() {
+  SightedScene() {
     T_camera_panel[0].position.x() = -0.6;
     T_camera_panel[1].position.x() = 0.7;
     for (std::size_t i = 0; i < 2; ++i) panels[i].T_odom_panel = T_odom_camera * T_camera_panel[i];
   }
   Pose T_odom_robot() const { return T_odom_camera * kT_robot_camera.inverse(); }
   CameraDetections seen(double sigma_px) {
-    CameraDetections seen{{}, kCamera, {}};
+    CameraDetections seen{{}, kSightedBy, {}};
     for (std::size_t i = 0; i < 2; ++i)
-      for (auto& d : detectionsOf(panels[i], kCamera, T_camera_panel[i], sigma_px, random))
+      for (auto& d : detectionsOf(panels[i], kSightedBy, T_camera_panel[i], sigma_px, random))
         seen.detections.push_back(d);
     return seen;
   }
 };
 
 TEST(Sighting, TellsOfEveryPanel) {
-  Scene scene;
+  SightedScene scene;
   const Sighting sighting = sightingOf({scene.seen(0.1)}, kT_robot_camera, scene.panels);
   ASSERT_EQ(sighting.panels.panels.size(), 2U);
   EXPECT_TRUE(sighting.unused.empty());
@@ -59,7 +59,7 @@ TEST(Sighting, TellsOfEveryPanel) {
 }
 
 TEST(Sighting, MeanOfMarkersIsTheRobotsPose) {
-  Scene scene;
+  SightedScene scene;
   const auto exact = sightingOf({scene.seen(1e-6)}, kT_robot_camera, scene.panels).robot;
   ASSERT_TRUE(exact);
   const Vector6d error = poseError(Pose::fromMrpt(exact->T_odom_robot.mean), scene.T_odom_robot());
@@ -68,7 +68,7 @@ TEST(Sighting, MeanOfMarkersIsTheRobotsPose) {
 }
 
 TEST(Sighting, OfOnePanelTheMeanIsThePapers) {
-  Scene scene;
+  SightedScene scene;
   CameraDetections seen = scene.seen(0.3);
   const std::vector<PanelMap> one{scene.panels[0]};
   const auto robot = sightingOf({seen}, kT_robot_camera, one).robot;
@@ -77,7 +77,7 @@ TEST(Sighting, OfOnePanelTheMeanIsThePapers) {
   Pose mean;
   for (int i = 0; i < 6; ++i) {
     const auto& d = seen.detections[static_cast<std::size_t>(i)];
-    const Pose pose = poseOfMarker(d, 0.18, kCamera).front().T_camera_marker *
+    const Pose pose = poseOfMarker(d, 0.18, kSightedBy).front().T_camera_marker *
                       one[0].markers[static_cast<std::size_t>(i)].T_panel_marker.inverse();
     if (i == 0) mean = pose;
     mean.position += (pose.position - mean.position) / (i + 1);
@@ -88,7 +88,7 @@ TEST(Sighting, OfOnePanelTheMeanIsThePapers) {
 }
 
 TEST(Sighting, MarkersAreWhereMrptPutsThem) {
-  Scene scene;
+  SightedScene scene;
   const Sighting sighting = sightingOf({scene.seen(0.05)}, kT_robot_camera, scene.panels);
   const auto& markers = sighting.markers;
   for (std::size_t i = 0, k = 0; i < 2; ++i)
@@ -110,7 +110,7 @@ TEST(Sighting, MarkersAreWhereMrptPutsThem) {
 
 // The covariance against samples drawn from the panel's.
 TEST(Sighting, MarkersCovarianceIsThePanelPoses) {
-  Scene scene;
+  SightedScene scene;
   const Sighting sighting = sightingOf({scene.seen(0.5)}, kT_robot_camera, scene.panels);
   const auto& [pose, covariance] = sighting.panels.panels[0].T_camera_panel;
   const Matrix6d root = covariance.llt().matrixL();
@@ -140,8 +140,8 @@ TEST(Sighting, WhatCouldBeItsMirrorImageIsNotUsed) {
   int unused = 0;
   for (int i = 0; i < 50; ++i) {
     const Pose truth = test::lookingAtPanel(4.0, 0.15, random.uniform(0, 6.28));
-    const Sighting sighting =
-        sightingOf({{detectionsOf(one[0], kCamera, truth, 0.3, random), kCamera, {}}}, kT_robot_camera, one);
+    const Sighting sighting = sightingOf(
+        {{detectionsOf(one[0], kSightedBy, truth, 0.3, random), kSightedBy, {}}}, kT_robot_camera, one);
     EXPECT_TRUE(sighting.robot) << "the paper's mean takes what it gets";
     EXPECT_EQ(sighting.panels.panels.size() + sighting.unused.size(), 1U);
     EXPECT_EQ(sighting.markers.markers.size(), sighting.panels.panels.size());
@@ -154,8 +154,8 @@ TEST(Sighting, WhatCouldBeItsMirrorImageIsNotUsed) {
 }
 
 TEST(Sighting, OfNothingIsEmpty) {
-  Scene scene;
-  for (const auto& cameras : {std::vector<CameraDetections>{}, {{{}, kCamera, {}}}}) {
+  SightedScene scene;
+  for (const auto& cameras : {std::vector<CameraDetections>{}, {{{}, kSightedBy, {}}}}) {
     const Sighting sighting = sightingOf(cameras, kT_robot_camera, scene.panels);
     EXPECT_FALSE(sighting.robot);
     EXPECT_TRUE(sighting.panels.panels.empty());

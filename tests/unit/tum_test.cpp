@@ -13,7 +13,7 @@
 namespace fathom::test {
 namespace {
 
-std::vector<StampedPose> readText(const std::string& text) {
+std::vector<StampedPose> readTumText(const std::string& text) {
   const auto file = scratchFolder() / "trajectory.tum";
   writeTextFile(file, text);
   return readTum(file);
@@ -21,7 +21,7 @@ std::vector<StampedPose> readText(const std::string& text) {
 
 std::string errorOf(const std::string& text) {
   try {
-    readText(text);
+    readTumText(text);
   } catch (const Error& error) {
     return error.where + ": " + error.why;
   }
@@ -29,7 +29,7 @@ std::string errorOf(const std::string& text) {
 }
 
 TEST(Tum, ReadsWhatItsFormatAllows) {
-  const auto poses = readText(
+  const auto poses = readTumText(
       "# timestamp tx ty tz qx qy qz qw\n"
       "\n"
       "1700000000.0000001 1 -2 3.5 0 0 0 1\n"
@@ -64,7 +64,7 @@ TEST(Tum, NamesLineAndReason) {
 }
 
 TEST(Tum, NormalizesWithinTolerance) {
-  const auto poses = readText("1 0 0 0 0 0 0 1.0009\n");
+  const auto poses = readTumText("1 0 0 0 0 0 0 1.0009\n");
   EXPECT_NEAR(poses[0].T_odom_robot.rotation.determinant(), 1.0, 1e-15);
 }
 
