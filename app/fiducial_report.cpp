@@ -116,7 +116,8 @@ void addFactor(HtmlReport& report, const FiducialStory& story, const Factor& fac
     const std::string after =
         story.grid.preprocessings.size() > 1 ? ", preprocessing " + std::string(nameOf(preprocess)) : "";
     const auto add = [&](const std::string& title, const std::string& y_label, GroupValue value) {
-      Plot plot{.title = title + " against " + factor.name + after, .y_label = y_label};
+      Plot plot{.title = print("%s against %s%s", title.c_str(), factor.name.c_str(), after.c_str()),
+                .y_label = y_label};
       if (value == ratePercent) plot.y_range = {0.0, 102.0};
       plot.log_y = value == positionError_mm;
       report.plot(factorPlot(story, factor, groups, preprocess, plot, value));

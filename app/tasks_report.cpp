@@ -128,7 +128,7 @@ Table taskTable(const LocalizedRecording& recording) {
   Table table{.header = {"task", "to M [m]", "to M [deg]"}};
   const bool judged = !recording.story->reference.empty();
   if (judged) table.header.insert(table.header.end(), {"to S [m]", "to S [deg]"});
-  table.header.push_back("m_A");
+  table.header.emplace_back("m_A");
   if (judged) table.header.insert(table.header.end(), {"in 3 sigma [%]", "NEES"});
   table.header.insert(table.header.end(), {"lost then", "at the end"});
   for (const Estimated& estimate : estimatesOf(recording)) {
