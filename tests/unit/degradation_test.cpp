@@ -22,7 +22,7 @@ using test::LandmarkScene;
 
 DegradationStage stage(const std::string& text) {
   const YamlFile yaml = YamlFile::parse("stages: [{" + text + "}]", "stage.yaml");
-  const DegradationStage result = parseDegradationStage(yaml.root().maps("stages").front());
+  DegradationStage result = parseDegradationStage(yaml.root().maps("stages").front());
   yaml.rejectUnknownKeys();
   return result;
 }
