@@ -167,8 +167,15 @@ Table batchTable(const std::vector<BatchEntry>& entries) {
       const std::string measures =
           task.contains("smoother_measures") ? "/smoother_measures" : "/filter_measures";
       ++recordings;
-      note(numberAt(task, measures + "/against_reference/position_mean_m"), position);
-      note(numberAt(task, measures + "/against_reference/angle_mean_deg"), angle);
+      // Without sightings, of all estimates.
+      const bool sighted = task[measures.substr(1)].contains("against_reference");
+      const std::string all = task.contains("smoother_error") ? "/smoother_error" : "/filter_error";
+      note(numberAt(task, sighted ? measures + "/against_reference/position_mean_m"
+                                  : all + "/position_error_mean_m"),
+           position);
+      note(numberAt(task,
+                    sighted ? measures + "/against_reference/angle_mean_deg" : all + "/angle_error_mean_deg"),
+           angle);
       note(numberAt(task, measures + "/against_markers/position_mean_m"), to_markers);
       note(numberAt(task, measures + "/m_A"), smoothness);
       if (task.contains("lost_since_s") && task["lost_since_s"].is_number()) ++lost;
@@ -196,7 +203,9 @@ void writeBatchReport(const fs::path& folder, const std::vector<BatchEntry>& ent
   HtmlReport report("Localization of " + std::to_string(entries.size()) + " recordings");
   report.keyValues({{"recordings", std::to_string(entries.size())}, {"failed", std::to_string(failed)}});
   report.table(table,
-               "Of each recording's mean error over its sightings; of the smoother where a task has one.");
+               "Of each recording's mean error over its sightings, or over all estimates where nothing was "
+               "sighted; of the "
+               "smoother where a task has one.");
   report.heading("Each recording");
   report.table(each);
   report.footer(run);
