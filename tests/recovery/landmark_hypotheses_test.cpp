@@ -94,6 +94,26 @@ TEST(LandmarkHypotheses, WrongStartIsPutRight) {
   }
 }
 
+// Landmarks alone, and none for 80 s: where the vehicle looks is anyone's guess then. The first fix sets the
+// pose, and motion starts as that of a vehicle of which nothing is known; no later fix has to contradict it.
+TEST(LandmarkHypotheses, TheFirstFixAfterLongDarknessSetsThePose) {
+  for (const bool bias_states : {true, false}) {
+    LandmarkRun run;
+    run.options.bias_states = bias_states;
+    run.options.fuse.clear();
+    run.sees = [](std::size_t, double t) { return t < 30.0 || t > 110.0; };
+    const auto outcome = run.run(140.0);
+    ASSERT_NE(outcome.first("reacquired"), nullptr);
+    EXPECT_NEAR(outcome.first("reacquired")->t_s, 110.25, 0.01);
+    EXPECT_EQ(outcome.count("panel-moved") + outcome.count("fix-rejected"), 0u);
+    EXPECT_GT(outcome.worst(100.0, 110.0), 1.0);
+    EXPECT_LT(outcome.worst(110.3, 140.0), 0.3);  // between fixes, half a second of a velocity not yet known
+    // As before the dark: landmarks alone, with what the vehicle does between two of them.
+    EXPECT_LT(outcome.worst(115.0, 140.0), 1.5 * outcome.worst(5.0, 30.0));
+    EXPECT_LT(outcome.worst(5.0, 30.0), 0.3);
+  }
+}
+
 // Two minutes out of view with a compass error the filter knows nothing of: a gyro bias of 0.3 degrees a
 // second.
 TEST(LandmarkHypotheses, DriftWithoutLandmarksIsPutRight) {

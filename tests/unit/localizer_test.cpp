@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/random.h"
 #include "localization/evaluation.h"
 #include "simulation/navigation_simulator.h"
 #include "simulation/read_trajectory.h"
@@ -71,6 +72,47 @@ TEST_F(LocalizerTest, FollowsTheTruth) {
   // 40 s at 0.5 m/s: the start's 0.1 m and 0.5 degrees, and 1 cm/s of DVL noise averaged over 200 readings.
   EXPECT_LT(finalError(outcome), 0.3);
   EXPECT_EQ(outcome.summary.event_counts.size(), 1u) << "only the start";
+}
+
+// What no vehicle does and no sea allows is named and left out, however often it comes.
+TEST_F(LocalizerTest, ImpossibleValuesAreLeftOut) {
+  std::vector<Sample> samples = samples_;
+  std::size_t broken = 0;
+  for (std::size_t k = 0; k < samples.size(); k += 3) {
+    auto& reading = samples[k].reading;
+    if (auto* ins = std::get_if<InsSample>(&reading))
+      ins->angular_velocity_ins = Vector3d(1e20, 0, 0);
+    else if (auto* dvl = std::get_if<DvlSample>(&reading))
+      dvl->velocity_dvl = Vector3d(0, -60, 0);
+    else if (auto* beams = std::get_if<DvlBeamsSample>(&reading))
+      beams->beams.front().range_m = -1.0;
+    else if (auto* depth = std::get_if<DepthSample>(&reading))
+      depth->pressure_pa = 1e9;
+    else
+      continue;
+    ++broken;
+  }
+  const Outcome outcome = run(samples);
+  EXPECT_GT(broken, 1000u);
+  EXPECT_EQ(outcome.summary.event_counts.at("impossible"), broken);
+  EXPECT_LT(finalError(outcome), 0.3) << "as with all readings: two of three are left";
+}
+
+// Every other DVL reading says something else that is possible, and is rejected; they are as many as those
+// that are believed after being rejected again and again, but do not agree with each other.
+TEST_F(LocalizerTest, GarbageIsNotBelieved) {
+  std::vector<Sample> samples = samples_;
+  Random random(5);
+  bool next = true;
+  for (Sample& sample : samples)
+    if (auto* dvl = std::get_if<DvlSample>(&sample.reading)) {
+      const double t_s = secondsBetween(setup_.time_zero, sample.time);
+      const bool burst = t_s > 10.0 && t_s < 14.0;  // twenty in a row
+      if ((burst || std::exchange(next, !next)) && t_s > 5.0) dvl->velocity_dvl = 8.0 * random.normal3();
+    }
+  const Outcome outcome = run(samples);
+  EXPECT_GT(outcome.summary.channels.at(Channel::dvl).gated, 80u);
+  EXPECT_LT(finalError(outcome), 0.5);
 }
 
 // A DVL that arrives 0.5 s late is fused at its own time: the result is that of the ordered stream, to
