@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "report/html_report.h"
+#include "simulation/read_trajectory.h"
 #include "tasks/sample_chain.h"
 #include "tasks/start_pose.h"
 #include "tasks/stress_runs.h"
@@ -21,18 +22,6 @@ struct StressOptions {
               folder;
   bool paper_only = false;
 };
-
-/// The recording's TRUTH: without it nothing can be judged.
-std::vector<StampedPose> truthOf(SampleSource& source, const fs::path& rawlog) {
-  std::vector<StampedPose> truth;
-  while (const auto sample = source.next())
-    if (sample->label == labels::kTruth)
-      if (const auto* pose = std::get_if<PoseSample>(&sample->reading))
-        truth.push_back({sample->time, Pose::fromMrpt(pose->T_odom_robot.mean)});
-  if (truth.empty())
-    throw Error(rawlog.string(), "TRUTH", "there is none, so what a fault does cannot be judged");
-  return truth;
-}
 
 std::string strengthText(const StressRun& run) {
   return run.vary.empty() ? "-" : run.vary + " " + shortest(run.strength);
@@ -155,7 +144,7 @@ void stress(const StressOptions& options, const RunContext& context) {
   task.options.smooth = false;
   const SampleChain chain(options.chain, task.fusesLandmarks());
   for (const std::string& remark : chain.remarks()) std::cout << "note: " << remark << "\n";
-  const std::vector<StampedPose> truth = truthOf(*chain.open(), options.chain.rawlog);
+  const std::vector<StampedPose> truth = readRecordedPoses(options.chain.rawlog);
   LocalizationSetup setup = chain.setup();
   setup.options = task.options;
   setup.start = startPose(options.start, options.chain.rawlog, truth);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "localization/chi_square.h"
 #include "localization/evaluation.h"
 #include "localization/localizer.h"
 #include "recording/sample_source.h"
@@ -38,9 +39,8 @@ struct StressRun {
 };
 std::string nameOf(StressRun::Outcome outcome);
 
-/// A filter is outside its bounds where the pose's NEES exceeds this: once in 10 000 by chance (chi-square,
-/// six degrees of freedom).
-inline constexpr double kStressBound = 27.86;
+/// A filter is outside its bounds where the pose's NEES exceeds this: once in 10 000 by chance.
+inline const double kStressBound = chiSquareQuantile(6, 0.9999);
 inline constexpr double kChance_s = 1.0;  ///< or for so long: errors a moment apart are alike
 
 /// Runs the task without fault and with each fault at each strength, all cores at once. `open` makes a new

@@ -10,6 +10,7 @@
 #include "core/files.h"
 #include "panel/panel_map.h"
 #include "recording/rawlog.h"
+#include "recording/recorded_camera.h"
 #include "simulation/copy_panel_map.h"
 #include "simulation/image_simulator.h"
 #include "simulation/read_trajectory.h"
@@ -91,20 +92,6 @@ std::map<int, std::array<Vector2d, 4>> detected(const fs::path& file) {
   return result;
 }
 
-CameraModel modelOf(const mrpt::img::TCamera& camera) {
-  return {static_cast<int>(camera.ncols),
-          static_cast<int>(camera.nrows),
-          camera.fx(),
-          camera.fy(),
-          camera.cx(),
-          camera.cy(),
-          camera.k1(),
-          camera.k2(),
-          camera.p1(),
-          camera.p2(),
-          camera.k3()};
-}
-
 struct Contents {
   RecordingHeader header;
   std::map<Time, Pose> truth;
@@ -152,7 +139,7 @@ TEST(SimulatedImages, MarkersAreWhereTruthSaysTheyAre) {
       const auto corners_panel = marker.corners_panel();
       for (std::size_t k = 0; k < 4; ++k) {
         const Vector3d point = T_camera_panel * corners_panel[k];
-        const Vector2d error_px = modelOf(image.intrinsics).project(point) - found.at(marker.id)[k];
+        const Vector2d error_px = cameraModel(image.intrinsics).project(point) - found.at(marker.id)[k];
         sum += error_px;
         squares += error_px.squaredNorm();
         largest = std::max(largest, error_px.norm());
