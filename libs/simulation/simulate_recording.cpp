@@ -9,7 +9,7 @@
 #include "panel/panel_maps.h"
 #include "recording/rawlog.h"
 #include "recording/tum.h"
-#include "render/sea_floor.h"
+#include "render/scene.h"
 #include "simulation/copy_panel_map.h"
 #include "simulation/image_simulator.h"
 
@@ -20,26 +20,13 @@ namespace {
 constexpr std::uint64_t kSandStream = std::uint64_t{1} << 63;  // far from the sensors' and images' streams
 constexpr const char* kPanelFolder = "_panel";
 
-/// The panels on their sea floor.
-Surface sceneOf(const std::vector<PanelMap>& panels, const SimulationOptions& options) {
-  Surface scene;
-  Vector3d sum = Vector3d::Zero();
-  for (const PanelMap& panel : panels) {
-    scene.add(surfaceOf(panel), panel.T_odom_panel);
-    sum += panel.T_odom_panel.position;
-  }
-  const Vector3d middle = sum / static_cast<double>(panels.size());
-  SeaFloor floor;
-  floor.centre_odom = {middle.x(), middle.y(), options.sea_floor_z_m};
-  scene.add(seaFloor(floor, Random::stream(options.seed, kSandStream)));
-  return scene;
-}
-
 void makeImages(const SimulationOptions& options, const Trajectory& trajectory, const RecordingTarget& target,
                 const RecordingFiles& files) {
   std::error_code absent;
   fs::remove(files.rawlog, absent);  // it would tell of other images
-  const CameraWorld world{sceneOf(readPanelMaps(target.panel_map), options), *target.environment};
+  const CameraWorld world{sceneOf(readPanelMaps(target.panel_map), options.sea_floor_z_m,
+                                  Random::stream(options.seed, kSandStream)),
+                          *target.environment};
   simulateImages(options, trajectory, world, files.images);
 }
 
