@@ -3,13 +3,12 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include <mutex>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 
-#include "core/progress.h"
+#include "core/for_each.h"
 #include "core/text.h"
 #include "evaluation/chunk_store.h"
 #include "evaluation/family_swap.h"
@@ -221,9 +220,7 @@ std::vector<FiducialResult> compareFiducials(const FiducialGrid& grid, const Pan
   for (const auto& family : grid.families) withFamily(map, family);  // complains before the work begins
   const ChunkStore store(folder, inputsOf(grid, map, sheet));
 
-  Progress progress("reading " + std::to_string(grid.imageCount()) + " images");
-  std::mutex progress_mutex;
-  std::size_t done = 0;
+  SharedProgress progress("reading " + std::to_string(grid.imageCount()) + " images", chunks);
   std::vector<std::vector<FiducialResult>> by_chunk(chunks);
   for (std::size_t family = 0; family < grid.families.size(); ++family) {
     const FamilyStudio studio(grid, map, sheet, family);
@@ -237,15 +234,8 @@ std::vector<FiducialResult> compareFiducials(const FiducialGrid& grid, const Pan
         by_chunk[chunk] = studio.read(view);
         store.write(chunk, format(by_chunk[chunk]));
       }
-      const std::scoped_lock lock(progress_mutex);
-      progress.update(static_cast<double>(++done) / static_cast<double>(chunks));
     };
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, views, 1),
-        [&](const auto& range) {
-          for (std::size_t view = range.begin(); view != range.end(); ++view) make(view);
-        },
-        tbb::simple_partitioner());
+    forEachIndex(views, progress, make);
   }
   std::vector<FiducialResult> results;
   for (const auto& chunk : by_chunk) results.insert(results.end(), chunk.begin(), chunk.end());

@@ -1,13 +1,10 @@
 #include "evaluation/panel_evaluation.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Cholesky>
 #include <functional>
-#include <mutex>
 #include <stdexcept>
 
-#include "core/progress.h"
+#include "core/for_each.h"
 #include "fiducials/single_marker_pose.h"
 
 namespace fathom {
@@ -131,17 +128,7 @@ std::vector<PanelViewResult> evaluatePanel(const PanelMap& map, const Vehicle& v
     judge(detections, map, camera, T_panel_camera.inverse(), result);
   };
 
-  Progress progress(name);
-  std::mutex progress_mutex;
-  std::size_t done = 0;
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, options.views, 1),
-      [&](const auto& range) {
-        for (std::size_t number = range.begin(); number != range.end(); ++number) evaluate(number);
-        const std::scoped_lock lock(progress_mutex);
-        progress.update(static_cast<double>(done += range.size()) / static_cast<double>(options.views));
-      },
-      tbb::simple_partitioner());
+  forEachIndex(options.views, name, evaluate);
   return results;
 }
 

@@ -1,16 +1,14 @@
 #include "evaluation/recorded_fiducials.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <map>
-#include <mutex>
 #include <sstream>
 
 #include "core/error.h"
 #include "core/files.h"
 #include "core/fingerprint.h"
-#include "core/progress.h"
+#include "core/for_each.h"
 #include "core/text.h"
 #include "evaluation/chunk_store.h"
 #include "evaluation/input_fingerprints.h"
@@ -223,9 +221,6 @@ std::vector<RecordedResult> readRecordedFiducials(const std::vector<RecordedImag
   const OneOpenCvThread one_thread;
   const ChunkStore store(chunks, inputsOf(images, options));
   std::vector<RecordedResult> results(images.size());
-  Progress progress("reading " + std::to_string(images.size()) + " images");
-  std::mutex progress_mutex;
-  std::size_t done = 0;
   tbb::enumerable_thread_specific<ToolsByCamera> tools;
   const auto make = [&](std::size_t i) {
     const std::string fingerprint = Fingerprint().add(readTextFile(images[i].file)).hex();
@@ -237,15 +232,8 @@ std::vector<RecordedResult> readRecordedFiducials(const std::vector<RecordedImag
       results[i] = read(images[i], options, toolsFor(images[i].camera, options, tools.local()));
       store.write(i, format(fingerprint, results[i]));
     }
-    const std::scoped_lock lock(progress_mutex);
-    progress.update(static_cast<double>(++done) / static_cast<double>(images.size()));
   };
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, images.size(), 1),
-      [&](const auto& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) make(i);
-      },
-      tbb::simple_partitioner());
+  forEachIndex(images.size(), "reading " + std::to_string(images.size()) + " images", make);
   return results;
 }
 

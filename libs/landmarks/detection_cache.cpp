@@ -1,20 +1,17 @@
 #include "landmarks/detection_cache.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
-#include <mutex>
 #include <set>
 
 #include "core/error.h"
 #include "core/files.h"
 #include "core/fingerprint.h"
-#include "core/progress.h"
+#include "core/for_each.h"
 #include "core/text.h"
 #include "fiducials/image_file.h"
 #include "fiducials/one_opencv_thread.h"
 #include "landmarks/kept_detections.h"
-#include "recording/recorded_camera.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -79,27 +76,10 @@ struct Outcome {
   std::string why_not;
 };
 
-/// Calls make(i) for each image, all cores at once.
-void forEach(std::size_t count, const std::string& what, const auto& make) {
-  Progress progress(what);
-  std::mutex progress_mutex;
-  std::size_t done = 0;
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, count, 1),
-      [&](const auto& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          make(i);
-          const std::scoped_lock lock(progress_mutex);
-          progress.update(static_cast<double>(++done) / static_cast<double>(count));
-        }
-      },
-      tbb::simple_partitioner());
-}
-
 /// Finds what was kept of each image.
 std::vector<Outcome> lookUp(const std::vector<CameraImage>& images, const KeptDetections& kept) {
   std::vector<Outcome> outcomes(images.size());
-  forEach(images.size(), "looking up " + std::to_string(images.size()) + " images", [&](std::size_t i) {
+  forEachIndex(images.size(), "looking up " + std::to_string(images.size()) + " images", [&](std::size_t i) {
     Outcome& outcome = outcomes[i];
     try {
       Fingerprint fingerprint;
@@ -126,14 +106,15 @@ void searchOthers(const std::vector<CameraImage>& images, const DetectionSetting
   for (std::size_t i = 0; i < images.size(); ++i)
     if (!outcomes[i].detections && outcomes[i].why_not.empty()) left.push_back(i);
   tbb::enumerable_thread_specific<Detectors> detectors;
-  forEach(left.size(), "finding markers in " + std::to_string(left.size()) + " images", [&](std::size_t k) {
-    Outcome& outcome = outcomes[left[k]];
-    try {
-      outcome.detections = search(images[left[k]], settings, detectors.local());
-    } catch (const Error& error) {
-      outcome.why_not = (error.where.empty() ? "" : error.where + ": ") + error.why;
-    }
-  });
+  forEachIndex(left.size(), "finding markers in " + std::to_string(left.size()) + " images",
+               [&](std::size_t k) {
+                 Outcome& outcome = outcomes[left[k]];
+                 try {
+                   outcome.detections = search(images[left[k]], settings, detectors.local());
+                 } catch (const Error& error) {
+                   outcome.why_not = (error.where.empty() ? "" : error.where + ": ") + error.why;
+                 }
+               });
 }
 
 KeptDetections toKeep(const std::vector<Outcome>& outcomes) {
@@ -161,25 +142,6 @@ Detections resultOf(const std::vector<CameraImage>& images, std::vector<Outcome>
 }
 
 }  // namespace
-
-std::vector<CameraImage> imagesOf(SampleSource& source) {
-  std::vector<CameraImage> images;
-  std::set<fs::path> files;
-  const auto add = [&](const std::string& name, const mrpt::img::TCamera& camera) {
-    const fs::path file = source.imageFolder() / name;
-    if (files.insert(file).second) images.push_back({file, cameraModel(camera)});
-  };
-  Progress progress("looking for images");
-  while (const auto sample = source.next()) {
-    if (const auto* image = std::get_if<ImageSample>(&sample->reading)) add(image->file, image->intrinsics);
-    if (const auto* pair = std::get_if<StereoSample>(&sample->reading)) {
-      add(pair->left_file, pair->left_intrinsics);
-      add(pair->right_file, pair->right_intrinsics);
-    }
-    progress.update(source.fraction());
-  }
-  return images;
-}
 
 std::vector<std::string> familiesOf(const std::vector<PanelMap>& panels) {
   std::set<std::string> families;

@@ -7,20 +7,11 @@
 #include <vector>
 
 #include "fiducials/detector.h"
+#include "landmarks/image_entry.h"
 #include "panel/panel_map.h"
-#include "recording/sample_source.h"
 
 /// The markers in all images of a recording, searched once and kept in a file.
 namespace fathom {
-
-struct CameraImage {
-  std::filesystem::path file;
-  CameraModel camera;
-};
-
-/// All images that a source names, each file once, in their order, of a pair the left one first. Reads it to
-/// its end. Throws as SampleSource::next().
-std::vector<CameraImage> imagesOf(SampleSource& source);
 
 /// How images are searched.
 struct DetectionSettings {

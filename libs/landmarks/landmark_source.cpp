@@ -1,16 +1,48 @@
 #include "landmarks/landmark_source.h"
 
-#include "recording/recorded_camera.h"
+#include <atomic>
+
+#include "core/for_each.h"
 
 namespace fathom {
+namespace {
+
+std::vector<CameraDetections> seenBy(const ImageEntry& entry, const Detections& detections) {
+  std::vector<CameraDetections> cameras;
+  for (const ImageEntry::Eye& eye : entry.eyes)
+    if (const auto* found = detections.find(eye.image.file))
+      cameras.push_back({*found, eye.image.camera, eye.T_first_camera});
+  return cameras;
+}
+
+void count(Sightings& sightings) {
+  for (const Sighting& sighting : sightings.by_entry) {
+    if (sighting.robot || !sighting.unused.empty()) ++sightings.with_markers;
+    sightings.panels_used += sighting.panels.panels.size();
+    for (const UnusedPanel& unused : sighting.unused) ++sightings.panels_unused[unused.why];
+  }
+}
+
+}  // namespace
+
+Sightings solveSightings(const std::vector<ImageEntry>& entries, const Detections& detections,
+                         const std::vector<PanelMap>& panels, const PanelPoseOptions& options) {
+  Sightings sightings;
+  sightings.by_entry.resize(entries.size());
+  std::atomic<std::size_t> without_file = 0;
+  forEachIndex(entries.size(), "solving for the panels", [&](std::size_t i) {
+    const auto cameras = seenBy(entries[i], detections);
+    if (cameras.size() < entries[i].eyes.size()) ++without_file;
+    sightings.by_entry[i] = sightingOf(cameras, entries[i].T_robot_camera, panels, options);
+  });
+  sightings.without_file = without_file;
+  count(sightings);
+  return sightings;
+}
 
 LandmarkSource::LandmarkSource(std::unique_ptr<SampleSource> source,
-                               std::shared_ptr<const Detections> detections, std::vector<PanelMap> panels,
-                               const PanelPoseOptions& options)
-    : source_(std::move(source)),
-      detections_(std::move(detections)),
-      panels_(std::move(panels)),
-      options_(options) {}
+                               std::shared_ptr<const Sightings> sightings)
+    : source_(std::move(source)), sightings_(std::move(sightings)) {}
 
 std::optional<Sample> LandmarkSource::next() {
   if (!derived_.empty()) {
@@ -19,42 +51,17 @@ std::optional<Sample> LandmarkSource::next() {
     return sample;
   }
   auto sample = source_->next();
-  if (sample) derive(*sample);
+  if (sample && isImage(*sample)) derive(sightings_->by_entry.at(entry_++), sample->time);
   return sample;
 }
 
-void LandmarkSource::addCamera(const std::string& file, const mrpt::img::TCamera& intrinsics,
-                               const Pose& T_first_camera, std::vector<CameraDetections>& cameras) const {
-  const auto* detections = detections_->find(source_->imageFolder() / file);
-  if (detections != nullptr) cameras.push_back({*detections, cameraModel(intrinsics), T_first_camera});
-}
-
-void LandmarkSource::derive(const Sample& sample) {
-  const auto* image = std::get_if<ImageSample>(&sample.reading);
-  const auto* pair = std::get_if<StereoSample>(&sample.reading);
-  if (image == nullptr && pair == nullptr) return;
-  const Pose& T_robot_camera = image != nullptr ? image->T_robot_camera : pair->T_robot_left;
-  std::vector<CameraDetections> cameras;
-  if (image != nullptr) {
-    addCamera(image->file, image->intrinsics, {}, cameras);
-  } else {
-    addCamera(pair->left_file, pair->left_intrinsics, {}, cameras);
-    addCamera(pair->right_file, pair->right_intrinsics, pair->T_left_right, cameras);
-  }
-
-  Sighting sighting = sightingOf(cameras, T_robot_camera, panels_, options_);
-  ++tally_.images;
-  if (cameras.size() < (image != nullptr ? 1U : 2U)) ++tally_.without_file;
-  if (sighting.robot || !sighting.unused.empty()) ++tally_.with_markers;
-  tally_.panels_used += sighting.panels.panels.size();
-  for (const UnusedPanel& unused : sighting.unused) ++tally_.panels_unused[unused.why];
-
+void LandmarkSource::derive(const Sighting& sighting, Time time) {
   const auto emit = [&](const char* label, Reading reading) {
-    derived_.push_back({sample.time, label, std::move(reading)});
+    derived_.push_back({time, label, std::move(reading)});
   };
-  if (sighting.robot) emit(labels::kMarkers, std::move(*sighting.robot));
-  if (!sighting.panels.panels.empty()) emit(labels::kPanel, std::move(sighting.panels));
-  if (!sighting.markers.markers.empty()) emit(labels::kMarkerSights, std::move(sighting.markers));
+  if (sighting.robot) emit(labels::kMarkers, *sighting.robot);
+  if (!sighting.panels.panels.empty()) emit(labels::kPanel, sighting.panels);
+  if (!sighting.markers.markers.empty()) emit(labels::kMarkerSights, sighting.markers);
 }
 
 }  // namespace fathom

@@ -1,13 +1,11 @@
 #include "simulation/image_simulator.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
-#include <mutex>
 #include <stdexcept>
 
 #include "core/fingerprint.h"
-#include "core/progress.h"
+#include "core/for_each.h"
 #include "effects/calibration.h"
 #include "render/renderer.h"
 #include "sensors/image_model.h"
@@ -133,9 +131,6 @@ void simulateImages(const SimulationOptions& options, const Trajectory& trajecto
   const std::size_t count = imageCount(options, trajectory);
   const ImageStore store(folder, inputsOf(studio, count), options.image_format);
 
-  Progress progress("rendering " + std::to_string(count) + " images");
-  std::mutex progress_mutex;
-  std::size_t done = 0;
   tbb::enumerable_thread_specific<Renderer> renderers([&] {
     Renderer renderer(sheet.model);
     renderer.setScene(world.scene_odom);
@@ -145,15 +140,8 @@ void simulateImages(const SimulationOptions& options, const Trajectory& trajecto
     const auto files = imageFiles(sheet, options.image_format, number);
     for (std::size_t eye = 0; eye < files.size(); ++eye)
       if (!store.has(files[eye])) store.write(files[eye], studio.image(number, eye, renderers.local()));
-    const std::scoped_lock lock(progress_mutex);
-    progress.update(static_cast<double>(++done) / static_cast<double>(count));
   };
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, count, 1),
-      [&](const auto& range) {
-        for (std::size_t number = range.begin(); number != range.end(); ++number) make(number);
-      },
-      tbb::simple_partitioner());
+  forEachIndex(count, "rendering " + std::to_string(count) + " images", make);
 }
 
 }  // namespace fathom

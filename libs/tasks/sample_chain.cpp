@@ -56,15 +56,15 @@ std::vector<std::string> SampleChain::findLandmarks(const RecordingHeader& heade
   }
   panels_ = readPanelMaps(*map);
   setup_.panels = priorsOf(panels_, options_.panel_unknown);
-  const std::vector<CameraImage> images = imagesOf(*openBare());
-  if (images.empty()) lacking.emplace_back("no landmarks: there are no images");
+  const std::vector<ImageEntry> entries = imageEntries(*openBare());
+  if (entries.empty()) lacking.emplace_back("no landmarks: there are no images");
   const Detections detections =
-      detectImages(images, settingsFor(panels_, options_.backend), keepBeside(options_.rawlog));
+      detectImages(imagesOf(entries), settingsFor(panels_, options_.backend), keepBeside(options_.rawlog));
   if (!detections.not_kept_why.empty())
     lacking.push_back("detections are not kept: " + detections.not_kept_why);
   for (const UnreadableImage& image : detections.unreadable)
     lacking.push_back(image.file.string() + ": " + image.why);
-  detections_ = std::make_shared<const Detections>(detections);
+  sightings_ = std::make_shared<const Sightings>(solveSightings(entries, detections, panels_));
   return lacking;
 }
 
@@ -75,7 +75,7 @@ std::unique_ptr<SampleSource> SampleChain::openBare() const {
 
 std::unique_ptr<SampleSource> SampleChain::open() const {
   auto source = openBare();
-  if (detections_) source = std::make_unique<LandmarkSource>(std::move(source), detections_, panels_);
+  if (sightings_) source = std::make_unique<LandmarkSource>(std::move(source), sightings_);
   return source;
 }
 

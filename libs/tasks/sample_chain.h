@@ -21,7 +21,8 @@ struct ChainOptions {
 };
 
 /// A recording's samples on their way to a filter: from where --sources says, with what the images tell of
-/// the panels. What takes long (finding the markers) is done once, by prepare; open() begins anew each time.
+/// the panels. What takes long (finding the markers, solving for the panels) is done once, at construction;
+/// open() begins anew each time.
 class SampleChain {
  public:
   /// With `landmarks`, finds the markers in all images, or takes the cached detections. Throws Error,
@@ -44,7 +45,7 @@ class SampleChain {
   LocalizationSetup setup_;
   std::vector<std::string> remarks_;
   std::vector<PanelMap> panels_;
-  std::shared_ptr<const Detections> detections_;  ///< null: landmarks are not wanted, or there are none
+  std::shared_ptr<const Sightings> sightings_;  ///< null: landmarks are not wanted, or there are none
 };
 
 }  // namespace fathom

@@ -58,11 +58,12 @@ Judged judge(const RecordingFiles& files) {
   RecordingSource second(files.rawlog);
   DetectionSettings settings;
   settings.families = familiesOf(panels);
-  const auto found =
-      std::make_shared<Detections>(detectImages(imagesOf(second), settings, keepBeside(files.rawlog)));
-  EXPECT_TRUE(found->unreadable.empty());
+  const auto entries = imageEntries(second);
+  const auto found = detectImages(imagesOf(entries), settings, keepBeside(files.rawlog));
+  EXPECT_TRUE(found.unreadable.empty());
 
-  LandmarkSource source(std::make_unique<RecordingSource>(files.rawlog), found, panels);
+  LandmarkSource source(std::make_unique<RecordingSource>(files.rawlog),
+                        std::make_shared<const Sightings>(solveSightings(entries, found, panels)));
   Judged judged;
   while (const auto sample = source.next()) {
     if (sample->label == labels::kMarkers) {

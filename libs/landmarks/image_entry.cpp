@@ -1,0 +1,50 @@
+#include "landmarks/image_entry.h"
+
+#include <set>
+
+#include "core/progress.h"
+#include "recording/recorded_camera.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+
+bool isImage(const Sample& sample) {
+  return std::holds_alternative<ImageSample>(sample.reading) ||
+         std::holds_alternative<StereoSample>(sample.reading);
+}
+
+std::optional<ImageEntry> imageEntry(const Sample& sample, const fs::path& image_folder) {
+  const auto eye = [&](const std::string& file, const mrpt::img::TCamera& camera,
+                       const Pose& T_first_camera) {
+    return ImageEntry::Eye{{image_folder / file, cameraModel(camera)}, T_first_camera};
+  };
+  if (const auto* image = std::get_if<ImageSample>(&sample.reading))
+    return ImageEntry{sample.time, image->T_robot_camera, {eye(image->file, image->intrinsics, {})}};
+  if (const auto* pair = std::get_if<StereoSample>(&sample.reading))
+    return ImageEntry{sample.time,
+                      pair->T_robot_left,
+                      {eye(pair->left_file, pair->left_intrinsics, {}),
+                       eye(pair->right_file, pair->right_intrinsics, pair->T_left_right)}};
+  return std::nullopt;
+}
+
+std::vector<ImageEntry> imageEntries(SampleSource& source) {
+  std::vector<ImageEntry> entries;
+  Progress progress("looking for images");
+  while (const auto sample = source.next()) {
+    if (auto entry = imageEntry(*sample, source.imageFolder())) entries.push_back(std::move(*entry));
+    progress.update(source.fraction());
+  }
+  return entries;
+}
+
+std::vector<CameraImage> imagesOf(const std::vector<ImageEntry>& entries) {
+  std::vector<CameraImage> images;
+  std::set<fs::path> files;
+  for (const ImageEntry& entry : entries)
+    for (const ImageEntry::Eye& eye : entry.eyes)
+      if (files.insert(eye.image.file).second) images.push_back(eye.image);
+  return images;
+}
+
+}  // namespace fathom
