@@ -1,6 +1,7 @@
 #include "similarity/fsim.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -101,8 +102,8 @@ std::optional<std::string> FsimComparer::whyNot(const cv::Mat& image) {
   if (image.type() != CV_8UC3 && image.type() != CV_8UC1)
     return "the image is not of 8 bits and of three channels or one";
   if (std::min(image.cols, image.rows) < kLeastSide_px)
-    return "is of " + sizeText(image) + " pixels; FSIM's filters need " + std::to_string(kLeastSide_px) +
-           " or more either way";
+    return "the image is of " + sizeText(image) + " pixels; FSIM's filters need " +
+           std::to_string(kLeastSide_px) + " or more either way";
   return std::nullopt;
 }
 
@@ -110,7 +111,7 @@ std::optional<std::string> FsimComparer::whyNot(const cv::Mat& reference, const 
   for (const auto& one : {reference, image})
     if (const auto why = whyNot(one)) return why;
   if (reference.size() != image.size())
-    return "is of " + sizeText(image) + " pixels, the reference of " + sizeText(reference);
+    return "the image is of " + sizeText(image) + " pixels, the reference of " + sizeText(reference);
   return std::nullopt;
 }
 

@@ -24,9 +24,9 @@ struct FsimScore {
 /// What FSIM compares of an image, reduced to about 256 pixels along its shorter side. All CV_32FC1, of one
 /// size.
 struct FsimFeatures {
-  cv::Size image_size;         ///< of the image as it came
-  cv::Mat phase_congruency;    ///< 0 to 1
-  cv::Mat gradient_magnitude;  ///< Scharr's, digital numbers a pixel
+  cv::Size image_size;           ///< of the image as it came
+  cv::Mat phase_congruency;      ///< 0 to 1
+  cv::Mat gradient_magnitude;    ///< Scharr's, digital numbers a pixel
   cv::Mat in_phase, quadrature;  ///< the colour: I and Q of YIQ, digital numbers
 };
 

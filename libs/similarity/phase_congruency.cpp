@@ -11,13 +11,13 @@
 namespace fathom {
 namespace {
 
-constexpr double kSigmaOnFrequency = 0.55;    // of the radial Gaussian, as a ratio of frequencies
-constexpr double kSpacingOnSigma = 1.2;       // of orientations, over the angular Gaussian's sigma
-constexpr double kNoiseSigmas = 2.0;          // above the mean noise energy
-constexpr double kNoiseOverestimate = 1.7;    // empirical: the scales' noise is correlated
-constexpr double kLowPassCutoff = 0.45;       // cycles a pixel; a Butterworth filter that
-constexpr double kLowPassOrder = 15;          // takes the corners off
-constexpr float kLeastEnergy = 1e-4F;         // digital numbers: keeps 0 / 0 out
+constexpr double kSigmaOnFrequency = 0.55;  // of the radial Gaussian, as a ratio of frequencies
+constexpr double kSpacingOnSigma = 1.2;     // of orientations, over the angular Gaussian's sigma
+constexpr double kNoiseSigmas = 2.0;        // above the mean noise energy
+constexpr double kNoiseOverestimate = 1.7;  // empirical: the scales' noise is correlated
+constexpr double kLowPassCutoff = 0.45;     // cycles a pixel; a Butterworth filter that
+constexpr double kLowPassOrder = 15;        // takes the corners off
+constexpr float kLeastEnergy = 1e-4F;       // digital numbers: keeps 0 / 0 out
 
 /// Cycles a pixel of each index of a transform; of an odd count, Kovesi's lie a little too far out.
 std::vector<double> frequencies(int count) {
@@ -63,8 +63,7 @@ double noiseRatio(const cv::Mat& all_scales, const cv::Mat& finest) {
     for (int u = 0; u < all_scales.cols; ++u) {
       const int opposite_v = (all_scales.rows - v) % all_scales.rows;
       const int opposite_u = (all_scales.cols - u) % all_scales.cols;
-      const double even =
-          0.5 * (all_scales.at<double>(v, u) + all_scales.at<double>(opposite_v, opposite_u));
+      const double even = 0.5 * (all_scales.at<double>(v, u) + all_scales.at<double>(opposite_v, opposite_u));
       even_energy += even * even;
     }
   return even_energy / finest.dot(finest);
@@ -141,11 +140,10 @@ PhaseCongruency::PhaseCongruency(const cv::Size& size) : size_(size), noise_per_
   }
   // Of noise: Rayleigh's distribution, its mean and sigma, of parameter tau.
   constexpr double pi = std::numbers::pi;
-  const double per_tau =
-      (std::sqrt(pi / 2) + kNoiseSigmas * std::sqrt(2 - pi / 2)) / kNoiseOverestimate;
+  const double per_tau = (std::sqrt(pi / 2) + kNoiseSigmas * std::sqrt(2 - pi / 2)) / kNoiseOverestimate;
   for (std::size_t o = 0; o < kOrientations; ++o) {
-    const cv::Mat angular = overFrequencies(
-        size, [&](double x, double y) { return spread(x, y, static_cast<int>(o)); });
+    const cv::Mat angular =
+        overFrequencies(size, [&](double x, double y) { return spread(x, y, static_cast<int>(o)); });
     angular.convertTo(angular_[o], CV_32F);
     const cv::Mat all_scales = (radial[0] + radial[1] + radial[2] + radial[3]).mul(angular);
     noise_per_median_[o] =

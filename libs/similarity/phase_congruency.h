@@ -3,7 +3,6 @@
 #include <array>
 #include <opencv2/core.hpp>
 
-
 namespace fathom {
 
 /// Phase congruency: how well the waves that make up an image agree in phase at a pixel, from 0 (nothing
