@@ -5,18 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
-// Wider vectors where the processor has them. Nothing is summed across lanes and no multiplication fused with
-// an addition (see CMakeLists.txt), so they change no bit of a result.
-#if defined(__clang__)
-#define FATHOM_WIDE_VECTORS
-#define FATHOM_NO_OVERLAP _Pragma("clang loop vectorize(assume_safety)")
-#elif defined(__x86_64__)
-#define FATHOM_WIDE_VECTORS __attribute__((target_clones("avx2", "default")))
-#define FATHOM_NO_OVERLAP _Pragma("GCC ivdep")
-#else
-#define FATHOM_WIDE_VECTORS
-#define FATHOM_NO_OVERLAP _Pragma("GCC ivdep")
-#endif
+#include "similarity/wide_vectors.h"
 
 namespace fathom {
 namespace {
@@ -43,7 +32,7 @@ FATHOM_WIDE_VECTORS void combine4(const float* __restrict a, const float* __rest
                                   const float* sines) {
   const auto n = span.size, step = span.step;
   const float c1 = cosines[0], c2 = cosines[1], c3 = cosines[2], s1 = sines[0], s2 = sines[1], s3 = sines[2];
-  FATHOM_NO_OVERLAP
+  FATHOM_INDEPENDENT
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     const float sum02 = a[i] + a[i + 2 * step], difference02 = a[i] - a[i + 2 * step];
     const float sum13 = a[i + step] + a[i + 3 * step], difference13 = a[i + step] - a[i + 3 * step];
@@ -65,7 +54,7 @@ FATHOM_WIDE_VECTORS void combine3(const float* __restrict a, const float* __rest
   constexpr float cosine = -0.5F, sine = 0.866025404F;  // of a third of a turn
   const auto n = span.size, step = span.step;
   const float c1 = cosines[0], c2 = cosines[1], s1 = sines[0], s2 = sines[1];
-  FATHOM_NO_OVERLAP
+  FATHOM_INDEPENDENT
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     const float sum = a[i + step] + a[i + 2 * step], isum = b[i + step] + b[i + 2 * step];
     const float across = sine * (a[i + step] - a[i + 2 * step]),
@@ -86,7 +75,7 @@ FATHOM_WIDE_VECTORS void combine5(const float* __restrict a, const float* __rest
   const auto n = span.size, step = span.step;
   const float c1 = cosines[0], c2 = cosines[1], c3 = cosines[2], c4 = cosines[3];
   const float s1 = sines[0], s2 = sines[1], s3 = sines[2], s4 = sines[3];
-  FATHOM_NO_OVERLAP
+  FATHOM_INDEPENDENT
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     const float sum1 = a[i + step] + a[i + 4 * step], isum1 = b[i + step] + b[i + 4 * step];
     const float sum2 = a[i + 2 * step] + a[i + 3 * step], isum2 = b[i + 2 * step] + b[i + 3 * step];
@@ -120,7 +109,7 @@ FATHOM_WIDE_VECTORS void combineAny(const float* __restrict a, const float* __re
     for (int r = 0; r < factor; ++r) {
       const float c = cosines[k * factor + r], s = sines[k * factor + r];
       const auto from = r * span.step, to = k * n;
-      FATHOM_NO_OVERLAP
+      FATHOM_INDEPENDENT
       for (std::ptrdiff_t i = 0; i < n; ++i) {
         x[to + i] += c * a[from + i] - s * b[from + i];
         y[to + i] += c * b[from + i] + s * a[from + i];
@@ -131,10 +120,29 @@ FATHOM_WIDE_VECTORS void combineAny(const float* __restrict a, const float* __re
 
 bool hasOwnCode(int factor) { return factor >= 3 && factor <= 5; }
 
-/// Numbers as rows of kLanes; what lies outside the image is zero.
-FATHOM_WIDE_VECTORS void multiply(const float* __restrict a, const float* __restrict b,
-                                  const float* __restrict c, float* __restrict product, int count) {
-  for (int i = 0; i < count; ++i) product[i] = a[i] * (b[i] * c[i]);
+/// A constant count takes no call.
+inline void copyLanes(const float* from, int count, float* to) {
+  count == kLanes ? std::copy_n(from, kLanes, to) : std::copy_n(from, count, to);
+}
+
+/// Up to kLanes columns of a spectrum, filtered, as lanes.
+struct FilteredColumns {
+  const float *real, *imaginary, *filter, *other_filter;
+  std::ptrdiff_t row_step;
+  int rows, count;
+};
+
+FATHOM_WIDE_VECTORS void load(const FilteredColumns& columns, float* __restrict real,
+                              float* __restrict imaginary) {
+  for (int v = 0; v < columns.rows; ++v) {
+    const std::ptrdiff_t from = v * columns.row_step, to = static_cast<std::ptrdiff_t>(v) * kLanes;
+    FATHOM_INDEPENDENT
+    for (int lane = 0; lane < columns.count; ++lane) {
+      const float filter = columns.filter[from + lane] * columns.other_filter[from + lane];
+      real[to + lane] = filter * columns.real[from + lane];
+      imaginary[to + lane] = filter * columns.imaginary[from + lane];
+    }
+  }
 }
 
 }  // namespace
@@ -216,11 +224,9 @@ void FilteredTransform::transformColumns(const SplitImage& spectrum, const cv::M
                                          const cv::Mat& other_filter, int u, Workspace& work) const {
   const int count = std::min(kLanes, size_.width - u);
   const Lanes& lanes = work.columns;
-  for (int v = 0; v < size_.height; ++v) {
-    const auto *f = filter.ptr<float>(v) + u, *g = other_filter.ptr<float>(v) + u;
-    multiply(spectrum.real.ptr<float>(v) + u, f, g, lanes.real[0] + v * kLanes, count);
-    multiply(spectrum.imaginary.ptr<float>(v) + u, f, g, lanes.imaginary[0] + v * kLanes, count);
-  }
+  load({spectrum.real.ptr<float>() + u, spectrum.imaginary.ptr<float>() + u, filter.ptr<float>() + u,
+        other_filter.ptr<float>() + u, size_.width, size_.height, count},
+       lanes.real[0], lanes.imaginary[0]);
   const int at = along_columns_.run(lanes.real, lanes.imaginary);
   for (int lane = 0; lane < count; ++lane) {
     auto *real = work.between.real.ptr<float>(u + lane),
@@ -236,13 +242,13 @@ void FilteredTransform::transformRows(int v, Workspace& work, SplitImage& result
   const int count = std::min(kLanes, size_.height - v);
   const Lanes& lanes = work.rows;
   for (int u = 0; u < size_.width; ++u) {
-    std::copy_n(work.between.real.ptr<float>(u) + v, count, lanes.real[0] + u * kLanes);
-    std::copy_n(work.between.imaginary.ptr<float>(u) + v, count, lanes.imaginary[0] + u * kLanes);
+    copyLanes(work.between.real.ptr<float>(u) + v, count, lanes.real[0] + u * kLanes);
+    copyLanes(work.between.imaginary.ptr<float>(u) + v, count, lanes.imaginary[0] + u * kLanes);
   }
   const int at = along_rows_.run(lanes.real, lanes.imaginary);
   for (int u = 0; u < size_.width; ++u) {
-    std::copy_n(lanes.real[at] + u * kLanes, count, result.real.ptr<float>(u) + v);
-    std::copy_n(lanes.imaginary[at] + u * kLanes, count, result.imaginary.ptr<float>(u) + v);
+    copyLanes(lanes.real[at] + u * kLanes, count, result.real.ptr<float>(u) + v);
+    copyLanes(lanes.imaginary[at] + u * kLanes, count, result.imaginary.ptr<float>(u) + v);
   }
 }
 

@@ -44,7 +44,7 @@ class FilteredTransform {
   explicit FilteredTransform(const cv::Size& size);
 
   Workspace workspace() const;
-  /// Of spectrum times both filters (CV_32FC1). `result` is allocated where need be.
+  /// Of spectrum times both filters (CV_32FC1), all continuous. `result` is allocated where need be.
   void run(const SplitImage& spectrum, const cv::Mat& filter, const cv::Mat& other_filter, Workspace& work,
            SplitImage& result) const;
 

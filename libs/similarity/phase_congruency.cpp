@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "similarity/wide_vectors.h"
+
 namespace fathom {
 namespace {
 
@@ -114,23 +116,24 @@ using Responses = std::array<SplitImage, PhaseCongruency::kScales>;
 
 /// Adds an orientation's energy above the noise, and its amplitudes. The energy is the sum over scales of a
 /// response's part along the mean phase, less its part across.
-void accumulate(const Responses& responses, float noise, cv::Mat& energy, cv::Mat& amplitude) {
-  const auto even = [&](std::size_t scale) { return responses[scale].real.ptr<float>(); };
-  const auto odd = [&](std::size_t scale) { return responses[scale].imaginary.ptr<float>(); };
-  const float *e0 = even(0), *e1 = even(1), *e2 = even(2), *e3 = even(3);
-  const float *o0 = odd(0), *o1 = odd(1), *o2 = odd(2), *o3 = odd(3);
-  const auto length = [](float x, float y) { return std::sqrt(x * x + y * y); };
+FATHOM_WIDE_VECTORS void accumulate(const Responses& responses, float noise, cv::Mat& energy,
+                                    cv::Mat& amplitude) {
+  const auto *e0 = responses[0].real.ptr<float>(), *o0 = responses[0].imaginary.ptr<float>(),
+             *e1 = responses[1].real.ptr<float>(), *o1 = responses[1].imaginary.ptr<float>(),
+             *e2 = responses[2].real.ptr<float>(), *o2 = responses[2].imaginary.ptr<float>(),
+             *e3 = responses[3].real.ptr<float>(), *o3 = responses[3].imaginary.ptr<float>();
   auto *energies = energy.ptr<float>(), *amplitudes = amplitude.ptr<float>();
   const auto count = static_cast<std::ptrdiff_t>(energy.total());
+  FATHOM_INDEPENDENT
   for (std::ptrdiff_t i = 0; i < count; ++i) {
-    amplitudes[i] +=
-        length(e0[i], o0[i]) + length(e1[i], o1[i]) + length(e2[i], o2[i]) + length(e3[i], o3[i]);
+    amplitudes[i] += std::sqrt(e0[i] * e0[i] + o0[i] * o0[i]) + std::sqrt(e1[i] * e1[i] + o1[i] * o1[i]) +
+                     std::sqrt(e2[i] * e2[i] + o2[i] * o2[i]) + std::sqrt(e3[i] * e3[i] + o3[i] * o3[i]);
     const float e = e0[i] + e1[i] + e2[i] + e3[i], o = o0[i] + o1[i] + o2[i] + o3[i];
     const float across = std::abs(e0[i] * o - o0[i] * e) + std::abs(e1[i] * o - o1[i] * e) +
                          std::abs(e2[i] * o - o2[i] * e) + std::abs(e3[i] * o - o3[i] * e);
     const float squared = e * e + o * o;
     const float in_phase = (squared - across) / (std::sqrt(squared) + kLeastEnergy);
-    energies[i] += std::max(in_phase - noise, 0.0F);
+    energies[i] += in_phase > noise ? in_phase - noise : 0.0F;
   }
 }
 
