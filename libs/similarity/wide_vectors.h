@@ -6,7 +6,7 @@
 /// processor. FATHOM_INDEPENDENT before such a loop: what it writes, no other turn reads.
 #if defined(__clang__)
 #define FATHOM_WIDE_VECTORS
-#define FATHOM_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#define FATHOM_INDEPENDENT
 #elif defined(__x86_64__)
 #define FATHOM_WIDE_VECTORS __attribute__((target_clones("avx2", "default")))
 #define FATHOM_INDEPENDENT _Pragma("GCC ivdep")

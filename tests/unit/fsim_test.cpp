@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -49,15 +50,19 @@ class SlowPhaseCongruency {
     for (std::size_t i = 0; i < energy.size(); ++i) map_.push_back(energy[i] / amplitude[i]);
   }
 
-  double at(int v, int u) const { return map_[static_cast<std::size_t>(v * columns_ + u)]; }
+  double at(int v, int u) const { return map_[indexOf(v, u)]; }
 
  private:
+  std::size_t indexOf(int v, int u) const {
+    return static_cast<std::size_t>(v) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(u);
+  }
+
   /// exp(sign 2 pi i k n / count), summed along columns, then rows; index k runs from -count / 2.
   Field transform(const Field& from, int sign) const { return along(along(from, sign, true), sign, false); }
   Field along(const Field& from, int sign, bool vertical) const {
     const int count = vertical ? rows_ : columns_, others = vertical ? columns_ : rows_;
     const auto index = [&](int place, int other) {
-      return static_cast<std::size_t>(vertical ? place * columns_ + other : other * columns_ + place);
+      return vertical ? indexOf(place, other) : indexOf(other, place);
     };
     Field to(from.size());
     for (int k = 0; k < count; ++k)
@@ -74,7 +79,8 @@ class SlowPhaseCongruency {
 
   double filter(int v, int u, int scale, int orientation) const {
     const auto frequency = [](int index, int count) {
-      return static_cast<double>(index - count / 2) / (count % 2 == 1 ? count - 1 : count);
+      const int from_middle = index - count / 2;
+      return static_cast<double>(from_middle) / (count % 2 == 1 ? count - 1 : count);
     };
     const double x = frequency(u, columns_), y = frequency(v, rows_), radius = std::hypot(x, y);
     if (radius == 0) return 0;
@@ -97,7 +103,7 @@ class SlowPhaseCongruency {
       Field filtered = spectrum, alone(spectrum.size());
       for (int v = 0; v < rows_; ++v)
         for (int u = 0; u < columns_; ++u) {
-          const auto i = static_cast<std::size_t>(v * columns_ + u);
+          const auto i = indexOf(v, u);
           const double value = filter(v, u, s, o);
           filtered[i] *= value;
           alone[i] = value;
@@ -280,7 +286,8 @@ TEST(Fsim, SaysWhyImagesCannotBeCompared) {
 
 TEST(Fsim, ThreadsMayShareAComparer) {
   std::vector<cv::Mat> images;
-  for (int i = 0; i < 12; ++i) images.push_back(texturedImage({96 + 16 * (i % 3), 96}, 20 + i));
+  for (unsigned i = 0; i < 12; ++i)
+    images.push_back(texturedImage({96 + 16 * static_cast<int>(i % 3), 96}, 20 + i));
   const auto compared = [&](const FsimComparer& comparer, std::size_t i) {
     return comparer.compare(images[i], blurred(images[i], 2))->fsimc;
   };

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 
 #include "core/random.h"
 
@@ -21,7 +22,7 @@ SplitImage randomSpectrum(const cv::Size& size, Random& random) {
 /// In double, transposed.
 std::array<cv::Mat, 2> transformedByOpenCv(const SplitImage& spectrum, const cv::Mat& filter) {
   cv::Mat together, transformed;
-  cv::merge(std::array{spectrum.real.mul(filter), spectrum.imaginary.mul(filter)}, together);
+  cv::merge(std::array<cv::Mat, 2>{spectrum.real.mul(filter), spectrum.imaginary.mul(filter)}, together);
   together.convertTo(together, CV_64F);
   cv::dft(together.t(), transformed, cv::DFT_INVERSE);
   std::array<cv::Mat, 2> parts;

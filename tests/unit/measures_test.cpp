@@ -198,7 +198,7 @@ TEST(Measures, AreChosenById) {
   EXPECT_EQ(measurements[1].measure->id, "fsim");
   EXPECT_THROW(PairMeasurer({"ssim", "ssim"}), Error);
   try {
-    PairMeasurer({"likeness"});
+    const PairMeasurer unknown({"likeness"});
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(error.why.find("fsim, fsimc, ssim, rmse-linear, detection-agreement"), std::string::npos);
