@@ -43,8 +43,8 @@ const RegisteredMeasure& measureNamed(const std::string& id) {
 }  // namespace
 
 std::string whyNotComparable(const ImagePair& pair) {
-  if (const auto why = whyUnusable(pair.recorded, "recorded"); !why.empty()) return why;
-  if (const auto why = whyUnusable(pair.simulated, "simulated"); !why.empty()) return why;
+  if (auto why = whyUnusable(pair.recorded, "recorded"); !why.empty()) return why;
+  if (auto why = whyUnusable(pair.simulated, "simulated"); !why.empty()) return why;
   if (pair.recorded.size() != pair.simulated.size())
     return "the recorded image is of " + sizeText(pair.recorded) + " pixels, the simulated one of " +
            sizeText(pair.simulated);
