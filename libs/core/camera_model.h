@@ -52,6 +52,8 @@ struct CameraModel {
     return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < width_px - 0.5 &&
            pixel.y() < height_px - 0.5;
   }
+
+  friend bool operator==(const CameraModel&, const CameraModel&) = default;
 };
 
 }  // namespace fathom

@@ -2,7 +2,10 @@
 
 #include <ceres/jet.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <type_traits>
 
 #include "core/camera_model.h"
 #include "core/kinematics.h"
@@ -42,7 +45,14 @@ struct CameraProjector {
     return pixelAt(ideal(point_camera));
   }
 
-  /// A lens without effects, for those who have a CameraModel.
+  /// Pinhole and lens alone, in an image of the nominal camera's size.
+  CameraModel lensModel(const CameraModel& nominal) const {
+    return {nominal.width_px,    nominal.height_px,   valueOf(lens.fx_px), valueOf(lens.fy_px),
+            valueOf(lens.cx_px), valueOf(lens.cy_px), valueOf(lens.k1),    valueOf(lens.k2),
+            valueOf(lens.p1),    valueOf(lens.p2),    valueOf(lens.k3)};
+  }
+
+  /// A camera without effects.
   static CameraProjector nominal(const CameraModel& camera) {
     CameraProjector projector;
     projector.lens = {P(camera.fx_px), P(camera.fy_px), P(camera.cx_px), P(camera.cy_px), P(camera.k1),
@@ -77,23 +87,22 @@ struct CameraProjector {
   }
 
   /// The same, at the row in which the point then is: row = rowSeen(row). Solved in double, then one Newton
-  /// step in T.
+  /// step in T. What is far out of the image gets a row not far from it.
   template <class T>
   Vector3<T> atItsRow(const Vector3<T>& point_camera) const {
     using Slope = ceres::Jet<double, 1>;
     const CameraProjector<double> plain = values();
     const Vector3<Slope> point(Slope(valueOf(point_camera.x())), Slope(valueOf(point_camera.y())),
                                Slope(valueOf(point_camera.z())));
-    double row = 0, slope = 0;
+    double row = 0;
     for (int i = 0; i < 20; ++i) {
       const Slope seen = plain.rowSeen(point, Slope(row, 0));
-      slope = seen.v[0];
-      const double step = (seen.a - row) / (1.0 - slope);
-      row += step;
-      if (std::abs(step) < 1e-11 * (1.0 + std::abs(row))) break;
+      const double step = (seen.a - row) / (1.0 - seen.v[0]);
+      if (std::abs(step) < 1e-11 * (1.0 + std::abs(row)))
+        return atRow(point_camera, T(row + (rowSeen(point_camera, T(row)) - row) / (1.0 - seen.v[0])));
+      row = std::clamp(row + step, -height_px, 2.0 * height_px);
     }
-    const T better = T(row) + (rowSeen(point_camera, T(row)) - row) / (1.0 - slope);
-    return atRow(point_camera, better);
+    return atRow(point_camera, T(row));
   }
 
   CameraProjector<double> values() const {
