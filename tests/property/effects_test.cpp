@@ -102,7 +102,7 @@ std::vector<double> predictions(const KinematicState<double>& state, const Effec
 }
 
 /// Largest difference, relative where numbers are large.
-double difference(const std::vector<double>& a, const std::vector<double>& b) {
+double largestChange(const std::vector<double>& a, const std::vector<double>& b) {
   EXPECT_EQ(a.size(), b.size());
   double largest = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
@@ -127,7 +127,7 @@ TEST(EffectRegistry, NeutralParametersChangeNoPrediction) {
     for (const EffectInfo& effect : allEffects()) {
       EffectParameters<double> neutral;
       neutral.on.set(effect.index);
-      EXPECT_LT(difference(predictions(state, neutral), nominal), kRounding) << effect.id;
+      EXPECT_LT(largestChange(predictions(state, neutral), nominal), kRounding) << effect.id;
     }
   }
 }
@@ -155,13 +155,13 @@ TEST(EffectRegistry, EveryParameterChangesSomething) {
   for (const EffectInfo& effect : allEffects()) {
     EffectParameters<double> all;
     switchOn(effect, all);
-    EXPECT_GT(difference(predictions(state, all), nominal), kSeen) << effect.id;
+    EXPECT_GT(largestChange(predictions(state, all), nominal), kSeen) << effect.id;
     std::size_t i = effect.first_scalar;
     for (const Parameter& p : effect.parameters)
       for (int k = 0; k < p.size; ++k, ++i) {
         auto without = all;
         without.values[i] = p.kind == ParameterKind::time ? kNow_s + 1 : 0;
-        EXPECT_GT(difference(predictions(state, without), predictions(state, all)), kSeen)
+        EXPECT_GT(largestChange(predictions(state, without), predictions(state, all)), kSeen)
             << effect.id << " " << p.name << " " << k;
       }
     all.on.reset();  // off: parameters do not matter
@@ -179,7 +179,7 @@ TEST(EffectRegistry, AnIntervalsEffectActsWithinItOnly) {
     parameters.active_s[effect.index] = {15, 25};
     for (const double t_s : {14.9, 25.1})
       EXPECT_EQ(predictions(state, parameters, t_s), predictions(state, {}, t_s)) << effect.id;
-    EXPECT_GT(difference(predictions(state, parameters, 20), nominal), kSeen) << effect.id;
+    EXPECT_GT(largestChange(predictions(state, parameters, 20), nominal), kSeen) << effect.id;
     EXPECT_TRUE(parameters.at<double>(14.9).on.none());
     EXPECT_EQ(predictions(state, parameters.at<double>(20)), predictions(state, parameters)) << effect.id;
   }
