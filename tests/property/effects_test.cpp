@@ -196,7 +196,7 @@ TEST(EffectRegistry, JetDerivativesEqualNumericOnes) {
       sigma.insert(sigma.end(), static_cast<std::size_t>(p.size), p.prior_sigma);
   ASSERT_EQ(sigma.size(), kScalars);
   constexpr double h = 1e-3;
-  for (int round = 0; round < 10; ++round) {
+  for (int round = 0; round < 4; ++round) {
     const auto state = test::randomMotion(random);
     const auto parameters = randomParameters(random);
     auto jets = parameters.at<EffectJet>(kNow_s);

@@ -82,10 +82,6 @@ TEST_F(EffectCalibration, MakesUpForEveryNavigationEffect) {
     for (const Parameter& p : effect.parameters)
       for (int k = 0; k < p.size; ++k) effects.values[i++] = 3 * p.prior_sigma;
     const Errors with = errors(effects, effects), without = errors(effects, {});
-    if (getenv("SHOW"))
-      printf("%-22s nominal %.4f m %.5f rad, with %.4f m %.5f rad, without %.4f m %.5f rad\n",
-             effect.id.data(), nominal.position_m, nominal.angle_rad, with.position_m, with.angle_rad,
-             without.position_m, without.angle_rad);
     EXPECT_LT(with.size(), nominal.size() + 0.1 * (without.size() - nominal.size())) << effect.id;
     EXPECT_GT(without.size(), 1.2 * nominal.size()) << effect.id;
   }
