@@ -28,44 +28,55 @@ Series line(const std::string& name, const std::vector<PoseError>& errors,
   return series;
 }
 
-Series path(const std::string& name, const std::vector<StampedPose>& poses, Series::Style style) {
-  Series series{.name = name, .style = style};
-  for (const StampedPose& pose : poses) {
-    series.x.push_back(pose.T_odom_robot.position.x());
-    series.y.push_back(pose.T_odom_robot.position.y());
-  }
-  return series;
-}
-
 Plot pathPlot(const RecordingStory& recording, const TaskOutputs& outputs) {
   Plot plot{.title = "Path from above", .x_label = "x in odom [m]", .y_label = "y in odom [m]"};
   plot.equal_axes = true;
-  Series filter{.name = "filter"};
-  for (const PathPoint& point : outputs.path()) {
-    filter.x.push_back(point.position_odom.x());
-    filter.y.push_back(point.position_odom.y());
-  }
-  plot.series.push_back(filter);
+  plot.series.push_back(pathSeries("filter", outputs.poses(), Series::Style::kLine));
   if (!recording.reference.empty())
-    plot.series.push_back(path("reference", recording.reference, Series::Style::kDashed));
+    plot.series.push_back(pathSeries("reference", recording.reference, Series::Style::kDashed));
   if (!recording.plain.empty())
-    plot.series.push_back(path("plain integration", recording.plain, Series::Style::kLine));
+    plot.series.push_back(pathSeries("plain integration", recording.plain, Series::Style::kLine));
   return plot;
 }
 
-template <class Value>
-Plot overTime(const char* title, const char* y_label, const TaskOutputs& outputs,
-              const char* const (&names)[3], const Value& value) {
+/// `values` are of the filter's poses, one each.
+Plot overTime(const char* title, const char* y_label, const RecordingStory& recording,
+              const TaskOutputs& outputs, const char* const (&names)[3],
+              const std::vector<Vector3d>& values) {
   Plot plot{.title = title, .x_label = "time [s]", .y_label = y_label};
   for (int axis = 0; axis < 3; ++axis) {
     Series series{.name = names[axis]};
-    for (const PathPoint& point : outputs.path()) {
-      series.x.push_back(point.t_s);
-      series.y.push_back(value(point, axis));
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      series.x.push_back(secondsBetween(recording.time_zero, outputs.poses()[i].time));
+      series.y.push_back(values[i][axis]);
     }
     plot.series.push_back(series);
   }
   return plot;
+}
+
+/// Yaw, pitch, roll in degrees, without jumps where one passes 180.
+std::vector<Vector3d> unwrappedAngles(const std::vector<StampedPose>& poses) {
+  std::vector<Vector3d> all;
+  for (const StampedPose& pose : poses) {
+    Vector3d angles = yawPitchRollFromRotation(pose.T_odom_robot.rotation) * degrees(1.0);
+    if (!all.empty())
+      for (int k = 0; k < 3; ++k) angles[k] -= 360.0 * std::round((angles[k] - all.back()[k]) / 360.0);
+    all.push_back(angles);
+  }
+  return all;
+}
+
+void addPath(HtmlReport& report, const RecordingStory& recording, const TaskOutputs& outputs) {
+  std::vector<Vector3d> positions;
+  for (const StampedPose& pose : outputs.poses()) positions.push_back(pose.T_odom_robot.position);
+  report.heading("Path");
+  report.plot(pathPlot(recording, outputs));
+  report.plot(overTime("Position in odom", "[m]", recording, outputs, {"x", "y", "z"}, positions));
+  report.plot(overTime("Orientation", "[deg]", recording, outputs, {"yaw", "pitch", "roll"},
+                       unwrappedAngles(outputs.poses())));
+  report.plot(overTime("Velocity in robot axes", "[m/s]", recording, outputs, {"surge", "sway", "heave"},
+                       outputs.velocities()));
 }
 
 /// One component of the error inside its 3-sigma band.
@@ -170,6 +181,18 @@ nlohmann::ordered_json toJson(const TaskMeasures& measures) {
 }
 
 }  // namespace
+
+Series pathSeries(const std::string& name, const std::vector<StampedPose>& poses, Series::Style style,
+                  const std::vector<bool>& lost) {
+  constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+  Series series{.name = name, .style = style};
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const bool shown = i >= lost.size() || !lost[i];
+    series.x.push_back(shown ? poses[i].T_odom_robot.position.x() : kGap);
+    series.y.push_back(shown ? poses[i].T_odom_robot.position.y() : kGap);
+  }
+  return series;
+}
 
 Table errorsOverTime(const RecordingStory& recording, const TaskStory& task) {
   Table table{.header = {"time [s]", "filter [m]", "smoother [m]", "reference attitude + DVL [m]",
@@ -296,14 +319,7 @@ void writeReport(const std::filesystem::path& file, const RecordingStory& record
                    std::to_string(recording.loss->lost_bytes) + " bytes lost.");
   for (const std::string& remark : recording.remarks) report.warning(remark);
 
-  report.heading("Path");
-  report.plot(pathPlot(recording, outputs));
-  report.plot(overTime("Position in odom", "[m]", outputs, {"x", "y", "z"},
-                       [](const PathPoint& p, int axis) { return p.position_odom[axis]; }));
-  report.plot(overTime("Orientation", "[deg]", outputs, {"yaw", "pitch", "roll"},
-                       [](const PathPoint& p, int axis) { return degrees(p.yaw_pitch_roll_rad[axis]); }));
-  report.plot(overTime("Velocity in robot axes", "[m/s]", outputs, {"surge", "sway", "heave"},
-                       [](const PathPoint& p, int axis) { return p.velocity_robot[axis]; }));
+  addPath(report, recording, outputs);
 
   if (story.filter) {
     report.heading("Error against " + recording.reference_name);

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "report/plot.h"
 #include "report/run_info.h"
 #include "report/table.h"
 #include "tasks/task_outputs.h"
@@ -14,6 +15,10 @@ namespace fathom {
 Table errorsOverTime(const RecordingStory& recording, const TaskStory& task);
 /// One row a channel: fused, gated, mean NIS and its band.
 Table channelTable(const LocalizationSummary& summary);
+
+/// A path from above, x and y in odom; a gap where it is lost (of each pose; empty: nowhere).
+Series pathSeries(const std::string& name, const std::vector<StampedPose>& poses, Series::Style style,
+                  const std::vector<bool>& lost = {});
 
 /// Of the recording: run, reference, loss, remarks.
 nlohmann::ordered_json toJson(const RecordingStory& recording);

@@ -69,19 +69,6 @@ Plot errorPlot(const LocalizedRecording& recording, bool improved, bool angle) {
   return plot;
 }
 
-/// Without the poses that the task said are lost: they may be anywhere. `lost` may be empty.
-Series pathSeries(const std::string& name, const std::vector<StampedPose>& poses,
-                  const std::vector<bool>& lost, Series::Style style) {
-  constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
-  Series series{.name = name, .style = style};
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const bool shown = i >= lost.size() || !lost[i];
-    series.x.push_back(shown ? poses[i].T_odom_robot.position.x() : kGap);
-    series.y.push_back(shown ? poses[i].T_odom_robot.position.y() : kGap);
-  }
-  return series;
-}
-
 Plot pathPlot(const LocalizedRecording& recording, bool improved) {
   Plot plot{.title = std::string("Path from above, ") + (improved ? "improved tasks" : "the paper's tasks"),
             .x_label = "x in odom [m]",
@@ -90,10 +77,10 @@ Plot pathPlot(const LocalizedRecording& recording, bool improved) {
   for (const Estimated& estimate : estimatesOf(recording))
     if (isPlotted(estimate, improved))
       plot.series.push_back(
-          pathSeries(estimate.name, *estimate.path, estimate.task->outputs().lost(), Series::Style::kLine));
+          pathSeries(estimate.name, *estimate.path, Series::Style::kLine, estimate.task->outputs().lost()));
   if (!recording.story->reference.empty())
-    plot.series.push_back(pathSeries("reference", recording.story->reference, {}, Series::Style::kDashed));
-  plot.series.push_back(pathSeries("markers", recording.story->marker_poses, {}, Series::Style::kPoints));
+    plot.series.push_back(pathSeries("reference", recording.story->reference, Series::Style::kDashed));
+  plot.series.push_back(pathSeries("markers", recording.story->marker_poses, Series::Style::kPoints));
   return plot;
 }
 

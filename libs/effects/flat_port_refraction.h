@@ -31,8 +31,8 @@ struct FlatPortRefraction {
       .confused_with = {"focal-scale", "lens-distortion", "camera-misalignment", "marker-size"},
       .told_apart =
           "Markers near and far, across the whole image: at one range, or beyond about 1.5 m, a "
-          "camera offset along the axis with k1 and k2 absorbs most of it (8.4 mm absorb distance_m"
-          " = 0.02 to 0.33 px over 0.5 to 5 m)"};
+          "camera offset along the axis with k1 and k2 absorbs most of it (of distance_m = 0.02, "
+          "seen 36 deg off the axis over 0.5 to 5 m by a camera of 555 px, 11 mm leave 0.3 px rms)"};
   static constexpr std::array parameters{
       Parameter{.name = "distance_m",
                 .unit = "m",

@@ -25,9 +25,8 @@ void makeImages(const SimulationOptions& options, const Trajectory& trajectory, 
   std::error_code absent;
   fs::remove(files.rawlog, absent);  // it would tell of other images
   const auto panels = readPanelMaps(target.panel_map);
-  const CameraWorld world{
-      panels, seaFloorBelow(panels, options.sea_floor_z_m, Random::stream(options.seed, kSandStream)),
-      *target.environment};
+  const CameraWorld world{panels, seaFloorBelow(panels, options.sea_floor_z_m, sandOf(options.seed)),
+                          *target.environment};
   simulateImages(options, trajectory, world, files.images);
 }
 
@@ -62,6 +61,8 @@ void makeRawlog(const SimulationOptions& options, const Trajectory& trajectory, 
 }
 
 }  // namespace
+
+Random sandOf(std::uint64_t seed) { return Random::stream(seed, kSandStream); }
 
 RecordingFiles simulateRecording(const SimulationOptions& options, const Trajectory& trajectory,
                                  const RecordingTarget& target) {

@@ -68,8 +68,7 @@ void TaskOutputs::estimate(const Estimate& e) {
     marks_.push_back({e.t_s, {poses_.back().T_odom_robot, e.pose_covariance}});
   writeTumLine(trajectory_.out, poses_.back());
   results_.add(stream_, {e.time, label_, PoseSample{posePdf(e)}});
-  path_.push_back({e.t_s, m.position_odom, m.velocity_robot, yawPitchRollFromRotation(m.R_odom_robot),
-                   std::sqrt(std::max(0.0, e.pose_covariance.topLeftCorner<3, 3>().trace()))});
+  velocities_.push_back(m.velocity_robot);
   last_ = e;
 }
 

@@ -44,13 +44,6 @@ class NisWindows {
   std::vector<Window> windows_;
 };
 
-/// One point of the estimated path, as much as plots need.
-struct PathPoint {
-  double t_s = 0.0;
-  Vector3d position_odom, velocity_robot, yaw_pitch_roll_rad;
-  double position_sigma_m = 0.0;
-};
-
 /// Writes what a task gives while it runs (trajectory, innovations, its poses in the results rawlog), and
 /// keeps what the report needs.
 class TaskOutputs {
@@ -66,9 +59,10 @@ class TaskOutputs {
   /// Puts its files under their names. Throws Error.
   void finish();
 
-  const std::vector<PathPoint>& path() const { return path_; }
   const std::vector<StampedPose>& poses() const { return poses_; }
   const std::vector<bool>& lost() const { return lost_; }  ///< of each pose
+  /// Of each pose: m/s, robot axes.
+  const std::vector<Vector3d>& velocities() const { return velocities_; }
   const std::vector<StampedPose>& smoothedPoses() const { return smoothed_poses_; }
   const std::vector<Event>& events() const { return events_; }
   const std::map<Channel, NisWindows>& nis() const { return nis_; }
@@ -97,9 +91,9 @@ class TaskOutputs {
   TumFile trajectory_;
   std::unique_ptr<TumFile> smoothed_;
   InnovationLog innovations_;
-  std::vector<PathPoint> path_;
   std::vector<StampedPose> poses_, smoothed_poses_;
   std::vector<bool> lost_;
+  std::vector<Vector3d> velocities_;
   std::vector<Mark> marks_;
   std::vector<Event> events_;  ///< the first kEventsKept
   std::map<Channel, NisWindows> nis_;
