@@ -10,6 +10,17 @@ template <class T>
 using Vector2 = Eigen::Matrix<T, 2, 1>;
 using Eigen::Vector2d;
 
+/// Plumb-bob distortion: ideal image coordinates (x/z, y/z) to distorted ones.
+template <class T, class Coefficient>
+Vector2<T> plumbBob(const Vector2<T>& ideal, const Coefficient& k1, const Coefficient& k2,
+                    const Coefficient& p1, const Coefficient& p2, const Coefficient& k3) {
+  const T &x = ideal.x(), &y = ideal.y();
+  const T r2 = x * x + y * y;
+  const T radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  return {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+          y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
+}
+
 struct CameraModel {
   int width_px = 640, height_px = 480;
   double fx_px = 500, fy_px = 500, cx_px = 319.5, cy_px = 239.5;
@@ -18,11 +29,7 @@ struct CameraModel {
   /// Ideal image coordinates (x/z, y/z) to distorted ones.
   template <class T>
   Vector2<T> distort(const Vector2<T>& ideal) const {
-    const T &x = ideal.x(), &y = ideal.y();
-    const T r2 = x * x + y * y;
-    const T radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
-    return {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
-            y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
+    return plumbBob(ideal, k1, k2, p1, p2, k3);
   }
 
   /// A point in front of the camera (z > 0), camera frame, to its pixel.
@@ -45,6 +52,8 @@ struct CameraModel {
     return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < width_px - 0.5 &&
            pixel.y() < height_px - 0.5;
   }
+
+  friend bool operator==(const CameraModel&, const CameraModel&) = default;
 };
 
 }  // namespace fathom

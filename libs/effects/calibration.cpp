@@ -1,32 +1,56 @@
 #include "effects/calibration.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/text.h"
+#include "effects/catalogue.h"
 
 namespace fathom {
 namespace {
 
-/// Reads one effect's parameters where the entry's id is its id; false where it is another effect's.
-template <class Effect>
-bool readEffect(const YamlMap& entry, const std::string& id, EffectParameters<double>& result) {
-  if (id != Effect::id) return false;
-  if (result.has<Effect>()) throw entry.error("id", "effect `" + id + "` is given twice");
-  result.on.set(kEffectIndex<Effect>);
-  double* value = result.of<Effect>();
-  for (const Parameter& parameter : Effect::parameters) {
-    const std::string name(parameter.name);
-    const auto numbers = parameter.size == 1 ? std::vector<double>{entry.number(name)} : entry.numbers(name);
-    if (static_cast<int>(numbers.size()) != parameter.size)
-      throw entry.error(name, "must have " + std::to_string(parameter.size) + " numbers");
-    for (const double number : numbers) {
-      if (std::abs(number) > parameter.limit)
-        throw entry.error(name, "is beyond " + shortest(parameter.limit) + " " + std::string(parameter.unit));
-      *value++ = number;
-    }
+void readParameter(const YamlMap& entry, const Parameter& parameter, double* values) {
+  const std::string name(parameter.name);
+  if (parameter.optional && !entry.has(name)) return;
+  const auto numbers = parameter.size == 1 ? std::vector<double>{entry.number(name)} : entry.numbers(name);
+  if (static_cast<int>(numbers.size()) != parameter.size)
+    throw entry.error(name, "must have " + std::to_string(parameter.size) + " numbers");
+  for (const double number : numbers) {
+    if (std::abs(number) > parameter.limit)
+      throw entry.error(name, "is beyond " + shortest(parameter.limit) + " " + std::string(parameter.unit));
+    if (parameter.kind == ParameterKind::marker_id && (number < 0 || number != std::floor(number)))
+      throw entry.error(name, "must be a whole number, 0 or more");
+    *values++ = number;
   }
-  return true;
+}
+
+void readInterval(const YamlMap& entry, Interval& active_s) {
+  const std::string name = "active_s";
+  if (!entry.has(name)) return;
+  const auto numbers = entry.numbers(name);
+  if (numbers.size() != 2 || !(numbers[0] < numbers[1]))
+    throw entry.error(name, "must be [from, to], s, to being later");
+  active_s = {numbers[0], numbers[1]};
+}
+
+std::string formatNumbers(const double* values, int size) {
+  std::string text = size > 1 ? "[" : "";
+  for (int i = 0; i < size; ++i) text += (i > 0 ? ", " : "") + shortest(values[i]);
+  return text + (size > 1 ? "]" : "");
+}
+
+std::string formatEffect(const EffectInfo& effect, const EffectParameters<double>& parameters) {
+  std::string text = "{id: " + std::string(effect.id);
+  const double* value = parameters.values.data() + effect.first_scalar;
+  for (const Parameter& parameter : effect.parameters) {
+    text += ", " + std::string(parameter.name) + ": " + formatNumbers(value, parameter.size);
+    value += parameter.size;
+  }
+  const Interval& active_s = parameters.active_s[effect.index];
+  if (active_s != Interval{}) {
+    const std::array<double, 2> ends{active_s.from_s, active_s.to_s};
+    text += ", active_s: " + formatNumbers(ends.data(), 2);
+  }
+  return text + "}";
 }
 
 }  // namespace
@@ -35,13 +59,17 @@ EffectParameters<double> parseCalibration(const YamlMap& map) {
   EffectParameters<double> result;
   for (const YamlMap& entry : map.maps("effects")) {
     const std::string id = entry.text("id");
-    bool found = false;
-    forEachEffect([&]<class Effect>() { found = found || readEffect<Effect>(entry, id, result); });
-    if (found) continue;
-    std::string known;
-    for (const EffectInfo& effect : allEffects()) known.append(known.empty() ? "" : ", ").append(effect.id);
-    throw entry.error(
-        "id", std::string("unknown effect `").append(id).append("` (known: ").append(known).append(")"));
+    const EffectInfo* effect = findEffect(id);
+    if (effect == nullptr)
+      throw entry.error("id", "unknown effect `" + id + "` (known: " + knownEffects() + ")");
+    if (result.on[effect->index]) throw entry.error("id", "effect `" + id + "` is given twice");
+    result.on.set(effect->index);
+    double* value = result.values.data() + effect->first_scalar;
+    for (const Parameter& parameter : effect->parameters) {
+      readParameter(entry, parameter, value);
+      value += parameter.size;
+    }
+    readInterval(entry, result.active_s[effect->index]);
   }
   return result;
 }
@@ -55,26 +83,9 @@ EffectParameters<double> readCalibration(const std::filesystem::path& file) {
 
 std::string formatCalibration(const EffectParameters<double>& parameters) {
   std::string text = "effects:";
-  forEachEffect([&]<class Effect>() {
-    if (!parameters.has<Effect>()) return;
-    text += "\n  - {id: " + std::string(Effect::id);
-    const double* value = parameters.of<Effect>();
-    for (const Parameter& parameter : Effect::parameters) {
-      text += ", " + std::string(parameter.name) + ": " + (parameter.size > 1 ? "[" : "");
-      for (int i = 0; i < parameter.size; ++i) text += (i ? ", " : "") + shortest(*value++);
-      text += parameter.size > 1 ? "]" : "";
-    }
-    text += "}";
-  });
+  for (const EffectInfo& effect : allEffects())
+    if (parameters.on[effect.index]) text += "\n  - " + formatEffect(effect, parameters);
   return text + (parameters.on.any() ? "\n" : " []\n");
-}
-
-std::vector<EffectInfo> allEffects() {
-  std::vector<EffectInfo> effects;
-  forEachEffect([&]<class Effect>() {
-    effects.push_back({Effect::id, {Effect::parameters.begin(), Effect::parameters.end()}});
-  });
-  return effects;
 }
 
 }  // namespace fathom

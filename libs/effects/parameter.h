@@ -4,14 +4,26 @@
 
 namespace fathom {
 
+/// What a fit can do with a parameter.
+enum class ParameterKind {
+  continuous,  ///< readings depend on it smoothly: a fit may differentiate
+  marker_id,   ///< a whole number, one of the panel map's ids: tried one by one
+  time         ///< s since the recording's first entry, of a step: derivatives are zero, so searched
+};
+
 /// One named parameter of an effect, a scalar or a list of three. Neutral is always zero: at zero the effect
 /// changes nothing, so every effect's size is also its distance from "not there".
 struct Parameter {
-  std::string_view name;   ///< with the unit as suffix, e.g. "offset_m"
-  std::string_view unit;   ///< "1", "m", "deg", "s", …
-  int size = 1;            ///< 1, or 3 for x y z
-  double prior_sigma = 0;  ///< how large an engineer would expect it, same unit: keeps near-aliases apart
-  double limit = 0;        ///< |value| beyond this is a mistake in a calibration file, same unit
+  std::string_view name{};  ///< with the unit as suffix, e.g. "offset_m"
+  std::string_view unit{};  ///< "1", "m", "deg", "s", …
+  int size = 1;             ///< 1, or 3 for x y z
+  /// How large an engineer would expect it, same unit: keeps near-aliases apart. 0 where it is not
+  /// continuous: any is as likely.
+  double prior_sigma = 0;
+  double limit = 0;  ///< |value| beyond this is a mistake in a calibration file, same unit
+  ParameterKind kind = ParameterKind::continuous;
+  bool optional = false;     ///< a calibration file may leave it out: zero
+  std::string_view usual{};  ///< what it stands for and its usual range
 };
 
 }  // namespace fathom

@@ -8,21 +8,40 @@
 #include <utility>
 
 #include "effects/accelerometer_bias.h"
+#include "effects/camera_latency.h"
+#include "effects/camera_misalignment.h"
 #include "effects/dvl_latency.h"
 #include "effects/dvl_lever_arm.h"
 #include "effects/dvl_misalignment.h"
 #include "effects/dvl_scale.h"
+#include "effects/earth_rotation.h"
+#include "effects/flat_port_refraction.h"
+#include "effects/focal_scale.h"
 #include "effects/gyro_bias.h"
+#include "effects/gyro_scale.h"
+#include "effects/ins_latency.h"
+#include "effects/ins_misalignment.h"
+#include "effects/lens_distortion.h"
+#include "effects/marker_moved.h"
+#include "effects/marker_size.h"
+#include "effects/panel_moved.h"
+#include "effects/pressure_density.h"
 #include "effects/pressure_offset.h"
+#include "effects/rolling_shutter.h"
+#include "effects/water_current.h"
 
-/// To add an effect: write libs/effects/NAME.h like its neighbours, include it here and add it to AllEffects.
-/// Simulator, filter, calibration file and the property test over the registry then know it.
+/// To add an effect: see libs/effects/README.md. Simulator, filter, calibration file, `fathom effects` and
+/// the property tests over the registry then know it.
 namespace fathom {
 
 /// The only registration. Effects at the same stage are applied in this order: a misalignment turns the
-/// mounting before a lever arm moves it, a scale acts on what the sensor would have read.
-using AllEffects = std::tuple<DvlMisalignment, DvlLeverArm, DvlLatency, DvlScale, GyroBias, AccelerometerBias,
-                              PressureOffset>;
+/// mounting before a lever arm moves it, a scale acts on what the sensor would have read, a bias is added to
+/// that.
+using AllEffects =
+    std::tuple<DvlMisalignment, DvlLeverArm, DvlLatency, WaterCurrent, DvlScale, EarthRotation, GyroScale,
+               GyroBias, AccelerometerBias, InsMisalignment, InsLatency, PressureDensity, PressureOffset,
+               FlatPortRefraction, FocalScale, LensDistortion, CameraMisalignment, CameraLatency,
+               RollingShutter, MarkerMoved, MarkerSize, PanelMoved>;
 
 inline constexpr std::size_t kEffectCount = std::tuple_size_v<AllEffects>;
 
@@ -57,11 +76,21 @@ inline constexpr std::size_t kEffectIndex = detail::effectIndex<Effect>();
 /// Where each effect's scalars start in EffectParameters::values; the last entry is the total.
 inline constexpr auto kEffectOffsets = detail::effectOffsets(std::make_index_sequence<kEffectCount>{});
 
-/// Which effects are on, and with which parameters. All off: the nominal model.
+/// From when to when, s since the recording's first entry. The default outlasts every recording.
+struct Interval {
+  static constexpr double kForever_s = 1e9;
+  double from_s = -kForever_s, to_s = kForever_s;
+
+  bool contains(double t_s) const { return from_s <= t_s && t_s <= to_s; }
+  friend bool operator==(const Interval&, const Interval&) = default;
+};
+
+/// Which effects are on, when, and with which parameters. All off: the nominal model.
 template <class T>
 struct EffectParameters {
   std::array<T, kEffectOffsets[kEffectCount]> values{};
   std::bitset<kEffectCount> on;
+  std::array<Interval, kEffectCount> active_s{};
 
   template <class Effect>
   T* of() {
@@ -75,20 +104,25 @@ struct EffectParameters {
   bool has() const {
     return on[kEffectIndex<Effect>];
   }
+  bool isActive(std::size_t effect, double t_s) const { return on[effect] && active_s[effect].contains(t_s); }
+
   /// Switches an effect on and adds to its parameters: a calibrated bias and a random one add up.
   template <class Effect>
   void add(const std::array<T, parameterSize<Effect>()>& increment) {
     on.set(kEffectIndex<Effect>);
     for (std::size_t i = 0; i < increment.size(); ++i) of<Effect>()[i] += increment[i];
   }
-  /// The same parameters as another scalar, e.g. constants among Jets.
+  /// What is active at one time, on for good and as another scalar, e.g. constants among Jets: what acts at
+  /// all times (a bias that a filter carries) can be added to it.
   template <class U>
-  EffectParameters<U> cast() const {
-    EffectParameters<U> other;
-    other.on = on;
-    for (std::size_t i = 0; i < values.size(); ++i)
-      if (on.any()) other.values[i] = U(values[i]);
-    return other;
+  EffectParameters<U> at(double t_s) const {
+    EffectParameters<U> now;
+    for (std::size_t e = 0; on.any() && e < kEffectCount; ++e) {
+      if (!isActive(e, t_s)) continue;
+      now.on.set(e);
+      for (std::size_t i = kEffectOffsets[e]; i < kEffectOffsets[e + 1]; ++i) now.values[i] = U(values[i]);
+    }
+    return now;
   }
 };
 
@@ -100,15 +134,27 @@ void forEachEffect(F&& f) {
   }(static_cast<AllEffects*>(nullptr));
 }
 
-/// Applies every effect that acts at this stage and is on.
+/// Applies every effect that acts at this stage and is active t_s after the recording's first entry: the
+/// entry's time stamp, whatever its latency.
 template <class T, class Stage>
-void applyEffects(const EffectParameters<T>& parameters, Stage& stage) {
+void applyEffects(const EffectParameters<T>& parameters, double t_s, Stage& stage) {
   if (parameters.on.none()) return;
   forEachEffect([&]<class Effect>() {
     if constexpr (std::is_same_v<typename Effect::template Stage<T>, Stage>)
-      if (parameters.template has<Effect>())
+      if (parameters.isActive(kEffectIndex<Effect>, t_s))
         Effect::template apply<T>(parameters.template of<Effect>(), stage);
   });
+}
+
+/// Whether any of the effects that act at this stage (of double) is on, at whatever time.
+template <class Stage, class T>
+bool anyActsAt(const EffectParameters<T>& parameters) {
+  bool any = false;
+  forEachEffect([&]<class Effect>() {
+    if constexpr (std::is_same_v<typename Effect::template Stage<double>, Stage>)
+      any = any || parameters.template has<Effect>();
+  });
+  return any;
 }
 
 }  // namespace fathom

@@ -3,10 +3,13 @@
 #include "core/geometry.h"
 
 /// The stages of the forward model at which an effect can act: each is a quantity on its way from the true
-/// state to what a sensor reads. libs/sensors calls applyEffects() at each of them.
+/// state to what a sensor reads. libs/sensors calls applyEffects() at each of them. What starts as the
+/// nominal model has it is the effects' to change; members called context are theirs to look at.
 namespace fathom {
 
-enum class Sensor { ins, dvl, depth };
+enum class Sensor { ins, dvl, depth, camera };
+
+// Of any sensor.
 
 /// Where the sensor truly sits: starts as the nominal mounting.
 template <class T, Sensor S>
@@ -21,16 +24,20 @@ struct ValidityOffset {
   T seconds = T(0);
 };
 
+// Navigation.
+
 /// A DVL's velocity over ground, sensor frame, m/s.
 template <class T>
 struct DvlVelocity {
   Vector3<T> velocity_dvl = Vector3<T>::Zero();
+  Matrix3<T> R_odom_dvl = Matrix3<T>::Identity();  ///< context
 };
 
 /// Gyro reading, INS frame, rad/s.
 template <class T>
 struct GyroReading {
   Vector3<T> angular_velocity_ins = Vector3<T>::Zero();
+  Matrix3<T> R_odom_ins = Matrix3<T>::Identity();  ///< context
 };
 
 /// Accelerometer reading, INS frame, m/s² (specific force).
@@ -39,11 +46,64 @@ struct AccelerometerReading {
   Vector3<T> specific_force_ins = Vector3<T>::Zero();
 };
 
+/// The water above the depth sensor: starts as the vehicle file has it.
+template <class T>
+struct SeaWater {
+  T density_kg_m3 = T(0);
+};
+
 /// Absolute pressure at the sensor, Pa.
 template <class T>
 struct PressureReading {
   T pressure_pa = T(0);
 };
+
+// Marker geometry.
+
+/// A marker on its panel: starts as the panel map has it.
+template <class T>
+struct MarkerPlacement {
+  int id = 0;                                      ///< context
+  T size_m = T(0);                                 ///< side of the border square
+  Vector3<T> position_panel = Vector3<T>::Zero();  ///< of its centre, m
+  Matrix3<T> R_panel_marker = Matrix3<T>::Identity();
+};
+
+/// A panel in the world: starts as the panel map has it.
+template <class T>
+struct PanelPlacement {
+  double t_s = 0;  ///< context: since the recording's first entry
+  Vector3<T> position_odom = Vector3<T>::Zero();
+  Matrix3<T> R_odom_panel = Matrix3<T>::Identity();
+};
+
+/// A flat port before the camera: parallel layers of air and glass, and water behind. See
+/// sensors/flat_port.h.
+template <class T>
+struct FlatPort {
+  bool present = false;  ///< false: straight lines of sight
+  T distance_m = T(0);   ///< from the camera's centre to the glass, along the port's normal
+  T glass_m = T(0);      ///< thickness
+  T tilt_x_rad = T(0);   ///< the normal is Exp(tilt_x, tilt_y, 0) z, camera frame
+  T tilt_y_rad = T(0);
+  T index_error = T(0);  ///< water's refractive index over that which the intrinsics contain, minus 1
+};
+
+/// Pinhole and plumb-bob lens, as in CameraModel: starts as the nominal camera.
+template <class T>
+struct Intrinsics {
+  T fx_px = T(1), fy_px = T(1), cx_px = T(0), cy_px = T(0);
+  T k1 = T(0), k2 = T(0), p1 = T(0), p2 = T(0), k3 = T(0);
+};
+
+/// When the image's rows are read: row v at the first one's time + readout_s v / height.
+template <class T>
+struct Shutter {
+  bool rolling = false;  ///< false: all rows at once
+  T readout_s = T(0);
+};
+
+// Image.
 
 /// One pixel's light on its way from the scene to the camera. A depth is optical: attenuation times way, one
 /// a colour channel (red, green, blue). Both start as the base model has them, attenuation times z.

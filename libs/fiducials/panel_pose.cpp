@@ -28,7 +28,7 @@ double chiSquareQuantile(double degrees_of_freedom, double probability) {
 
 /// A marker of the map as a camera saw it.
 struct Sighting {
-  const CameraModel* camera;
+  CameraProjector<double> projector;
   Pose T_camera_first;  ///< from the first camera's frame, in which poses are, to this one's
   std::size_t camera_index, detection;
   const Marker* marker;
@@ -47,7 +47,7 @@ std::vector<Sighting> sightingsOf(const std::vector<CameraDetections>& cameras, 
       const Eigen::LLT<Matrix8d> root(detection.covariance_px2);
       if (root.info() != Eigen::Success) continue;
       const Matrix8d whitener = root.matrixL().solve(Matrix8d::Identity());
-      sightings.push_back({&cameras[c].camera, cameras[c].T_first_camera.inverse(), c, i, marker,
+      sightings.push_back({cameras[c].trueProjector(), cameras[c].T_first_camera.inverse(), c, i, marker,
                            detection.corners_px, marker->corners_panel(), whitener});
     }
   return sightings;
@@ -57,7 +57,6 @@ std::vector<Sighting> sightingsOf(const std::vector<CameraDetections>& cameras, 
 /// UncertainPose.
 std::optional<Vector8d> reprojection(const Sighting& sighting, const Pose& T_first_panel, Matrix86d* J) {
   using Jet = ceres::Jet<double, 3>;
-  const CameraModel& camera = *sighting.camera;
   const Pose T_camera_panel = sighting.T_camera_first * T_first_panel;
   Vector8d residual;
   for (std::size_t k = 0; k < 4; ++k) {
@@ -65,11 +64,11 @@ std::optional<Vector8d> reprojection(const Sighting& sighting, const Pose& T_fir
     if (point.z() < kNearest_m) return std::nullopt;
     const auto row = static_cast<Eigen::Index>(2 * k);
     if (J == nullptr) {
-      residual.segment<2>(row) = camera.project(point) - sighting.corners_px[k];
+      residual.segment<2>(row) = sighting.projector.project(point) - sighting.corners_px[k];
       continue;
     }
     const Vector2<Jet> pixel =
-        camera.project(Vector3<Jet>(Jet(point.x(), 0), Jet(point.y(), 1), Jet(point.z(), 2)));
+        sighting.projector.project(Vector3<Jet>(Jet(point.x(), 0), Jet(point.y(), 1), Jet(point.z(), 2)));
     residual.segment<2>(row) = Vector2d(pixel.x().a, pixel.y().a) - sighting.corners_px[k];
     Eigen::Matrix<double, 2, 3> by_point;
     by_point << pixel.x().v.transpose(), pixel.y().v.transpose();
@@ -360,6 +359,25 @@ PanelPoseEstimate solvePanelPose(const std::vector<CameraDetections>& cameras, c
     estimate.alternative = {mirrored.pose, increase};
   describeMarkers(sightings, inliers, estimate);
   return estimate;
+}
+
+std::vector<Detection> straightened(const CameraDetections& seen, const PanelMap& map,
+                                    const Pose& T_first_panel) {
+  const Pose T_camera_panel = seen.T_first_camera.inverse() * T_first_panel;
+  const CameraProjector<double> projector = seen.trueProjector();
+  std::vector<Detection> straight;
+  for (Detection detection : seen.detections) {
+    const Marker* marker = markerOf(detection, map);
+    if (marker == nullptr) continue;
+    const auto corners_panel = marker->corners_panel();
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vector3d point = T_camera_panel * corners_panel[k];
+      if (point.z() > kNearest_m)
+        detection.corners_px[k] += seen.camera.project(point) - projector.project(point);
+    }
+    straight.push_back(std::move(detection));
+  }
+  return straight;
 }
 
 Pose mirrorImage(const Pose& T_camera_panel, const Vector3d& centre_panel) {

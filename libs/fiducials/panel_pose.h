@@ -8,6 +8,7 @@
 #include "core/uncertain_pose.h"
 #include "fiducials/detection.h"
 #include "panel/panel_map.h"
+#include "sensors/camera_geometry.h"
 
 namespace fathom {
 
@@ -16,7 +17,19 @@ struct CameraDetections {
   std::vector<Detection> detections;
   CameraModel camera;
   Pose T_first_camera;  ///< this camera on the first one; taken as exact
+  /// Where the camera sees things, if otherwise than `camera` says: a port that bends the light, rows that
+  /// are read one after the other. `camera` is then near enough to start from.
+  std::optional<CameraProjector<double>> projector{};
+
+  CameraProjector<double> trueProjector() const {
+    return projector.value_or(CameraProjector<double>::nominal(camera));
+  }
 };
+
+/// Corners as `camera` would have seen them, had it no projector of its own: moved by what the two differ by
+/// where the panel's pose has them. Markers that the map has not are left out.
+std::vector<Detection> straightened(const CameraDetections& seen, const PanelMap& map,
+                                    const Pose& T_first_panel);
 
 /// What one marker has to say to the panel's pose.
 struct MarkerFit {

@@ -8,6 +8,26 @@
 namespace fathom {
 namespace fs = std::filesystem;
 
+namespace {
+
+/// The robot's motion as its navigation sensors tell it, noise and all: enough for the few centiseconds that
+/// an image takes.
+struct LatestMotion {
+  Vector3d velocity_robot = Vector3d::Zero(), angular_velocity_robot = Vector3d::Zero();
+
+  void look(const Sample& sample) {
+    const auto* ins = std::get_if<InsSample>(&sample.reading);
+    if (ins != nullptr && ins->angular_velocity_ins)
+      angular_velocity_robot = ins->T_robot_ins.rotation * *ins->angular_velocity_ins;
+    const auto* dvl = std::get_if<DvlSample>(&sample.reading);
+    if (dvl != nullptr && dvl->velocity_dvl)
+      velocity_robot = dvl->T_robot_dvl.rotation * *dvl->velocity_dvl -
+                       angular_velocity_robot.cross(dvl->T_robot_dvl.position);
+  }
+};
+
+}  // namespace
+
 bool isImage(const Sample& sample) {
   return std::holds_alternative<ImageSample>(sample.reading) ||
          std::holds_alternative<StereoSample>(sample.reading);
@@ -30,9 +50,15 @@ std::optional<ImageEntry> imageEntry(const Sample& sample, const fs::path& image
 
 std::vector<ImageEntry> imageEntries(SampleSource& source) {
   std::vector<ImageEntry> entries;
+  LatestMotion motion;
   Progress progress("looking for images");
   while (const auto sample = source.next()) {
-    if (auto entry = imageEntry(*sample, source.imageFolder())) entries.push_back(std::move(*entry));
+    motion.look(*sample);
+    if (auto entry = imageEntry(*sample, source.imageFolder())) {
+      entry->velocity_robot = motion.velocity_robot;
+      entry->angular_velocity_robot = motion.angular_velocity_robot;
+      entries.push_back(std::move(*entry));
+    }
     progress.update(source.fraction());
   }
   return entries;

@@ -24,6 +24,8 @@ struct ImageEntry {
   Time time;
   Pose T_robot_camera;    ///< the first eye's mounting
   std::vector<Eye> eyes;  ///< one; of a pair two, the left one first
+  /// As the latest DVL and gyro entries before it say, robot axes; zero where there is none.
+  Vector3d velocity_robot = Vector3d::Zero(), angular_velocity_robot = Vector3d::Zero();
 };
 
 /// Whether a sample is an image or a pair of them.

@@ -3,17 +3,64 @@
 #include <atomic>
 
 #include "core/for_each.h"
+#include "sensors/camera_geometry.h"
+#include "sensors/true_panel.h"
 
 namespace fathom {
 namespace {
 
-std::vector<CameraDetections> seenBy(const ImageEntry& entry, const Detections& detections) {
-  std::vector<CameraDetections> cameras;
-  for (const ImageEntry::Eye& eye : entry.eyes)
-    if (const auto* found = detections.find(eye.image.file))
-      cameras.push_back({*found, eye.image.camera, eye.T_first_camera});
-  return cameras;
-}
+/// One entry's camera and panels as they truly are.
+class TrueEntry {
+ public:
+  TrueEntry(const ImageEntry& entry, const LandmarkCalibration& calibration)
+      : entry_(entry),
+        effects_(calibration.effects),
+        t_s_(effects_.on.any() ? secondsBetween(calibration.time_zero, entry.time) : 0.0) {
+    motion_.velocity_robot = entry.velocity_robot;
+    motion_.angular_velocity_robot = entry.angular_velocity_robot;
+  }
+
+  Pose T_robot_camera() const {
+    const auto mount = cameraMounting(entry_.T_robot_camera, effects_, t_s_);
+    return {mount.R_robot_sensor, mount.position_robot};
+  }
+
+  std::vector<CameraDetections> seen(const Detections& detections) const {
+    std::vector<CameraDetections> cameras;
+    for (const ImageEntry::Eye& eye : entry_.eyes)
+      if (const auto* found = detections.find(eye.image.file)) cameras.push_back(seen(eye, *found));
+    return cameras;
+  }
+
+  /// With the markers where they truly are, in the frame in which T_odom_panel holds.
+  std::vector<PanelMap> panels(const std::vector<PanelMap>& maps) const {
+    if (!movesPanels(effects_)) return maps;
+    std::vector<PanelMap> there;
+    for (const PanelMap& map : maps) {
+      PanelMap panel = truePanel(map, effects_, t_s_);
+      const Pose T_map_panel = map.T_odom_panel.inverse() * panel.T_odom_panel;
+      for (Marker& marker : panel.markers) marker.T_panel_marker = T_map_panel * marker.T_panel_marker;
+      panel.T_odom_panel = map.T_odom_panel;
+      there.push_back(std::move(panel));
+    }
+    return there;
+  }
+
+ private:
+  CameraDetections seen(const ImageEntry::Eye& eye, const std::vector<Detection>& found) const {
+    const CameraModel& nominal = eye.image.camera;
+    const auto mount = cameraMounting(entry_.T_robot_camera, effects_, t_s_, eye.T_first_camera);
+    const auto projector = movingWith(motion_, mount, cameraProjector(nominal, effects_, t_s_));
+    CameraDetections seen{found, projector.lensModel(nominal), eye.T_first_camera};
+    if (projector.port.present || projector.shutter.rolling) seen.projector = projector;
+    return seen;
+  }
+
+  const ImageEntry& entry_;
+  const EffectParameters<double>& effects_;
+  double t_s_;
+  KinematicState<double> motion_;
+};
 
 void count(Sightings& sightings) {
   for (const Sighting& sighting : sightings.by_entry) {
@@ -26,14 +73,16 @@ void count(Sightings& sightings) {
 }  // namespace
 
 Sightings solveSightings(const std::vector<ImageEntry>& entries, const Detections& detections,
-                         const std::vector<PanelMap>& panels, const PanelPoseOptions& options) {
+                         const std::vector<PanelMap>& panels, const LandmarkCalibration& calibration,
+                         const PanelPoseOptions& options) {
   Sightings sightings;
   sightings.by_entry.resize(entries.size());
   std::atomic<std::size_t> without_file = 0;
   forEachIndex(entries.size(), "solving for the panels", [&](std::size_t i) {
-    const auto cameras = seenBy(entries[i], detections);
+    const TrueEntry entry(entries[i], calibration);
+    const auto cameras = entry.seen(detections);
     if (cameras.size() < entries[i].eyes.size()) ++without_file;
-    sightings.by_entry[i] = sightingOf(cameras, entries[i].T_robot_camera, panels, options);
+    sightings.by_entry[i] = sightingOf(cameras, entry.T_robot_camera(), entry.panels(panels), options);
   });
   sightings.without_file = without_file;
   count(sightings);

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 
+#include "effects/registry.h"
 #include "landmarks/detection_cache.h"
 #include "landmarks/image_entry.h"
 #include "landmarks/sighting.h"
@@ -19,10 +20,19 @@ struct Sightings {
   std::map<std::string, std::size_t> panels_unused;  ///< by the reason why
 };
 
+/// What is known of camera and panels beyond entries and maps.
+struct LandmarkCalibration {
+  EffectParameters<double> effects;
+  Time time_zero{};  ///< the recording's first entry
+};
+
 /// Solves every entry for its panels' poses, all cores at once. Of a pair with one file that could not be
-/// read, the other one counts. Throws Interrupted.
+/// read, the other one counts. With a calibration, camera and markers are taken as they truly are; a panel's
+/// pose is that of the frame in which its map's T_odom_panel holds, wherever it was pushed. Throws
+/// Interrupted.
 Sightings solveSightings(const std::vector<ImageEntry>& entries, const Detections& detections,
-                         const std::vector<PanelMap>& panels, const PanelPoseOptions& options = {});
+                         const std::vector<PanelMap>& panels, const LandmarkCalibration& calibration = {},
+                         const PanelPoseOptions& options = {});
 
 /// Another source's samples, and behind each image what its markers tell, at the image's time: MARKERS (a
 /// PoseSample), PANEL and MARKER_SIGHTS, each where there is something to tell.

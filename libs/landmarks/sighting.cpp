@@ -33,12 +33,24 @@ struct MeanPose {
   }
 };
 
+/// What single markers can be solved from, which know pinholes only: where the camera is none, nothing
+/// without the joint solution.
+std::vector<Detection> forPinhole(const CameraDetections& seen, const PanelMap& panel,
+                                  const PanelPoseEstimate& joint) {
+  if (!seen.projector) return seen.detections;
+  if (!joint.solved) return {};
+  return straightened(seen, panel, joint.T_camera_panel.pose);
+}
+
+/// `joint` are the joint solutions, by panel.
 std::optional<PoseSample> meanRobot(const std::vector<CameraDetections>& cameras, const Pose& T_robot_camera,
-                                    const std::vector<PanelMap>& panels) {
+                                    const std::vector<PanelMap>& panels,
+                                    const std::vector<PanelPoseEstimate>& joint) {
   MeanPose mean;
-  for (const PanelMap& panel : panels)
+  for (std::size_t i = 0; i < panels.size(); ++i)
     for (const CameraDetections& seen : cameras) {
-      const auto T_camera_panel = meanOfMarkers(seen.detections, panel, seen.camera);
+      const PanelMap& panel = panels[i];
+      const auto T_camera_panel = meanOfMarkers(forPinhole(seen, panel, joint[i]), panel, seen.camera);
       if (!T_camera_panel) continue;
       const Pose T_robot_panel = T_robot_camera * seen.T_first_camera * *T_camera_panel;
       mean.add(panel.T_odom_panel * T_robot_panel.inverse(),
@@ -105,18 +117,17 @@ Pose forwardFrame() {
 
 Sighting sightingOf(const std::vector<CameraDetections>& cameras, const Pose& T_robot_camera,
                     const std::vector<PanelMap>& panels, const PanelPoseOptions& options) {
-  Sighting sighting{meanRobot(cameras, T_robot_camera, panels),
-                    {T_robot_camera, {}},
-                    {T_robot_camera * forwardFrame(), {}},
-                    {}};
+  Sighting sighting{{}, {T_robot_camera, {}}, {T_robot_camera * forwardFrame(), {}}, {}};
+  std::vector<PanelPoseEstimate> estimates;
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const std::size_t count = countOn(panels[i], cameras);
-    if (count == 0) continue;
     const int index = static_cast<int>(i);
     PanelPoseOptions panel_options = options;
     if (count == 1)
       panel_options.ambiguity_chi_square = std::max(options.ambiguity_chi_square, kLoneMarkerChiSquare);
-    const PanelPoseEstimate estimate = solvePanelPose(cameras, panels[i], panel_options);
+    const auto& estimate = estimates.emplace_back(
+        count > 0 ? solvePanelPose(cameras, panels[i], panel_options) : PanelPoseEstimate{});
+    if (count == 0) continue;
     if (!estimate.solved || estimate.isAmbiguous()) {
       sighting.unused.push_back({index, estimate.solved ? kAmbiguous : estimate.why_not});
       continue;
@@ -124,6 +135,7 @@ Sighting sightingOf(const std::vector<CameraDetections>& cameras, const Pose& T_
     sighting.panels.panels.push_back({index, estimate.T_camera_panel});
     addMarkers(estimate, cameras, panels[i], sighting.markers.markers);
   }
+  sighting.robot = meanRobot(cameras, T_robot_camera, panels, estimates);
   return sighting;
 }
 

@@ -1,6 +1,7 @@
 #include "localization/alignment.h"
 
 #include "localization/measurements.h"
+#include "sensors/models.h"
 
 namespace fathom {
 namespace {
@@ -25,30 +26,45 @@ struct FirstReadings {
   std::optional<Matrix3d> R_odom_robot;
 };
 
-void read(const InsSample& s, FirstReadings& first) {
-  const Matrix3d& R = s.T_robot_ins.rotation;
+/// How the sensor truly sits.
+template <Sensor S>
+Matrix3d mountedAt(const Pose& nominal, const LocalizationSetup& setup, const Sample& sample) {
+  const double t_s = secondsBetween(setup.time_zero, sample.time);
+  return detail::mounting<S>(nominal, setup.calibration, t_s).R_robot_sensor;
+}
+
+void read(const InsSample& s, const Matrix3d& R, FirstReadings& first) {
   if (s.specific_force_ins) first.specific_force.add(R * *s.specific_force_ins);
   if (s.angular_velocity_ins) first.rate.add(R * *s.angular_velocity_ins);
   if (s.R_odom_ins && !first.R_odom_robot && s.R_odom_ins->allFinite())
     first.R_odom_robot = *s.R_odom_ins * R.transpose();
 }
 
-void read(const DvlSample& s, FirstReadings& first) {
-  if (s.velocity_dvl && first.velocity.count == 0)
-    first.velocity.add(s.T_robot_dvl.rotation * *s.velocity_dvl);
+void read(const DvlSample& s, const Matrix3d& R, FirstReadings& first) {
+  if (s.velocity_dvl && first.velocity.count == 0) first.velocity.add(R * *s.velocity_dvl);
+}
+
+/// Height of the robot if it were level: pressure is linear in it.
+double height_m(const DepthSample& depth, double t_s, const LocalizationSetup& setup) {
+  const auto pressureAt = [&](double z) {
+    KinematicState<double> level;
+    level.position_odom.z() = z;
+    return predictPressure(level, World<double>{setup.vehicle.gravityOdom()}, *setup.vehicle.depth,
+                           depth.T_robot_depth, setup.calibration, t_s);
+  };
+  const double at_surface = pressureAt(0), a_metre_below = pressureAt(-1);
+  return (at_surface - depth.pressure_pa) / (a_metre_below - at_surface);
 }
 
 FirstReadings readAll(const LocalizationSetup& setup, const std::vector<Sample>& samples) {
   FirstReadings first;
   for (const Sample& sample : samples) {
-    if (const auto* ins = std::get_if<InsSample>(&sample.reading)) read(*ins, first);
-    if (const auto* dvl = std::get_if<DvlSample>(&sample.reading)) read(*dvl, first);
-    if (const auto* depth = std::get_if<DepthSample>(&sample.reading); depth && setup.vehicle.depth) {
-      const DepthSheet& sheet = *setup.vehicle.depth;
-      const double z = (sheet.atmospheric_pressure_pa - depth->pressure_pa) /
-                       (sheet.water_density_kg_m3 * setup.vehicle.gravity_m_s2);
-      first.depth_z.add({0, 0, z - depth->T_robot_depth.position.z()});
-    }
+    if (const auto* ins = std::get_if<InsSample>(&sample.reading))
+      read(*ins, mountedAt<Sensor::ins>(ins->T_robot_ins, setup, sample), first);
+    if (const auto* dvl = std::get_if<DvlSample>(&sample.reading))
+      read(*dvl, mountedAt<Sensor::dvl>(dvl->T_robot_dvl, setup, sample), first);
+    if (const auto* depth = std::get_if<DepthSample>(&sample.reading); depth && setup.vehicle.depth)
+      first.depth_z.add({0, 0, height_m(*depth, secondsBetween(setup.time_zero, sample.time), setup)});
     if (const auto* pose = std::get_if<PoseSample>(&sample.reading); pose && sample.label == labels::kUsbl)
       first.usbl.add(Pose::fromMrpt(pose->T_odom_robot.mean).position);
     if (const auto* beams = std::get_if<DvlBeamsSample>(&sample.reading)) {

@@ -86,6 +86,8 @@ class Fuser {
 
   void fuse(GatedFilter<N>& state, const Sample& sample, double t_s, FusionLog& log) const {
     ErrorStateFilter<N>& filter = state.filter;
+    MeasurementContext context = context_;
+    context.t_s = secondsBetween(setup_.time_zero, sample.time);
     const auto update = [&](Channel channel, const auto& m) {
       constexpr int M = std::remove_cvref_t<decltype(m.residual)>::RowsAtCompileTime;
       Rejections& rejected = state.rejected[static_cast<std::size_t>(channel)];
@@ -98,10 +100,12 @@ class Fuser {
         rejected.template add<M>(m.residual, m.R, gate);
       log.innovations.push_back({t_s, channel, M, nis, believed || nis <= gate, rejected.in_a_row});
     };
-    if (const auto* ins = std::get_if<InsSample>(&sample.reading)) fuseIns(filter, *ins, update);
-    if (const auto* dvl = std::get_if<DvlSample>(&sample.reading)) fuseDvl(filter, *dvl, update);
-    if (const auto* beams = std::get_if<DvlBeamsSample>(&sample.reading)) fuseBeams(filter, *beams, update);
-    if (const auto* depth = std::get_if<DepthSample>(&sample.reading)) fuseDepth(filter, *depth, update);
+    if (const auto* ins = std::get_if<InsSample>(&sample.reading)) fuseIns(filter, *ins, context, update);
+    if (const auto* dvl = std::get_if<DvlSample>(&sample.reading)) fuseDvl(filter, *dvl, context, update);
+    if (const auto* beams = std::get_if<DvlBeamsSample>(&sample.reading))
+      fuseBeams(filter, *beams, context, update);
+    if (const auto* depth = std::get_if<DepthSample>(&sample.reading))
+      fuseDepth(filter, *depth, context, update);
     if (const auto* pose = std::get_if<PoseSample>(&sample.reading)) {
       if (sample.label == labels::kUsbl) fuseUsbl(filter, *pose, update);
       if (sample.label == labels::kMarkers && uses(Channel::landmark))
@@ -117,34 +121,37 @@ class Fuser {
   bool uses(Channel channel) const { return fused_[static_cast<std::size_t>(channel)]; }
 
   template <class Update>
-  void fuseIns(ErrorStateFilter<N>& f, const InsSample& s, const Update& update) const {
+  void fuseIns(ErrorStateFilter<N>& f, const InsSample& s, const MeasurementContext& context,
+               const Update& update) const {
     if (!setup_.vehicle.ins) return;
     const InsSheet& sheet = *setup_.vehicle.ins;
     if (s.angular_velocity_ins && uses(Channel::gyro))
       update(Channel::gyro, SensorMeasurements<N>::gyro(f.x, *s.angular_velocity_ins, s.T_robot_ins,
-                                                        sheet.gyro_sigma_rad_s, context_));
+                                                        sheet.gyro_sigma_rad_s, context));
     if (s.specific_force_ins && uses(Channel::accelerometer))
       update(Channel::accelerometer,
              SensorMeasurements<N>::accelerometer(f.x, *s.specific_force_ins, s.T_robot_ins,
-                                                  sheet.accelerometer_sigma_m_s2, context_));
+                                                  sheet.accelerometer_sigma_m_s2, context));
     if (s.R_odom_ins && sheet.attitude_sigma_rad && uses(Channel::attitude)) {
       const double variance = *sheet.attitude_sigma_rad * *sheet.attitude_sigma_rad;
       update(Channel::attitude, SensorMeasurements<N>::attitude(f.x, *s.R_odom_ins, s.T_robot_ins,
-                                                                Matrix3d::Identity() * variance, context_));
+                                                                Matrix3d::Identity() * variance, context));
     }
   }
 
   template <class Update>
-  void fuseDvl(ErrorStateFilter<N>& f, const DvlSample& s, const Update& update) const {
+  void fuseDvl(ErrorStateFilter<N>& f, const DvlSample& s, const MeasurementContext& context,
+               const Update& update) const {
     if (!setup_.vehicle.dvl || !s.velocity_dvl || !uses(Channel::dvl)) return;
     const DvlSheet& sheet = *setup_.vehicle.dvl;
     const Vector3d sigma(sheet.velocity_sigma_xy_m_s, sheet.velocity_sigma_xy_m_s,
                          sheet.velocity_sigma_z_m_s);
-    update(Channel::dvl, SensorMeasurements<N>::dvl(f.x, *s.velocity_dvl, s.T_robot_dvl, sigma, context_));
+    update(Channel::dvl, SensorMeasurements<N>::dvl(f.x, *s.velocity_dvl, s.T_robot_dvl, sigma, context));
   }
 
   template <class Update>
-  void fuseBeams(ErrorStateFilter<N>& f, const DvlBeamsSample& s, const Update& update) const {
+  void fuseBeams(ErrorStateFilter<N>& f, const DvlBeamsSample& s, const MeasurementContext& context,
+                 const Update& update) const {
     // Without a state for the sea floor a range says nothing of the vehicle's height.
     if (N != kFullSize || !setup_.vehicle.dvl || !uses(Channel::altitude)) return;
     const DvlSheet& sheet = *setup_.vehicle.dvl;
@@ -152,14 +159,15 @@ class Fuser {
       if (beam.range_m)
         update(Channel::altitude,
                SensorMeasurements<N>::beam(f.x, *beam.range_m, sheet.T_robot_dvl, beam.T_robot_beam,
-                                           sheet.range_sigma_m, context_));
+                                           sheet.range_sigma_m, context));
   }
 
   template <class Update>
-  void fuseDepth(ErrorStateFilter<N>& f, const DepthSample& s, const Update& update) const {
+  void fuseDepth(ErrorStateFilter<N>& f, const DepthSample& s, const MeasurementContext& context,
+                 const Update& update) const {
     if (!setup_.vehicle.depth || !uses(Channel::depth)) return;
-    update(Channel::depth, SensorMeasurements<N>::depth(f.x, s.pressure_pa, *setup_.vehicle.depth,
-                                                        s.T_robot_depth, context_));
+    update(Channel::depth,
+           SensorMeasurements<N>::depth(f.x, s.pressure_pa, *setup_.vehicle.depth, s.T_robot_depth, context));
   }
 
   template <class Update>
@@ -205,7 +213,6 @@ class Localizer::RunOf : public Run {
       noise_.accelerometer_bias_sigma_m_s2.setConstant(ins->accelerometer_bias_sigma_m_s2);
       noise_.bias_time_constant_s = ins->bias_time_constant_s;
     }
-    dvl_offset_s_ = dvlValidityOffset(setup_.calibration);
     before_->after.landmarks = fuser_.startLandmarks();
     for (const PanelPrior& panel : setup_.panels)
       summary_.panels.push_back({panel.name, PanelResult::State::unseen, {panel.T_odom_panel}, {}});
@@ -257,9 +264,15 @@ class Localizer::RunOf : public Run {
 
   /// When a reading was valid: its stamp, but for a calibrated latency.
   double validity_s(const Sample& sample) const {
-    const bool is_dvl = std::holds_alternative<DvlSample>(sample.reading) ||
-                        std::holds_alternative<DvlBeamsSample>(sample.reading);  // one ping for both
-    return secondsBetween(setup_.time_zero, sample.time) + (is_dvl ? dvl_offset_s_ : 0.0);
+    const double stamp_s = secondsBetween(setup_.time_zero, sample.time);
+    const EffectParameters<double>& effects = setup_.calibration;
+    if (isLandmark(sample)) return stamp_s + validityOffset<Sensor::camera>(effects, stamp_s);
+    if (std::holds_alternative<InsSample>(sample.reading))
+      return stamp_s + validityOffset<Sensor::ins>(effects, stamp_s);
+    if (std::holds_alternative<DvlSample>(sample.reading) ||
+        std::holds_alternative<DvlBeamsSample>(sample.reading))  // one ping for both
+      return stamp_s + validityOffset<Sensor::dvl>(effects, stamp_s);
+    return stamp_s;
   }
 
   void start() {
@@ -423,7 +436,6 @@ class Localizer::RunOf : public Run {
   Fuser<N> fuser_;
   LostMonitor lost_;
   InputWatch watch_;
-  double dvl_offset_s_ = 0.0;
   LocalizationSummary summary_;
   std::array<ChannelSummary, kAllChannels.size()> channels_{};
   std::vector<Sample> waiting_;                                ///< until alignment

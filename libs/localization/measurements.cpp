@@ -36,7 +36,8 @@ auto SensorMeasurements<N>::gyro(const NavigationState<double>& x, const Vector3
   using Cols = typename Columns::Gyro;
   const auto y = lift<Cols>(x);
   return fromPrediction<ErrorStateFilter<N>, 3, Cols>(
-      angular_velocity_ins, predictGyro(y.motion, T_robot_ins, effectsOf(y, context.calibration)),
+      angular_velocity_ins,
+      predictGyro(y.motion, T_robot_ins, effectsOf(y, context.calibration, context.t_s), context.t_s),
       Matrix3d::Identity() * sigma_rad_s * sigma_rad_s);
 }
 
@@ -49,7 +50,8 @@ auto SensorMeasurements<N>::accelerometer(const NavigationState<double>& x,
   const auto y = lift<Cols>(x);
   return fromPrediction<ErrorStateFilter<N>, 3, Cols>(
       specific_force_ins,
-      predictSpecificForce(y.motion, worldOf(y, context), T_robot_ins, effectsOf(y, context.calibration)),
+      predictSpecificForce(y.motion, worldOf(y, context), T_robot_ins,
+                           effectsOf(y, context.calibration, context.t_s), context.t_s),
       Matrix3d::Identity() * sigma_m_s2 * sigma_m_s2);
 }
 
@@ -61,7 +63,8 @@ auto SensorMeasurements<N>::attitude(const NavigationState<double>& x, const Mat
   using Cols = typename Columns::Orientation;
   using Jet = ceres::Jet<double, Cols::size>;
   const auto y = lift<Cols>(x);
-  const Matrix3<Jet> predicted = predictAttitude(y.motion, T_robot_ins, effectsOf(y, context.calibration));
+  const Matrix3<Jet> predicted =
+      predictAttitude(y.motion, T_robot_ins, effectsOf(y, context.calibration, context.t_s), context.t_s);
   const Vector3<Jet> residual = logSO3<Jet>(predicted.transpose() * R_odom_ins.cast<Jet>());
   typename ErrorStateFilter<N>::template Measurement<3, Cols> m;
   for (int i = 0; i < 3; ++i) {
@@ -79,7 +82,8 @@ auto SensorMeasurements<N>::dvl(const NavigationState<double>& x, const Vector3d
   using Cols = typename Columns::Dvl;
   const auto y = lift<Cols>(x);
   return fromPrediction<ErrorStateFilter<N>, 3, Cols>(
-      velocity_dvl, predictDvlVelocity(y.motion, T_robot_dvl, effectsOf(y, context.calibration)),
+      velocity_dvl,
+      predictDvlVelocity(y.motion, T_robot_dvl, effectsOf(y, context.calibration, context.t_s), context.t_s),
       Matrix3d(sigma_m_s.cwiseAbs2().asDiagonal()));
 }
 
@@ -90,8 +94,9 @@ auto SensorMeasurements<N>::beam(const NavigationState<double>& x, double range_
   using Cols = typename Columns::Beam;
   using Jet = ceres::Jet<double, Cols::size>;
   const auto y = lift<Cols>(x);
-  const Eigen::Matrix<Jet, 1, 1> prediction(predictBeamRange(
-      y.motion, worldOf(y, context), T_robot_dvl, T_robot_beam, effectsOf(y, context.calibration)));
+  const Eigen::Matrix<Jet, 1, 1> prediction(
+      predictBeamRange(y.motion, worldOf(y, context), T_robot_dvl, T_robot_beam,
+                       effectsOf(y, context.calibration, context.t_s), context.t_s));
   return fromPrediction<ErrorStateFilter<N>, 1, Cols>(Eigen::Matrix<double, 1, 1>(range_m), prediction,
                                                       Eigen::Matrix<double, 1, 1>(sigma_m * sigma_m));
 }
@@ -104,8 +109,9 @@ auto SensorMeasurements<N>::depth(const NavigationState<double>& x, double press
   using Cols = typename Columns::Depth;
   using Jet = ceres::Jet<double, Cols::size>;
   const auto y = lift<Cols>(x);
-  const Eigen::Matrix<Jet, 1, 1> prediction(predictPressure(
-      y.motion, worldOf(y, context), sheet, T_robot_depth, effectsOf(y, context.calibration)));
+  const Eigen::Matrix<Jet, 1, 1> prediction(
+      predictPressure(y.motion, worldOf(y, context), sheet, T_robot_depth,
+                      effectsOf(y, context.calibration, context.t_s), context.t_s));
   return fromPrediction<ErrorStateFilter<N>, 1, Cols>(
       Eigen::Matrix<double, 1, 1>(pressure_pa), prediction,
       Eigen::Matrix<double, 1, 1>(sheet.pressure_sigma_pa * sheet.pressure_sigma_pa));

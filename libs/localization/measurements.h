@@ -13,17 +13,20 @@ namespace fathom {
 struct MeasurementContext {
   Vector3d gravity_odom{0.0, 0.0, -9.80665};
   EffectParameters<double> calibration;  ///< effects known to be there
+  double t_s = 0.0;                      ///< the reading's time stamp, since the recording's first entry
 };
 
 /// Columns of the error state, without those that a filter of size N has not got.
 template <int N>
 struct SensorColumns {
   using Orientation = Columns<3, 4, 5>;
-  using Gyro = std::conditional_t<N == kFullSize, Columns<9, 10, 11, 15, 16, 17>, Columns<9, 10, 11>>;
+  // A gyro and a DVL sense the attitude where the Earth turns or the water flows.
+  using Gyro = std::conditional_t<N == kFullSize, Columns<3, 4, 5, 9, 10, 11, 15, 16, 17>,
+                                  Columns<3, 4, 5, 9, 10, 11>>;
   using Accelerometer =
       std::conditional_t<N == kFullSize, Columns<3, 4, 5, 9, 10, 11, 12, 13, 14, 18, 19, 20>,
                          Columns<3, 4, 5, 9, 10, 11, 12, 13, 14>>;
-  using Dvl = Columns<6, 7, 8, 9, 10, 11>;
+  using Dvl = Columns<3, 4, 5, 6, 7, 8, 9, 10, 11>;
   using Beam = std::conditional_t<N == kFullSize, Columns<2, 3, 4, 5, 22>, Columns<2, 3, 4, 5>>;
   using Depth = std::conditional_t<N == kFullSize, Columns<2, 3, 4, 5, 21>, Columns<2, 3, 4, 5>>;
   using Pose = Columns<0, 1, 2, 3, 4, 5>;

@@ -117,10 +117,10 @@ cv::Mat radianceOf(const cv::Mat& image_bgr, const CameraSheet& sheet) {
 ImageModel::ImageModel(const CameraSheet& sheet, const Water& water, const EffectParameters<double>& effects)
     : sheet_(sheet), water_(water), effects_(effects), z_per_range_(cosines(sheet.model)) {}
 
-cv::Mat ImageModel::light(const cv::Mat& radiance, const cv::Mat& range_m) const {
+cv::Mat ImageModel::light(const cv::Mat& radiance, const cv::Mat& range_m, double t_s) const {
   require(radiance, CV_32FC3, z_per_range_.size());
   require(range_m, CV_32FC1, z_per_range_.size());
-  if (effects_.on.any()) return lightWithEffects(radiance, range_m);
+  if (anyActsAt<WaterRay<double>>(effects_)) return lightWithEffects(radiance, range_m, t_s);
   const std::array<float, 3> a{static_cast<float>(water_.attenuation_per_m[0]),
                                static_cast<float>(water_.attenuation_per_m[1]),
                                static_cast<float>(water_.attenuation_per_m[2])};
@@ -143,7 +143,7 @@ cv::Mat ImageModel::light(const cv::Mat& radiance, const cv::Mat& range_m) const
   return result;
 }
 
-cv::Mat ImageModel::lightWithEffects(const cv::Mat& radiance, const cv::Mat& range_m) const {
+cv::Mat ImageModel::lightWithEffects(const cv::Mat& radiance, const cv::Mat& range_m, double t_s) const {
   cv::Mat result(radiance.size(), CV_32FC3);
   for (int v = 0; v < radiance.rows; ++v)
     for (int u = 0; u < radiance.cols; ++u) {
@@ -151,24 +151,25 @@ cv::Mat ImageModel::lightWithEffects(const cv::Mat& radiance, const cv::Mat& ran
       const double range = range_m.at<float>(v, u);
       const Vector3d light =
           predictLight<double>(Vector3d(scene[0], scene[1], scene[2]), range * z_per_range_.at<float>(v, u),
-                               range, water_, effects_);
+                               range, water_, effects_, t_s);
       result.at<cv::Vec3f>(v, u) = cv::Vec3d(light[0], light[1], light[2]);
     }
   return result;
 }
 
-void ImageModel::respondAlong(int row, std::vector<float>& gain, std::vector<float>& exponent) const {
+void ImageModel::respondAlong(int row, double t_s, std::vector<float>& gain,
+                              std::vector<float>& exponent) const {
   for (int u = 0; u < z_per_range_.cols; ++u) {
     const double cosine = z_per_range_.at<float>(row, u);
     PixelResponse<double> response{std::sqrt(1 / (cosine * cosine) - 1), 1.0, sheet_.response_gamma};
-    applyEffects(effects_, response);
+    applyEffects(effects_, t_s, response);
     const auto i = 3 * static_cast<std::ptrdiff_t>(u);
     std::fill_n(gain.begin() + i, 3, static_cast<float>(response.gain));
     std::fill_n(exponent.begin() + i, 3, static_cast<float>(response.exponent));
   }
 }
 
-cv::Mat ImageModel::expose(const cv::Mat& light, Random* noise) const {
+cv::Mat ImageModel::expose(const cv::Mat& light, Random* noise, double t_s) const {
   require(light, CV_32FC3, z_per_range_.size());
   const auto row_size = 3 * static_cast<std::size_t>(light.cols);
   const auto shot_variance = static_cast<float>(1 / sheet_.full_well_e),
@@ -177,17 +178,17 @@ cv::Mat ImageModel::expose(const cv::Mat& light, Random* noise) const {
   cv::Mat result(light.size(), sheet_.bits > 8 ? CV_16UC3 : CV_8UC3);
   std::vector<float> normal(row_size, 0.0F), reading(row_size), gain(row_size, 1.0F),
       exponent(row_size, static_cast<float>(sheet_.response_gamma));
-  const bool linear = effects_.on.none() && sheet_.response_gamma == 1.0;
+  const bool plain = !anyActsAt<PixelResponse<double>>(effects_);
   for (int v = 0; v < light.rows; ++v) {
     const auto* radiance = light.ptr<float>(v);
-    if (effects_.on.any()) respondAlong(v, gain, exponent);
+    if (!plain) respondAlong(v, t_s, gain, exponent);
     if (noise != nullptr) NormalTable::instance().fill(normal, *noise);
     for (std::size_t i = 0; i < row_size; ++i) {
       const float exposed = gain[i] * radiance[i];
       const float sigma = std::sqrt(exposed * shot_variance + read_variance);
       reading[i] = std::clamp(exposed + sigma * normal[i], 0.0F, 1.0F);
     }
-    if (!linear)
+    if (!plain || sheet_.response_gamma != 1.0)
       for (std::size_t i = 0; i < row_size; ++i) reading[i] = std::pow(reading[i], exponent[i]);
     if (sheet_.bits > 8)
       writeNumbers(reading, full_scale, result.ptr<std::uint16_t>(v));

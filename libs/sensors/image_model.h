@@ -16,15 +16,16 @@
 namespace fathom {
 
 /// Radiance at the camera of a scene point of radiance `scene`, z_m away along the optical axis and range_m
-/// along the line of sight. Both infinite where nothing is hit: then it is the veil.
+/// along the line of sight. Both infinite where nothing is hit: then it is the veil. t_s: the image's time
+/// stamp, since the recording's first entry.
 template <class T>
 Vector3<T> predictLight(const Vector3<T>& scene, const T& z_m, const T& range_m, const WaterColumn<T>& water,
-                        const EffectParameters<T>& effects) {
+                        const EffectParameters<T>& effects, double t_s = 0) {
   using std::exp, std::isfinite;
   if (!isfinite(z_m)) return water.veil;
   const Vector3<T> depth = water.attenuation_per_m * z_m;
   WaterRay<T> ray{z_m, range_m, depth, depth};
-  applyEffects(effects, ray);
+  applyEffects(effects, t_s, ray);
   Vector3<T> light;
   for (int c = 0; c < 3; ++c)
     light[c] = scene[c] * exp(-ray.signal_depth[c]) + (1.0 - exp(-ray.veil_depth[c])) * water.veil[c];
@@ -61,17 +62,17 @@ class ImageModel {
 
   /// Through the water. `radiance` (CV_32FC3) and `range_m` (CV_32FC1, infinite where nothing is hit) are a
   /// View, see render/renderer.h. Without effects exp() is approximated to 3e-7 of the light.
-  cv::Mat light(const cv::Mat& radiance, const cv::Mat& range_m) const;
+  cv::Mat light(const cv::Mat& radiance, const cv::Mat& range_m, double t_s = 0) const;
 
   /// The sensor: shot and read noise, clipping, response, rounding to the sheet's bits. Blue, green, red, as
   /// cv::imwrite() wants it; CV_8UC3, or CV_16UC3 where there are more than 8 bits. Poisson's law is taken as
   /// a normal one of the same variance: good where electrons are many, and read noise hides the rest. The
   /// normal numbers come from a table of 65536 and so end at 4.3 sigma. Without `noise`: none.
-  cv::Mat expose(const cv::Mat& light, Random* noise) const;
+  cv::Mat expose(const cv::Mat& light, Random* noise, double t_s = 0) const;
 
  private:
-  cv::Mat lightWithEffects(const cv::Mat& radiance, const cv::Mat& range_m) const;
-  void respondAlong(int row, std::vector<float>& gain, std::vector<float>& exponent) const;
+  cv::Mat lightWithEffects(const cv::Mat& radiance, const cv::Mat& range_m, double t_s) const;
+  void respondAlong(int row, double t_s, std::vector<float>& gain, std::vector<float>& exponent) const;
 
   CameraSheet sheet_;
   Water water_;

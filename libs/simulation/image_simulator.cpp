@@ -2,13 +2,19 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 #include "core/fingerprint.h"
 #include "core/for_each.h"
 #include "effects/calibration.h"
 #include "render/renderer.h"
+#include "render/scene.h"
+#include "sensors/camera_geometry.h"
 #include "sensors/image_model.h"
+#include "sensors/true_panel.h"
+#include "simulation/apparent_scene.h"
 #include "simulation/image_store.h"
 
 namespace fathom {
@@ -17,7 +23,14 @@ namespace {
 
 /// Numbers of the images' random streams, beyond those of the navigation sensors: left image k, right image
 /// k.
-std::uint64_t noiseStream(std::size_t image, std::size_t eye) { return (eye + 1) << 32 | image; }
+std::uint64_t noiseStream(std::size_t image, std::size_t side) { return (side + 1) << 32 | image; }
+
+/// A thread's renderer and sensor of the camera of the latest image.
+struct Eye {
+  CameraModel camera;
+  Renderer renderer;
+  ImageModel model;
+};
 
 /// Everything that one image depends on besides its number.
 struct Studio {
@@ -25,12 +38,15 @@ struct Studio {
   const Trajectory& trajectory;
   const CameraWorld& world;
   const CameraSheet& sheet;
-  ImageModel model;
+  Surface nominal_scene = sceneOf(world.panels, world.sea_floor_odom);
+  bool bent = anyActsAt<FlatPort<double>>(options.effects) || anyActsAt<Shutter<double>>(options.effects);
 
-  Pose T_odom_robot(std::size_t image) const {
-    const double seconds = secondsBetween(options.start, imageTime(options, image));
-    const auto state = trajectory.at(options.begin_s + seconds);
-    return {state.R_odom_robot, state.position_odom};
+  double stamp_s(std::size_t image) const { return secondsBetween(options.start, imageTime(options, image)); }
+
+  KinematicState<double> motion(std::size_t image) const {
+    const double t_s = stamp_s(image);
+    const double valid_s = t_s + validityOffset<Sensor::camera>(options.effects, t_s);
+    return trajectory.at(std::clamp(options.begin_s + valid_s, trajectory.start_s(), trajectory.end_s()));
   }
 
   Lighting lighting(const Pose& T_odom_robot) const {
@@ -42,12 +58,39 @@ struct Studio {
     return light;
   }
 
-  cv::Mat image(std::size_t number, std::size_t eye, Renderer& renderer) const {
-    const Pose robot = T_odom_robot(number);
-    const Pose T_left_eye = eye == 0 ? Pose{} : *sheet.T_left_right;
-    const View view = renderer.render(robot * sheet.T_robot_camera * T_left_eye, lighting(robot));
-    Random noise = Random::stream(options.seed, noiseStream(number, eye));
-    return model.expose(model.light(view.radiance, view.range_m), options.noise ? &noise : nullptr);
+  Surface scene(double t_s, const Pose& T_odom_camera, const CameraProjector<double>& projector) const {
+    std::vector<PanelMap> panels;
+    for (const PanelMap& panel : world.panels) panels.push_back(truePanel(panel, options.effects, t_s));
+    Surface there = sceneOf(panels, world.sea_floor_odom);
+    return bent ? apparentScene(there, T_odom_camera, projector) : there;
+  }
+
+  /// The lens can change in time; mostly it is that of the image before.
+  Eye& prepared(std::optional<Eye>& eye, const CameraModel& camera) const {
+    if (eye && eye->camera == camera) return *eye;
+    CameraSheet true_sheet = sheet;
+    true_sheet.model = camera;
+    eye.emplace(
+        Eye{camera, Renderer(camera), ImageModel(true_sheet, world.environment.water, options.effects)});
+    eye->renderer.setScene(nominal_scene);
+    return *eye;
+  }
+
+  cv::Mat image(std::size_t number, std::size_t side, std::optional<Eye>& thread_eye) const {
+    const double t_s = stamp_s(number);
+    const KinematicState<double> state = motion(number);
+    const Pose T_odom_robot{state.R_odom_robot, state.position_odom};
+    const auto mount =
+        cameraMounting(sheet.T_robot_camera, options.effects, t_s, side == 0 ? Pose{} : *sheet.T_left_right);
+    const Pose T_odom_camera = T_odom_robot * Pose{mount.R_robot_sensor, mount.position_robot};
+    const auto projector = movingWith(state, mount, cameraProjector(sheet.model, options.effects, t_s));
+
+    Eye& eye = prepared(thread_eye, projector.lensModel(sheet.model));
+    if (bent || movesPanels(options.effects)) eye.renderer.setScene(scene(t_s, T_odom_camera, projector));
+    const View view = eye.renderer.render(T_odom_camera, lighting(T_odom_robot));
+    Random noise = Random::stream(options.seed, noiseStream(number, side));
+    return eye.model.expose(eye.model.light(view.radiance, view.range_m, t_s),
+                            options.noise ? &noise : nullptr, t_s);
   }
 };
 
@@ -92,7 +135,10 @@ std::string sceneFingerprint(const Surface& scene) {
 
 std::string posesFingerprint(const Studio& studio, std::size_t count) {
   Fingerprint fingerprint;
-  for (std::size_t i = 0; i < count; ++i) add(fingerprint, studio.T_odom_robot(i));
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto state = studio.motion(i);
+    add(fingerprint, {state.R_odom_robot, state.position_odom});
+  }
   return fingerprint.hex();
 }
 
@@ -107,7 +153,7 @@ std::string inputsOf(const Studio& studio, std::size_t count) {
          "version " FATHOM_VERSION "\ncamera and lamps " +
          cameraFingerprint(options.vehicle) + "\nwater and light " +
          environmentFingerprint(studio.world.environment) + "\nscene " +
-         sceneFingerprint(studio.world.scene_odom) + "\nposes " + posesFingerprint(studio, count) + "\n" +
+         sceneFingerprint(studio.nominal_scene) + "\nposes " + posesFingerprint(studio, count) + "\n" +
          (options.noise ? "noise of seed " + std::to_string(options.seed) : "no noise") + "\n" +
          formatText(options.image_format) + formatCalibration(options.effects);
 }
@@ -126,20 +172,15 @@ void simulateImages(const SimulationOptions& options, const Trajectory& trajecto
                     const fs::path& folder) {
   if (!options.vehicle.camera) throw std::invalid_argument("simulateImages needs a camera");
   const CameraSheet& sheet = *options.vehicle.camera;
-  const Studio studio{options, trajectory, world, sheet,
-                      ImageModel(sheet, world.environment.water, options.effects)};
+  const Studio studio{options, trajectory, world, sheet};
   const std::size_t count = imageCount(options, trajectory);
   const ImageStore store(folder, inputsOf(studio, count), options.image_format);
 
-  tbb::enumerable_thread_specific<Renderer> renderers([&] {
-    Renderer renderer(sheet.model);
-    renderer.setScene(world.scene_odom);
-    return renderer;
-  });
+  tbb::enumerable_thread_specific<std::optional<Eye>> eyes;
   const auto make = [&](std::size_t number) {
     const auto files = imageFiles(sheet, options.image_format, number);
-    for (std::size_t eye = 0; eye < files.size(); ++eye)
-      if (!store.has(files[eye])) store.write(files[eye], studio.image(number, eye, renderers.local()));
+    for (std::size_t side = 0; side < files.size(); ++side)
+      if (!store.has(files[side])) store.write(files[side], studio.image(number, side, eyes.local()));
   };
   forEachIndex(count, "rendering " + std::to_string(count) + " images", make);
 }

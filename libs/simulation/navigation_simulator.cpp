@@ -106,20 +106,24 @@ class InsChannel : public Channel {
 
  private:
   Reading read(double seconds) override {
-    const auto state = scene_.at(seconds);
-    EffectParameters<double> effects = scene_.effects;
+    EffectParameters<double> effects = scene_.effects.at<double>(seconds);
     if (scene_.options.noise) {
       effects.add<GyroBias>(gyro_bias_.next(bias_));
       effects.add<AccelerometerBias>(accelerometer_bias_.next(bias_));
     }
+    const Vector3d gyro_error = scene_.sigma(sheet_.gyro_sigma_rad_s) * white_.normal3(),
+                   force_error = scene_.sigma(sheet_.accelerometer_sigma_m_s2) * white_.normal3();
     InsSample sample{sheet_.T_robot_ins, {}, {}, {}};
-    sample.angular_velocity_ins = predictGyro(state, sheet_.T_robot_ins, effects) +
-                                  scene_.sigma(sheet_.gyro_sigma_rad_s) * white_.normal3();
-    sample.specific_force_ins = predictSpecificForce(state, scene_.world, sheet_.T_robot_ins, effects) +
-                                scene_.sigma(sheet_.accelerometer_sigma_m_s2) * white_.normal3();
+    const double valid_s = seconds + validityOffset<Sensor::ins>(effects, seconds);
+    if (!scene_.covers(valid_s)) return sample;
+    const auto state = scene_.at(valid_s);
+    sample.angular_velocity_ins = predictGyro(state, sheet_.T_robot_ins, effects, seconds) + gyro_error;
+    sample.specific_force_ins =
+        predictSpecificForce(state, scene_.world, sheet_.T_robot_ins, effects, seconds) + force_error;
     if (sheet_.attitude_sigma_rad) {
       const Vector3d error = scene_.sigma(*sheet_.attitude_sigma_rad) * attitude_.normal3();
-      sample.R_odom_ins = predictAttitude(state, sheet_.T_robot_ins, effects) * expSO3<double>(error);
+      sample.R_odom_ins =
+          predictAttitude(state, sheet_.T_robot_ins, effects, seconds) * expSO3<double>(error);
     }
     return sample;
   }
@@ -131,11 +135,11 @@ class InsChannel : public Channel {
 
 /// Ranges without noise; absent where the beam looks up or the floor is out of reach.
 std::vector<std::optional<double>> echoes(const Scene& scene, const DvlSheet& sheet,
-                                          const KinematicState<double>& state) {
+                                          const KinematicState<double>& state, double t_s) {
   std::vector<std::optional<double>> ranges_m;
   for (std::size_t k = 0; k < sheet.beam_azimuths_rad.size(); ++k) {
     const double range_m =
-        predictBeamRange(state, scene.world, sheet.T_robot_dvl, sheet.T_robot_beam(k), scene.effects);
+        predictBeamRange(state, scene.world, sheet.T_robot_dvl, sheet.T_robot_beam(k), scene.effects, t_s);
     const bool heard = range_m >= scene.options.beam_min_range_m && range_m <= scene.options.beam_max_range_m;
     ranges_m.push_back(heard ? std::optional(range_m) : std::nullopt);
   }
@@ -152,17 +156,17 @@ class DvlChannel : public Channel {
     const double xy = scene_.sigma(sheet_.velocity_sigma_xy_m_s),
                  z = scene_.sigma(sheet_.velocity_sigma_z_m_s);
     const Vector3d error = Vector3d(xy, xy, z).cwiseProduct(random_.normal3());
-    const double valid_s = seconds + dvlValidityOffset(scene_.effects);
+    const double valid_s = seconds + validityOffset<Sensor::dvl>(scene_.effects, seconds);
     DvlSample sample{sheet_.T_robot_dvl, {}};
     if (!scene_.covers(valid_s)) return sample;
     const auto state = scene_.at(valid_s);
-    if (hasBottomLock(state))
-      sample.velocity_dvl = predictDvlVelocity(state, sheet_.T_robot_dvl, scene_.effects) + error;
+    if (hasBottomLock(state, seconds))
+      sample.velocity_dvl = predictDvlVelocity(state, sheet_.T_robot_dvl, scene_.effects, seconds) + error;
     return sample;
   }
 
-  bool hasBottomLock(const KinematicState<double>& state) const {
-    const auto ranges_m = echoes(scene_, sheet_, state);
+  bool hasBottomLock(const KinematicState<double>& state, double t_s) const {
+    const auto ranges_m = echoes(scene_, sheet_, state, t_s);
     const auto heard = std::count_if(ranges_m.begin(), ranges_m.end(), [](auto& r) { return r.has_value(); });
     return heard >= std::min<std::ptrdiff_t>(3, std::ssize(ranges_m));
   }
@@ -178,9 +182,9 @@ class DvlBeamsChannel : public Channel {
 
  private:
   Reading read(double seconds) override {
-    const double valid_s = seconds + dvlValidityOffset(scene_.effects);
+    const double valid_s = seconds + validityOffset<Sensor::dvl>(scene_.effects, seconds);
     std::vector<std::optional<double>> ranges_m(sheet_.beam_azimuths_rad.size());
-    if (scene_.covers(valid_s)) ranges_m = echoes(scene_, sheet_, scene_.at(valid_s));
+    if (scene_.covers(valid_s)) ranges_m = echoes(scene_, sheet_, scene_.at(valid_s), seconds);
     DvlBeamsSample sample;
     for (std::size_t k = 0; k < ranges_m.size(); ++k) {
       const double error_m = scene_.sigma(sheet_.range_sigma_m) * random_.normal();
@@ -198,27 +202,25 @@ class DvlBeamsChannel : public Channel {
 class DepthChannel : public Channel {
  public:
   DepthChannel(const Scene& scene, const DepthSheet& sheet)
-      : Channel(scene, labels::kDepth, sheet.rate_hz),
-        sheet_(sheet),
-        effects_(scene.effects),
-        random_(scene.stream(kDepthNoise)) {
-    const double offset_pa = scene.sigma(sheet.pressure_offset_sigma_pa) * random_.normal();
-    if (scene.options.noise) effects_.add<PressureOffset>({offset_pa});
+      : Channel(scene, labels::kDepth, sheet.rate_hz), sheet_(sheet), random_(scene.stream(kDepthNoise)) {
+    offset_pa_ = scene.sigma(sheet.pressure_offset_sigma_pa) * random_.normal();
   }
 
  private:
   Reading read(double seconds) override {
     DepthSample sample;
     sample.T_robot_depth = sheet_.T_robot_depth;
+    auto effects = scene_.effects.at<double>(seconds);
+    if (scene_.options.noise) effects.add<PressureOffset>({offset_pa_});
     sample.pressure_pa =
-        predictPressure(scene_.at(seconds), scene_.world, sheet_, sheet_.T_robot_depth, effects_) +
+        predictPressure(scene_.at(seconds), scene_.world, sheet_, sheet_.T_robot_depth, effects, seconds) +
         scene_.sigma(sheet_.pressure_sigma_pa) * random_.normal();
     return sample;
   }
 
   const DepthSheet& sheet_;
-  EffectParameters<double> effects_;
   Random random_;
+  double offset_pa_;
 };
 
 class UsblChannel : public Channel {

@@ -39,8 +39,9 @@ struct SimulationOptions {
 ///
 /// - INS: gyro, specific force; attitude where the vehicle file has attitude_sigma_deg. White noise and
 ///   first-order Gauss-Markov biases, which begin stationary and enter through the bias effects.
-/// - DVL, DVL_BEAMS: the motion at stamp + dvlValidityOffset(), one ping for both; no velocity without bottom
-///   lock, nor where that time is outside the trajectory. A beam without echo has no range.
+/// - DVL, DVL_BEAMS: one ping for both; no velocity without bottom lock. A beam without echo has no range.
+/// - These show the motion at stamp + validityOffset(), and have no values where that is outside the
+///   trajectory.
 /// - DEPTH: white noise and one random offset a run, which enters through the effect pressure-offset.
 /// - USBL: position of the transponder, 3 x 3 block of its covariance; orientation variance 1e6 rad².
 /// - CAMERA, or STEREO where the camera has a second one: names of files (imageFiles), intrinsics.

@@ -64,7 +64,8 @@ std::vector<std::string> SampleChain::findLandmarks(const RecordingHeader& heade
     lacking.push_back("detections are not kept: " + detections.not_kept_why);
   for (const UnreadableImage& image : detections.unreadable)
     lacking.push_back(image.file.string() + ": " + image.why);
-  sightings_ = std::make_shared<const Sightings>(solveSightings(entries, detections, panels_));
+  sightings_ = std::make_shared<const Sightings>(
+      solveSightings(entries, detections, panels_, {setup_.calibration, setup_.time_zero}));
   return lacking;
 }
 

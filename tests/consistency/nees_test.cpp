@@ -94,27 +94,27 @@ double meanNees(const SensorSet& use, std::uint64_t seed, double noise_factor) {
   for (int k = 1; k <= kSteps; ++k) {
     moveRandomly<N>(truth, noise, random);
     filter.predict(kDt, noise);
-    const auto effects = effectsOf(truth, context.calibration);
+    const auto effects = effectsOf(truth, context.calibration, 0);
     const auto world = World<double>{context.gravity_odom, truth.sea_floor_z_m};
     const auto& m = truth.motion;
     if (use.gyro)
-      filter.update(SensorMeasurements<N>::gyro(filter.x, predictGyro(m, ins, effects) + noise3(sigma.gyro),
-                                                ins, sigma.gyro, context));
+      filter.update(SensorMeasurements<N>::gyro(
+          filter.x, predictGyro(m, ins, effects, 0) + noise3(sigma.gyro), ins, sigma.gyro, context));
     if (use.accelerometer)
       filter.update(SensorMeasurements<N>::accelerometer(
-          filter.x, predictSpecificForce(m, world, ins, effects) + noise3(sigma.accelerometer), ins,
+          filter.x, predictSpecificForce(m, world, ins, effects, 0) + noise3(sigma.accelerometer), ins,
           sigma.accelerometer, context));
     if (use.attitude && k % 5 == 0)
       filter.update(SensorMeasurements<N>::attitude(
-          filter.x, predictAttitude(m, ins, effects) * expSO3<double>(noise3(sigma.attitude)), ins,
+          filter.x, predictAttitude(m, ins, effects, 0) * expSO3<double>(noise3(sigma.attitude)), ins,
           Matrix3d::Identity() * sigma.attitude * sigma.attitude, context));
     if (use.dvl && k % 10 == 0)
       filter.update(SensorMeasurements<N>::dvl(filter.x,
-                                               predictDvlVelocity(m, dvl, effects) + noise3(sigma.dvl), dvl,
-                                               Vector3d::Constant(sigma.dvl), context));
+                                               predictDvlVelocity(m, dvl, effects, 0) + noise3(sigma.dvl),
+                                               dvl, Vector3d::Constant(sigma.dvl), context));
     if (use.altitude && k % 10 == 0)
       for (std::size_t beam = 0; beam < 4; ++beam) {
-        const double range = predictBeamRange(m, world, dvl, sheet.T_robot_beam(beam), effects);
+        const double range = predictBeamRange(m, world, dvl, sheet.T_robot_beam(beam), effects, 0);
         filter.update(SensorMeasurements<N>::beam(filter.x,
                                                   range + noise_factor * sigma.beam * random.normal(), dvl,
                                                   sheet.T_robot_beam(beam), sigma.beam, context));
@@ -122,7 +122,7 @@ double meanNees(const SensorSet& use, std::uint64_t seed, double noise_factor) {
     if (use.depth && k % 10 == 0)
       filter.update(
           SensorMeasurements<N>::depth(filter.x,
-                                       predictPressure(m, world, sigma.depth, other, effects) +
+                                       predictPressure(m, world, sigma.depth, other, effects, 0) +
                                            noise_factor * sigma.depth.pressure_sigma_pa * random.normal(),
                                        sigma.depth, other, context));
     if (use.usbl && k % 50 == 0)

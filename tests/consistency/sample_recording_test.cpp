@@ -53,17 +53,17 @@ TEST(SampleRecording, ForwardModelPredictsItToTheDataSheetsNoise) {
     if (t < trajectory.start_s() + 1 || t > trajectory.end_s() - 1) continue;
     const auto state = trajectory.at(t);
     if (const auto* ins = std::get_if<InsSample>(&sample->reading)) {
-      gyro_error.emplace_back(*ins->angular_velocity_ins - predictGyro(state, ins->T_robot_ins, nominal));
+      gyro_error.emplace_back(*ins->angular_velocity_ins - predictGyro(state, ins->T_robot_ins, nominal, 0));
       force_error.emplace_back(*ins->specific_force_ins -
-                               predictSpecificForce(state, world, ins->T_robot_ins, nominal));
+                               predictSpecificForce(state, world, ins->T_robot_ins, nominal, 0));
     } else if (const auto* dvl = std::get_if<DvlSample>(&sample->reading)) {
-      const Vector3d error = *dvl->velocity_dvl - predictDvlVelocity(state, dvl->T_robot_dvl, nominal);
+      const Vector3d error = *dvl->velocity_dvl - predictDvlVelocity(state, dvl->T_robot_dvl, nominal, 0);
       velocity_xy.add(error.x(), vehicle.dvl->velocity_sigma_xy_m_s);
       velocity_xy.add(error.y(), vehicle.dvl->velocity_sigma_xy_m_s);
       velocity_z.add(error.z(), vehicle.dvl->velocity_sigma_z_m_s);
     } else if (const auto* depth = std::get_if<DepthSample>(&sample->reading)) {
-      pressure_error.push_back(depth->pressure_pa -
-                               predictPressure(state, world, *vehicle.depth, depth->T_robot_depth, nominal));
+      pressure_error.push_back(depth->pressure_pa - predictPressure(state, world, *vehicle.depth,
+                                                                    depth->T_robot_depth, nominal, 0));
     } else if (const auto* beams = std::get_if<DvlBeamsSample>(&sample->reading)) {
       for (const DvlBeam& beam : beams->beams) {
         const Pose T_odom_beam = Pose{state.R_odom_robot, state.position_odom} * beam.T_robot_beam;

@@ -1,11 +1,16 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <regex>
 #include <set>
+#include <sstream>
 
 #include "core/error.h"
 #include "core/files.h"
 #include "effects/calibration.h"
+#include "effects/catalogue.h"
+#include "sensors/camera_geometry.h"
 #include "sensors/models.h"
 #include "support/motions.h"
 #include "support/shared_data.h"
@@ -18,38 +23,94 @@ namespace {
 constexpr std::size_t kScalars = kEffectOffsets[kEffectCount];
 using EffectJet = ceres::Jet<double, static_cast<int>(kScalars)>;
 
-/// Parameters a few prior sigmas large, of all effects at once or of one.
+constexpr double kNow_s = 20;
+constexpr int kMarkers[] = {3, 14};
+
+/// One effect, its continuous parameters one prior sigma large, its marker one of kMarkers and its time past.
+void switchOn(const EffectInfo& effect, EffectParameters<double>& parameters) {
+  parameters.on.set(effect.index);
+  std::size_t i = effect.first_scalar;
+  for (const Parameter& p : effect.parameters)
+    for (int k = 0; k < p.size; ++k)
+      parameters.values[i++] = p.kind == ParameterKind::marker_id ? kMarkers[0]
+                               : p.kind == ParameterKind::time    ? kNow_s / 2
+                                                                  : p.prior_sigma;
+}
+
+/// All effects at once, a few prior sigmas large.
 EffectParameters<double> randomParameters(Random& random) {
   EffectParameters<double> parameters;
-  std::size_t i = 0;
-  for (const EffectInfo& effect : allEffects())
+  for (const EffectInfo& effect : allEffects()) {
+    switchOn(effect, parameters);
+    std::size_t i = effect.first_scalar;
     for (const Parameter& p : effect.parameters)
-      for (int k = 0; k < p.size; ++k) parameters.values[i++] = p.prior_sigma * random.normal();
-  parameters.on.set();
+      for (int k = 0; k < p.size; ++k, ++i)
+        if (p.kind == ParameterKind::continuous) parameters.values[i] *= random.normal();
+  }
   return parameters;
 }
 
-/// Everything the forward model predicts, as one vector.
+/// Two markers, one of them in a corner of the image, of a panel aslant before the camera.
+template <class T, class Add>
+void addPixels(const KinematicState<double>& where, const KinematicState<T>& state,
+               const EffectParameters<T>& effects, double t_s, const Add& add) {
+  const Pose T_robot_camera{rotationFromYawPitchRoll(radians(-80), radians(4), radians(-95)), {0.3, 0.1, 0}};
+  const Pose T_left_right{expSO3<double>(Vector3d(0.01, 0.02, -0.01)), {0.1, 0.01, 0}};
+  const Pose T_camera_panel{rotationFromYawPitchRoll(0.1, 0.2, radians(170)), {0.1, -0.2, 1.3}};
+  const CameraModel camera{.k1 = -0.04, .k2 = -0.02, .p1 = 1e-3, .p2 = -1e-3, .k3 = 1e-3};
+  const Pose T_odom_panel = Pose{where.R_odom_robot, where.position_odom} * T_robot_camera * T_camera_panel;
+  const auto panel = nominalPlacement<T>(T_odom_panel, t_s);
+  for (const int id : kMarkers) {
+    Marker marker{"tag36h11", id, 0.1, {}};
+    marker.T_panel_marker = {rotationFromYawPitchRoll(0.03 * id, 0, 0), {0.05 * id - 0.2, 0.2, 0.01}};
+    for (const Pose& eye : {Pose{}, T_left_right})
+      for (const Vector2<T>& pixel :
+           predictCorners(state, panel, marker, camera, T_robot_camera, effects, t_s, eye))
+        add(pixel);
+  }
+}
+
+/// Everything the forward model predicts of an entry stamped t_s, as one vector. The panel is before the
+/// camera when the vehicle is at `where`.
 template <class T>
-std::vector<T> predictions(const KinematicState<T>& state, const EffectParameters<T>& effects) {
+std::vector<T> predictions(const KinematicState<double>& where, const KinematicState<T>& state,
+                           const EffectParameters<T>& effects, double t_s = kNow_s) {
   const Vehicle vehicle = test::slantedVehicle();
   const World<T> world{vehicle.gravityOdom(), T(-9.0)};
   std::vector<T> all;
   const auto add = [&](const auto& m) {
     for (Eigen::Index i = 0; i < m.size(); ++i) all.push_back(m(i));
   };
-  add(predictGyro(state, vehicle.ins->T_robot_ins, effects));
-  add(predictSpecificForce(state, world, vehicle.ins->T_robot_ins, effects));
-  add(predictAttitude(state, vehicle.ins->T_robot_ins, effects));
-  add(predictDvlVelocity(state, vehicle.dvl->T_robot_dvl, effects));
-  all.push_back(dvlValidityOffset(effects));
+  const auto validAt = [&](const T& offset_s) { return extrapolated(state, offset_s); };
+  const auto ins = validAt(validityOffset<Sensor::ins>(effects, t_s));
+  add(predictGyro(ins, vehicle.ins->T_robot_ins, effects, t_s));
+  add(predictSpecificForce(ins, world, vehicle.ins->T_robot_ins, effects, t_s));
+  add(predictAttitude(ins, vehicle.ins->T_robot_ins, effects, t_s));
+  const auto dvl = validAt(validityOffset<Sensor::dvl>(effects, t_s));
+  add(predictDvlVelocity(dvl, vehicle.dvl->T_robot_dvl, effects, t_s));
   for (std::size_t k = 0; k < 4; ++k)
     all.push_back(
-        predictBeamRange(state, world, vehicle.dvl->T_robot_dvl, vehicle.dvl->T_robot_beam(k), effects));
-  all.push_back(predictPressure(state, world, *vehicle.depth, vehicle.depth->T_robot_depth, effects));
+        predictBeamRange(dvl, world, vehicle.dvl->T_robot_dvl, vehicle.dvl->T_robot_beam(k), effects, t_s));
+  all.push_back(predictPressure(state, world, *vehicle.depth, vehicle.depth->T_robot_depth, effects, t_s));
   add(predictUsbl(state, vehicle.usbl->T_robot_usbl));
+  addPixels(where, validAt(validityOffset<Sensor::camera>(effects, t_s)), effects, t_s, add);
   return all;
 }
+std::vector<double> predictions(const KinematicState<double>& state, const EffectParameters<double>& effects,
+                                double t_s = kNow_s) {
+  return predictions(state, state, effects, t_s);
+}
+
+/// Largest difference, relative where numbers are large.
+double largestChange(const std::vector<double>& a, const std::vector<double>& b) {
+  EXPECT_EQ(a.size(), b.size());
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    largest = std::max(largest, std::abs(a[i] - b[i]) / (1 + std::abs(b[i])));
+  return largest;
+}
+constexpr double kRounding = 1e-12;  // a pixel goes through some hundred operations
+constexpr double kSeen = 1e-9;
 
 template <class T>
 KinematicState<T> cast(const KinematicState<double>& s) {
@@ -60,14 +121,14 @@ KinematicState<T> cast(const KinematicState<double>& s) {
 
 TEST(EffectRegistry, NeutralParametersChangeNoPrediction) {
   Random random(1);
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 30; ++i) {
     const auto state = test::randomMotion(random);
-    const auto nominal = predictions<double>(state, {});
-    forEachEffect([&]<class Effect>() {
+    const auto nominal = predictions(state, {});
+    for (const EffectInfo& effect : allEffects()) {
       EffectParameters<double> neutral;
-      neutral.on.set(kEffectIndex<Effect>);
-      EXPECT_EQ(predictions(state, neutral), nominal) << Effect::id;
-    });
+      neutral.on.set(effect.index);
+      EXPECT_LT(largestChange(predictions(state, neutral), nominal), kRounding) << effect.id;
+    }
   }
 }
 
@@ -90,18 +151,38 @@ TEST(EffectRegistry, NeutralParametersChangeNoSimulatedReading) {
 TEST(EffectRegistry, EveryParameterChangesSomething) {
   Random random(2);
   const auto state = test::randomMotion(random);
-  const auto nominal = predictions<double>(state, {});
-  forEachEffect([&]<class Effect>() {
-    for (std::size_t k = 0; k < parameterSize<Effect>(); ++k) {
-      EffectParameters<double> one;
-      std::array<double, parameterSize<Effect>()> increment{};
-      increment[k] = 0.01;
-      one.add<Effect>(increment);
-      EXPECT_NE(predictions(state, one), nominal) << Effect::id << " " << k;
-      one.on.reset();  // off: parameters do not matter
-      EXPECT_EQ(predictions(state, one), nominal) << Effect::id << " " << k;
-    }
-  });
+  const auto nominal = predictions(state, {});
+  for (const EffectInfo& effect : allEffects()) {
+    EffectParameters<double> all;
+    switchOn(effect, all);
+    EXPECT_GT(largestChange(predictions(state, all), nominal), kSeen) << effect.id;
+    std::size_t i = effect.first_scalar;
+    for (const Parameter& p : effect.parameters)
+      for (int k = 0; k < p.size; ++k, ++i) {
+        auto without = all;
+        without.values[i] = p.kind == ParameterKind::time ? kNow_s + 1 : 0;
+        EXPECT_GT(largestChange(predictions(state, without), predictions(state, all)), kSeen)
+            << effect.id << " " << p.name << " " << k;
+      }
+    all.on.reset();  // off: parameters do not matter
+    EXPECT_EQ(predictions(state, all), nominal) << effect.id;
+  }
+}
+
+TEST(EffectRegistry, AnIntervalsEffectActsWithinItOnly) {
+  Random random(5);
+  const auto state = test::randomMotion(random);
+  const auto nominal = predictions(state, {});
+  for (const EffectInfo& effect : allEffects()) {
+    EffectParameters<double> parameters;
+    switchOn(effect, parameters);
+    parameters.active_s[effect.index] = {15, 25};
+    for (const double t_s : {14.9, 25.1})
+      EXPECT_EQ(predictions(state, parameters, t_s), predictions(state, {}, t_s)) << effect.id;
+    EXPECT_GT(largestChange(predictions(state, parameters, 20), nominal), kSeen) << effect.id;
+    EXPECT_TRUE(parameters.at<double>(14.9).on.none());
+    EXPECT_EQ(predictions(state, parameters.at<double>(20)), predictions(state, parameters)) << effect.id;
+  }
 }
 
 // Fourth-order differences with steps of h and 2 h prior sigmas: wrong by h^4/30 times the fifth derivative,
@@ -115,18 +196,17 @@ TEST(EffectRegistry, JetDerivativesEqualNumericOnes) {
       sigma.insert(sigma.end(), static_cast<std::size_t>(p.size), p.prior_sigma);
   ASSERT_EQ(sigma.size(), kScalars);
   constexpr double h = 1e-3;
-  for (int round = 0; round < 50; ++round) {
+  for (int round = 0; round < 4; ++round) {
     const auto state = test::randomMotion(random);
     const auto parameters = randomParameters(random);
-    EffectParameters<EffectJet> jets;
-    jets.on = parameters.on;
+    auto jets = parameters.at<EffectJet>(kNow_s);
     for (std::size_t i = 0; i < kScalars; ++i)
       jets.values[i] = EffectJet(parameters.values[i], static_cast<int>(i));
-    const auto with_jets = predictions(cast<EffectJet>(state), jets);
+    const auto with_jets = predictions(state, cast<EffectJet>(state), jets);
     const auto plain = predictions(state, parameters);
     ASSERT_EQ(with_jets.size(), plain.size());
     for (std::size_t k = 0; k < plain.size(); ++k)
-      EXPECT_NEAR(with_jets[k].a, plain[k], 1e-14 * (1 + std::abs(plain[k])));
+      EXPECT_NEAR(with_jets[k].a, plain[k], kRounding * (1 + std::abs(plain[k])));
     for (std::size_t i = 0; i < kScalars; ++i) {
       const auto moved = [&](double steps) {
         auto there = parameters;
@@ -149,14 +229,18 @@ TEST(EffectRegistry, CalibrationFileRoundTripIsExact) {
   const auto file = test::scratchFolder() / "calibration.yaml";
   for (int round = 0; round < 50; ++round) {
     auto parameters = randomParameters(random);
-    for (std::size_t e = 0; e < kEffectCount; ++e)
-      if (round > 0 && random.uniform() < 0.5) parameters.on.reset(e);
+    for (std::size_t e = 0; e < kEffectCount; ++e) {
+      if (random.uniform() < 0.5) parameters.active_s[e] = {random.normal(), 2 + 100 * random.uniform()};
+      if (round == 0 || random.uniform() < 0.5) continue;
+      parameters.on.reset(e);
+      parameters.active_s[e] = {};
+      for (std::size_t i = kEffectOffsets[e]; i < kEffectOffsets[e + 1]; ++i) parameters.values[i] = 0;
+    }
     writeTextFile(file, formatCalibration(parameters));
     const auto back = readCalibration(file);
     EXPECT_EQ(back.on, parameters.on);
-    for (std::size_t e = 0; e < kEffectCount; ++e)
-      for (std::size_t i = kEffectOffsets[e]; i < kEffectOffsets[e + 1]; ++i)
-        EXPECT_EQ(back.values[i], parameters.on[e] ? parameters.values[i] : 0.0);
+    EXPECT_EQ(back.values, parameters.values);
+    EXPECT_EQ(back.active_s, parameters.active_s);
     EXPECT_EQ(formatCalibration(back), readTextFile(file));
   }
 }
@@ -216,39 +300,86 @@ TEST(EffectRegistry, BadCalibrationIsRefused) {
   EXPECT_EQ(errorOf("effects:\n  - {id: dvl-scale, scale_error: 0, colour: 1}").where,
             "effects[0].colour (line 2)");
   EXPECT_EQ(errorOf("effect: []\n").why, "missing key `effects`");
+  for (const char* interval : {"[2, 1]", "[1, 1]", "[1]", "5", "[0, .inf]"})
+    EXPECT_EQ(
+        errorOf(std::string("effects:\n  - {id: dvl-scale, scale_error: 0, active_s: ") + interval + "}")
+            .where,
+        "effects[0].active_s (line 2)")
+        << interval;
+  for (const char* id : {"1.5", "-1"})
+    EXPECT_EQ(errorOf(std::string("effects:\n  - {id: marker-moved, offset_m: [0, 0, 0], rotation_deg: 0, "
+                                  "marker_id: ") +
+                      id + "}")
+                  .where,
+              "effects[0].marker_id (line 2)")
+        << id;
 }
 
-TEST(EffectRegistry, IdsAreUniqueAndParametersSane) {
+TEST(EffectRegistry, OptionalParametersMayBeLeftOut) {
+  const auto file = test::scratchFolder() / "calibration.yaml";
+  writeTextFile(file,
+                "effects:\n  - {id: flat-port-refraction, distance_m: 0.02, glass_m: 0.01, tilt_deg: 1}\n");
+  const auto effects = readCalibration(file);
+  EXPECT_EQ(effects.of<FlatPortRefraction>()[0], 0.02);
+  EXPECT_EQ(effects.of<FlatPortRefraction>()[4], 0);
+}
+
+TEST(EffectRegistry, IdsAreUniqueAndEntriesWhole) {
   std::set<std::string_view> ids;
   for (const EffectInfo& effect : allEffects()) {
     EXPECT_TRUE(ids.insert(effect.id).second) << effect.id;
+    EXPECT_FALSE(effect.text.title.empty() || effect.text.equation.empty() || effect.text.source.empty() ||
+                 effect.text.told_apart.empty())
+        << effect.id;
+    EXPECT_FALSE(effect.confusedWith().empty()) << effect.id;
+    for (const auto other : effect.confusedWith()) {
+      EXPECT_NE(findEffect(other), nullptr) << effect.id << ": " << other;
+      EXPECT_NE(other, effect.id);
+    }
     std::set<std::string_view> names;
     for (const Parameter& p : effect.parameters) {
       EXPECT_TRUE(names.insert(p.name).second) << effect.id << " " << p.name;
       EXPECT_TRUE(p.size == 1 || p.size == 3) << p.name;
-      EXPECT_GT(p.prior_sigma, 0) << p.name;
+      EXPECT_EQ(p.prior_sigma > 0, p.kind == ParameterKind::continuous) << p.name;
       EXPECT_GT(p.limit, p.prior_sigma) << p.name;
-      EXPECT_FALSE(p.unit.empty()) << p.name;
+      EXPECT_FALSE(p.unit.empty() || p.usual.empty()) << effect.id << " " << p.name;
     }
   }
   EXPECT_EQ(ids.size(), kEffectCount);
+  EXPECT_EQ(findEffect("dvl-scales"), nullptr);
 }
 
-std::string inTicks(std::string_view word) { return std::string("`").append(word).append("`"); }
+/// The words between backticks.
+std::vector<std::string> ticked(const std::string& text) {
+  std::vector<std::string> words;
+  const std::regex tick("`([^`]+)`");
+  for (std::sregex_iterator it(text.begin(), text.end(), tick), end; it != end; ++it)
+    words.push_back((*it)[1]);
+  return words;
+}
 
 TEST(EffectRegistry, IdsAndParametersAreTheCatalogues) {
   FATHOM_NEEDS_SHARED("diagnosis.md");
-  const std::string catalogue = readTextFile(test::sharedData("diagnosis.md"));
-  const auto table = catalogue.find("## The catalogue"), parameters = catalogue.find("## Parameters");
-  ASSERT_NE(table, std::string::npos);
-  ASSERT_NE(parameters, std::string::npos);
-  for (const EffectInfo& effect : allEffects()) {
-    EXPECT_NE(catalogue.substr(table, parameters - table).find(inTicks(effect.id)), std::string::npos)
-        << effect.id;
-    if (effect.id == "pressure-offset") continue;  // the catalogue names no parameter for it
-    for (const Parameter& p : effect.parameters)
-      EXPECT_NE(catalogue.find(inTicks(p.name), parameters), std::string::npos) << p.name;
+  std::istringstream catalogue(readTextFile(test::sharedData("diagnosis.md")));
+  std::set<std::string_view> registered;
+  for (const EffectInfo& effect : allEffects()) registered.insert(effect.id);
+  std::set<std::string> listed;
+  const std::regex row(R"(\| (.+) \| (.+) \|)");
+  std::smatch match;
+  for (std::string line; std::getline(catalogue, line);) {
+    if (!std::regex_match(line, match, row)) continue;
+    const std::string first = match[1], second = match[2];
+    if (first == "navigation" || first == "marker geometry")
+      for (const std::string& id : ticked(second)) listed.insert(id);
+    std::set<std::string_view> known{"active_s"};  // of the row's effects
+    for (const std::string& id : ticked(first))
+      if (const EffectInfo* effect = findEffect(id))
+        for (const Parameter& p : effect->parameters) known.insert(p.name);
+    if (known.size() == 1) continue;  // not a row of parameters, or of effects that are not there yet
+    for (const std::string& name : ticked(second)) EXPECT_EQ(known.count(name), 1U) << first << " " << name;
   }
+  EXPECT_FALSE(listed.empty());
+  for (const std::string& id : listed) EXPECT_EQ(registered.count(id), 1U) << id;
 }
 
 }  // namespace

@@ -1,0 +1,63 @@
+#include "effects/catalogue.h"
+
+#include <algorithm>
+
+#include "effects/registry.h"
+
+namespace fathom {
+
+std::vector<std::string_view> EffectInfo::confusedWith() const {
+  const auto& ids = text.confused_with;
+  return {ids.begin(), std::find(ids.begin(), ids.end(), std::string_view())};
+}
+
+const std::vector<EffectInfo>& allEffects() {
+  static const std::vector<EffectInfo> effects = [] {
+    std::vector<EffectInfo> all;
+    forEachEffect([&]<class Effect>() {
+      constexpr std::size_t index = kEffectIndex<Effect>;
+      all.push_back({Effect::id, Effect::text, Effect::parameters, index, kEffectOffsets[index],
+                     parameterSize<Effect>()});
+    });
+    return all;
+  }();
+  return effects;
+}
+
+const EffectInfo* findEffect(std::string_view id) {
+  for (const EffectInfo& effect : allEffects())
+    if (effect.id == id) return &effect;
+  return nullptr;
+}
+
+std::string knownEffects() {
+  std::string known;
+  for (const EffectInfo& effect : allEffects()) known.append(known.empty() ? "" : ", ").append(effect.id);
+  return known;
+}
+
+std::string_view nameOf(EffectChannel channel) {
+  switch (channel) {
+    case EffectChannel::navigation:
+      return "navigation";
+    case EffectChannel::marker_geometry:
+      return "marker geometry";
+    case EffectChannel::image:
+      break;
+  }
+  return "image";
+}
+
+std::string_view nameOf(ParameterKind kind) {
+  switch (kind) {
+    case ParameterKind::continuous:
+      return "continuous";
+    case ParameterKind::marker_id:
+      return "marker id";
+    case ParameterKind::time:
+      break;
+  }
+  return "time";
+}
+
+}  // namespace fathom

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "effects/effect_text.h"
+#include "effects/parameter.h"
+
+/// The registered effects without their types, for listings, reports and fits.
+namespace fathom {
+
+struct EffectInfo {
+  std::string_view id;
+  EffectText text;
+  std::span<const Parameter> parameters;
+  std::size_t index = 0;         ///< in EffectParameters::on and active_s
+  std::size_t first_scalar = 0;  ///< in EffectParameters::values
+  std::size_t scalars = 0;       ///< so many, list by list in the order of the parameters
+
+  std::vector<std::string_view> confusedWith() const;
+};
+
+/// In the order of the registry.
+const std::vector<EffectInfo>& allEffects();
+/// Null: no such effect.
+const EffectInfo* findEffect(std::string_view id);
+/// All ids, separated by commas, for messages.
+std::string knownEffects();
+
+/// "navigation", "marker geometry", "image".
+std::string_view nameOf(EffectChannel channel);
+/// "continuous", "marker id", "time".
+std::string_view nameOf(ParameterKind kind);
+
+}  // namespace fathom

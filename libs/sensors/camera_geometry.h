@@ -1,0 +1,220 @@
+#pragma once
+
+#include <ceres/jet.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <type_traits>
+
+#include "core/camera_model.h"
+#include "core/kinematics.h"
+#include "effects/registry.h"
+#include "panel/panel_map.h"
+#include "sensors/flat_port.h"
+#include "sensors/models.h"
+
+/// The forward model of where a camera sees things: robot's motion and panel -> a marker corner's pixel, the
+/// nominal equation first, then the effects that are on. Simulator, filter, fits and diagnosis share it.
+namespace fathom {
+
+/// Maps points in the camera's frame to pixels, as the camera truly does: port, lens, row by row. P is the
+/// scalar of its own parameters; points may be of another one that P converts to, e.g. Jets in a pose beside
+/// plain parameters.
+///
+/// With a rolling shutter, points are those at the time of validity, which is the first row's, and the camera
+/// moves on at `velocity` and `angular_velocity` while the other rows are read.
+template <class P>
+struct CameraProjector {
+  Intrinsics<P> lens;
+  FlatPort<P> port;
+  Shutter<P> shutter;
+  double height_px = 1;                                     ///< rows that are read
+  Vector3<P> velocity_camera = Vector3<P>::Zero();          ///< of the camera, over ground, m/s
+  Vector3<P> angular_velocity_camera = Vector3<P>::Zero();  ///< rad/s
+
+  /// Ideal image coordinates (x/z, y/z) that a pinhole without distortion would see at this pixel's place.
+  template <class T>
+  Vector2<T> ideal(const Vector3<T>& point_camera) const {
+    return straight(shutter.rolling ? atItsRow(point_camera) : point_camera);
+  }
+
+  /// The pixel of a point before the camera (z > 0).
+  template <class T>
+  Vector2<T> project(const Vector3<T>& point_camera) const {
+    return pixelAt(ideal(point_camera));
+  }
+
+  /// Pinhole and lens alone, in an image of the nominal camera's size.
+  CameraModel lensModel(const CameraModel& nominal) const {
+    return {nominal.width_px,    nominal.height_px,   valueOf(lens.fx_px), valueOf(lens.fy_px),
+            valueOf(lens.cx_px), valueOf(lens.cy_px), valueOf(lens.k1),    valueOf(lens.k2),
+            valueOf(lens.p1),    valueOf(lens.p2),    valueOf(lens.k3)};
+  }
+
+  /// A camera without effects.
+  static CameraProjector nominal(const CameraModel& camera) {
+    CameraProjector projector;
+    projector.lens = {P(camera.fx_px), P(camera.fy_px), P(camera.cx_px), P(camera.cy_px), P(camera.k1),
+                      P(camera.k2),    P(camera.p1),    P(camera.p2),    P(camera.k3)};
+    projector.height_px = camera.height_px;
+    return projector;
+  }
+
+ private:
+  template <class T>
+  Vector2<T> straight(const Vector3<T>& point_camera) const {
+    const Vector3<T> d = port.present ? apparentDirection(port, point_camera) : point_camera;
+    return {d.x() / d.z(), d.y() / d.z()};
+  }
+
+  template <class T>
+  Vector2<T> pixelAt(const Vector2<T>& ideal) const {
+    const Vector2<T> d = plumbBob(ideal, T(lens.k1), T(lens.k2), T(lens.p1), T(lens.p2), T(lens.k3));
+    return {T(lens.fx_px) * d.x() + T(lens.cx_px), T(lens.fy_px) * d.y() + T(lens.cy_px)};
+  }
+
+  /// The point in the camera's frame when row `row` was read.
+  template <class T>
+  Vector3<T> atRow(const Vector3<T>& point_camera, const T& row) const {
+    const T seconds = T(shutter.readout_s) * row / height_px;
+    const Vector3<T> turned = angular_velocity_camera.template cast<T>() * seconds;
+    return expSO3<T>(turned).transpose() * (point_camera - velocity_camera.template cast<T>() * seconds);
+  }
+  template <class T>
+  T rowSeen(const Vector3<T>& point_camera, const T& row) const {
+    return pixelAt(straight(atRow(point_camera, row))).y();
+  }
+
+  /// The same, at the row in which the point then is: row = rowSeen(row). Solved in double, then one Newton
+  /// step in T. What is far out of the image gets a row not far from it.
+  template <class T>
+  Vector3<T> atItsRow(const Vector3<T>& point_camera) const {
+    using Slope = ceres::Jet<double, 1>;
+    const CameraProjector<double> plain = values();
+    const Vector3<Slope> point(Slope(valueOf(point_camera.x())), Slope(valueOf(point_camera.y())),
+                               Slope(valueOf(point_camera.z())));
+    double row = 0;
+    for (int i = 0; i < 20; ++i) {
+      const Slope seen = plain.rowSeen(point, Slope(row, 0));
+      const double step = (seen.a - row) / (1.0 - seen.v[0]);
+      if (std::abs(step) < 1e-11 * (1.0 + std::abs(row)))
+        return atRow(point_camera, T(row + (rowSeen(point_camera, T(row)) - row) / (1.0 - seen.v[0])));
+      row = std::clamp(row + step, -height_px, 2.0 * height_px);
+    }
+    return atRow(point_camera, T(row));
+  }
+
+  CameraProjector<double> values() const {
+    if constexpr (std::is_same_v<P, double>) {
+      return *this;
+    } else {
+      const auto vector = [](const Vector3<P>& v) {
+        return Vector3d(valueOf(v.x()), valueOf(v.y()), valueOf(v.z()));
+      };
+      CameraProjector<double> plain;
+      plain.lens = {valueOf(lens.fx_px), valueOf(lens.fy_px), valueOf(lens.cx_px),
+                    valueOf(lens.cy_px), valueOf(lens.k1),    valueOf(lens.k2),
+                    valueOf(lens.p1),    valueOf(lens.p2),    valueOf(lens.k3)};
+      plain.port = {port.present,
+                    valueOf(port.distance_m),
+                    valueOf(port.glass_m),
+                    valueOf(port.tilt_x_rad),
+                    valueOf(port.tilt_y_rad),
+                    valueOf(port.index_error)};
+      plain.shutter = {shutter.rolling, valueOf(shutter.readout_s)};
+      plain.height_px = height_px;
+      plain.velocity_camera = vector(velocity_camera);
+      plain.angular_velocity_camera = vector(angular_velocity_camera);
+      return plain;
+    }
+  }
+  template <class Other>
+  friend struct CameraProjector;
+};
+
+/// The camera of an image stamped t_s. It stands still: give it its motion by movingWith() where the shutter
+/// rolls.
+template <class T>
+CameraProjector<T> cameraProjector(const CameraModel& nominal, const EffectParameters<T>& effects,
+                                   double t_s) {
+  auto projector = CameraProjector<T>::nominal(nominal);
+  applyEffects(effects, t_s, projector.lens);
+  applyEffects(effects, t_s, projector.port);
+  applyEffects(effects, t_s, projector.shutter);
+  return projector;
+}
+
+/// Where the camera sits: T_robot_camera with what effects make of it. Of a pair's right camera, nominal is
+/// the left one's and T_left_right is taken as exact.
+template <class T>
+Mounting<T, Sensor::camera> cameraMounting(const Pose& nominal, const EffectParameters<T>& effects,
+                                           double t_s, const Pose& T_left_right = {}) {
+  auto mount = detail::mounting<Sensor::camera>(nominal, effects, t_s);
+  mount.position_robot += mount.R_robot_sensor * T_left_right.position.template cast<T>();
+  mount.R_robot_sensor = mount.R_robot_sensor * T_left_right.rotation.template cast<T>();
+  return mount;
+}
+
+/// The same projector on a robot that moves.
+template <class T>
+CameraProjector<T> movingWith(const KinematicState<T>& state, const Mounting<T, Sensor::camera>& mount,
+                              CameraProjector<T> projector) {
+  const Matrix3<T> R_camera_robot = mount.R_robot_sensor.transpose();
+  projector.angular_velocity_camera = R_camera_robot * state.angular_velocity_robot;
+  projector.velocity_camera =
+      R_camera_robot * (state.velocity_robot + state.angular_velocity_robot.cross(mount.position_robot));
+  return projector;
+}
+
+/// The panel as the map has it, for an image stamped t_s; for a fit to move.
+template <class T>
+PanelPlacement<T> nominalPlacement(const Pose& T_odom_panel, double t_s) {
+  return {t_s, T_odom_panel.position.cast<T>(), T_odom_panel.rotation.cast<T>()};
+}
+
+/// A marker as it truly is on its panel.
+template <class T>
+MarkerPlacement<T> markerPlacement(const Marker& nominal, const EffectParameters<T>& effects, double t_s) {
+  const Pose& pose = nominal.T_panel_marker;
+  MarkerPlacement<T> marker{nominal.id, T(nominal.size_m), pose.position.cast<T>(), pose.rotation.cast<T>()};
+  applyEffects(effects, t_s, marker);
+  return marker;
+}
+
+/// Corners of a marker as it truly is, in the order of Marker::corners_panel(), panel frame.
+template <class T>
+std::array<Vector3<T>, 4> markerCorners_panel(const Marker& nominal, const EffectParameters<T>& effects,
+                                              double t_s) {
+  const MarkerPlacement<T> marker = markerPlacement(nominal, effects, t_s);
+  const T half_m = 0.5 * marker.size_m;
+  const auto corner = [&](double right, double up) {
+    return Vector3<T>(marker.position_panel +
+                      marker.R_panel_marker * Vector3<T>(half_m * right, half_m * up, T(0)));
+  };
+  return {corner(-1, 1), corner(1, 1), corner(1, -1), corner(-1, -1)};
+}
+
+/// The camera's forward model: pixels of a marker's four corners in an image stamped t_s, in the order of
+/// Detection::corners_px. `state` is the robot's motion at t_s + validityOffset<Sensor::camera>(), `panel`
+/// the panel's nominal pose, see nominalPlacement(). A corner behind the camera gives pixels without meaning.
+template <class T>
+std::array<Vector2<T>, 4> predictCorners(const KinematicState<T>& state, PanelPlacement<T> panel,
+                                         const Marker& marker, const CameraModel& camera,
+                                         const Pose& T_robot_camera, const EffectParameters<T>& effects,
+                                         double t_s, const Pose& T_left_right = {}) {
+  const auto mount = cameraMounting(T_robot_camera, effects, t_s, T_left_right);
+  const auto projector = movingWith(state, mount, cameraProjector(camera, effects, t_s));
+  applyEffects(effects, t_s, panel);
+  const Matrix3<T> R_camera_odom = (state.R_odom_robot * mount.R_robot_sensor).transpose();
+  const Vector3<T> camera_odom = state.position_odom + state.R_odom_robot * mount.position_robot;
+  std::array<Vector2<T>, 4> pixels;
+  const auto corners = markerCorners_panel(marker, effects, t_s);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vector3<T> corner_odom = panel.position_odom + panel.R_odom_panel * corners[k];
+    pixels[k] = projector.project(Vector3<T>(R_camera_odom * (corner_odom - camera_odom)));
+  }
+  return pixels;
+}
+
+}  // namespace fathom

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cmath>
+
+#include "core/scalar.h"
+#include "effects/stages.h"
+
+/// A camera behind a flat port: air | glass | water in parallel layers. n sin(theta) is the same in each, so
+/// a line of sight stays in one plane with the port's normal through the camera's centre (Treibitz et al.
+/// 2012; Agrawal et al. 2012).
+///
+/// The nominal intrinsics contain some of the bending. With index_error = 0 they are those of a calibration
+/// under water: a port without thickness at the camera's very centre is then no port at all. With
+/// index_error = 1.34/1 - 1 they are those of a calibration in air.
+namespace fathom {
+
+inline constexpr double kGlassIndex = 1.5;   ///< acrylic 1.49, float glass 1.52
+inline constexpr double kWaterIndex = 1.34;  ///< sea water in green light (Quan & Fry 1995); fresh 1.334
+
+namespace detail {
+
+/// The layers between the camera's centre and a point, and the light's way through them. The unknown is
+/// `slope`: tan(theta_air) over the point's lateral distance, which stays smooth on the normal itself.
+template <class T>
+struct PortCrossing {
+  T distance_m, glass_m, water_m;  ///< thickness of each layer, along the normal
+  T lateral_squared;               ///< of the point, m²
+
+  /// tan(theta) over the lateral distance, in a medium of index n: tan(theta_n) = tan(theta_air) /
+  /// sqrt(n² + (n² - 1) tan²(theta_air)).
+  static T slopeIn(const T& index, const T& slope, const T& lateral_squared) {
+    using std::sqrt;
+    const T n2 = index * index;
+    return slope / sqrt(n2 + (n2 - 1.0) * slope * slope * lateral_squared);
+  }
+  /// Where the light of this slope ends, as a share of the lateral distance, minus 1: zero for the point.
+  T miss(const T& slope) const {
+    return slope * distance_m + slopeIn(T(kGlassIndex), slope, lateral_squared) * glass_m +
+           slopeIn(T(kWaterIndex), slope, lateral_squared) * water_m - 1.0;
+  }
+};
+
+/// d miss / d slope: d/ds s (n² + (n² - 1) s² q)^-1/2 = n² (…)^-3/2.
+inline double missBySlope(const PortCrossing<double>& port, double slope) {
+  const auto in = [&](double n2) {
+    return n2 / std::pow(n2 + (n2 - 1) * slope * slope * port.lateral_squared, 1.5);
+  };
+  return port.distance_m + in(kGlassIndex * kGlassIndex) * port.glass_m +
+         in(kWaterIndex * kWaterIndex) * port.water_m;
+}
+
+/// Newton's method from 0. miss() is concave and grows, so it comes up to the root and never beyond. A point
+/// that no light reaches the camera from (beyond the critical angle) is seen along the port.
+inline double solveSlope(const PortCrossing<double>& port) {
+  constexpr double kSteepest = 50;  // tan(theta_air)
+  double slope = 0;
+  for (int i = 0; i < 100; ++i) {
+    const double step = -port.miss(slope) / missBySlope(port, slope);
+    slope += step;
+    if (slope * slope * port.lateral_squared > kSteepest * kSteepest)
+      return kSteepest / std::sqrt(port.lateral_squared);
+    if (step <= 1e-15 * slope) break;
+  }
+  return slope;
+}
+
+}  // namespace detail
+
+/// The direction (of any length, camera frame) in which a camera with the nominal intrinsics would have to
+/// look straight at a point to see it where it appears through the port. Parameters of the port may be
+/// constants among the point's Jets. Differentiable by the implicit function: solved in double, then one
+/// Newton step in T.
+template <class T, class P>
+Vector3<T> apparentDirection(const FlatPort<P>& port, const Vector3<T>& point_camera) {
+  const Vector3<T> tilt(T(port.tilt_x_rad), T(port.tilt_y_rad), T(0));
+  const Vector3<T> normal = expSO3<T>(tilt).col(2);
+  const T height = normal.dot(point_camera);
+  const Vector3<T> lateral = point_camera - height * normal;
+
+  constexpr double kThinnestWater_m = 1e-3;  // what touches the port
+  detail::PortCrossing<T> crossing{T(port.distance_m), T(port.glass_m), T(0), lateral.squaredNorm()};
+  crossing.water_m = height - crossing.distance_m - crossing.glass_m;
+  if (crossing.water_m < kThinnestWater_m) crossing.water_m = T(kThinnestWater_m);
+  const detail::PortCrossing<double> plain{valueOf(crossing.distance_m), valueOf(crossing.glass_m),
+                                           valueOf(crossing.water_m), valueOf(crossing.lateral_squared)};
+  const double root = detail::solveSlope(plain);
+  const T slope = T(root) - crossing.miss(T(root)) / detail::missBySlope(plain, root);
+
+  const T nominal_index = kWaterIndex / (1.0 + T(port.index_error));
+  return normal + detail::PortCrossing<T>::slopeIn(nominal_index, slope, crossing.lateral_squared) * lateral;
+}
+
+}  // namespace fathom

@@ -1,0 +1,24 @@
+#include "sensors/true_panel.h"
+
+#include "sensors/camera_geometry.h"
+
+namespace fathom {
+
+PanelMap truePanel(const PanelMap& nominal, const EffectParameters<double>& effects, double t_s) {
+  PanelMap panel = nominal;
+  auto placement = nominalPlacement<double>(nominal.T_odom_panel, t_s);
+  applyEffects(effects, t_s, placement);
+  panel.T_odom_panel = {placement.R_odom_panel, placement.position_odom};
+  for (Marker& marker : panel.markers) {
+    const auto there = markerPlacement(marker, effects, t_s);
+    marker.size_m = there.size_m;
+    marker.T_panel_marker = {there.R_panel_marker, there.position_panel};
+  }
+  return panel;
+}
+
+bool movesPanels(const EffectParameters<double>& effects) {
+  return anyActsAt<MarkerPlacement<double>>(effects) || anyActsAt<PanelPlacement<double>>(effects);
+}
+
+}  // namespace fathom

@@ -1,0 +1,178 @@
+// The camera's forward model against independent traces of the light.
+#include "sensors/camera_geometry.h"
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+
+namespace fathom {
+namespace {
+
+constexpr double kPortDirection = 1e-11;  // of unit vectors: what rounding leaves
+
+/// Snell's law for vectors (Glassner 1989): a unit direction through a plane, from index n1 to n2.
+Vector3d refracted(const Vector3d& direction, const Vector3d& normal, double n1, double n2) {
+  const double ratio = n1 / n2, cosine = direction.dot(normal);
+  return ratio * direction + (std::sqrt(1 - ratio * ratio * (1 - cosine * cosine)) - ratio * cosine) * normal;
+}
+
+struct LightRay {
+  Vector3d origin, direction;
+};
+
+/// From the camera's centre outwards: the light's way in the water, of what the nominal camera sees along
+/// `sight`.
+LightRay traced(const FlatPort<double>& port, const Vector3d& sight) {
+  const Vector3d normal = expSO3<double>(Vector3d(port.tilt_x_rad, port.tilt_y_rad, 0)) * Vector3d::UnitZ();
+  const double nominal_index = 1.34 / (1 + port.index_error);
+  const Vector3d air = refracted(sight.normalized(), normal, nominal_index, 1.0);
+  const Vector3d at_glass = port.distance_m / air.dot(normal) * air;
+  const Vector3d glass = refracted(air, normal, 1.0, 1.5);
+  const Vector3d at_water = at_glass + port.glass_m / glass.dot(normal) * glass;
+  return {at_water, refracted(glass, normal, 1.5, 1.34)};
+}
+
+FlatPort<double> randomPort(Random& random) {
+  return {true,
+          random.uniform(0.0, 0.1),
+          random.uniform(0.0, 0.02),
+          radians(random.uniform(-5, 5)),
+          radians(random.uniform(-5, 5)),
+          random.uniform() < 0.5 ? random.uniform(-0.02, 0.02) : 0.34};
+}
+
+TEST(FlatPort, SeesWhereTheTracedLightGoes) {
+  Random random(1);
+  for (int i = 0; i < 1000; ++i) {
+    const FlatPort<double> port = randomPort(random);
+    const Vector3d sight = Vector3d(random.uniform(-0.6, 0.6), random.uniform(-0.5, 0.5), 1).normalized();
+    const LightRay ray = traced(port, sight);
+    const Vector3d point = ray.origin + random.uniform(0.05, 5.0) * ray.direction;
+    EXPECT_LT((apparentDirection(port, point).normalized() - sight).norm(), kPortDirection);
+  }
+}
+
+TEST(FlatPort, TheLightOfWhatIsSeenPassesThroughThePoint) {
+  Random random(2);
+  for (int i = 0; i < 1000; ++i) {
+    const FlatPort<double> port = randomPort(random);
+    const double z = random.uniform(0.3, 5.0);
+    const Vector3d point(z * random.uniform(-0.5, 0.5), z * random.uniform(-0.4, 0.4), z);
+    const LightRay ray = traced(port, apparentDirection(port, point));
+    EXPECT_LT(ray.direction.cross(point - ray.origin).norm(), 5 * kPortDirection);
+  }
+}
+
+TEST(FlatPort, WithoutThicknessIsNoPort) {
+  Random random(3);
+  for (int i = 0; i < 100; ++i) {
+    const FlatPort<double> port{true, 0, 0, radians(random.uniform(-5, 5)), radians(random.uniform(-5, 5)),
+                                0};
+    const Vector3d point(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), 1);
+    EXPECT_LT((apparentDirection(port, point).normalized() - point.normalized()).norm(), kPortDirection);
+  }
+}
+
+/// On the normal itself and beyond the critical angle nothing may break.
+TEST(FlatPort, HoldsOnItsNormalAndBeyondWhatCanBeSeen) {
+  const FlatPort<double> port{true, 0.05, 0.01, 0, 0, 0.34};
+  EXPECT_LT((apparentDirection(port, Vector3d(0, 0, 2)).normalized() - Vector3d::UnitZ()).norm(), 1e-15);
+  const Vector3d beyond = apparentDirection(port, Vector3d(9, 0, 1)).normalized();
+  EXPECT_TRUE(beyond.allFinite());
+  EXPECT_GT(beyond.z(), 0);
+  EXPECT_GT(beyond.x(), 0.99);
+}
+
+/// The figure of the literature: a port 20 mm before a camera calibrated under water acts like the camera
+/// moved back by (n - 1) d near the axis, 6.8 mm.
+TEST(FlatPort, NearTheAxisIsACameraFartherBack) {
+  const FlatPort<double> port{true, 0.02, 0, 0, 0, 0};
+  const double z = 1.0, x = 1e-3;
+  const Vector3d seen = apparentDirection(port, Vector3d(x, 0, z));
+  // Seen from (0, 0, -shift): x / (z + shift).
+  EXPECT_NEAR(x / (seen.x() / seen.z()) - z, 0.34 * 0.02, 1e-6);
+}
+
+/// A camera whose rows are read one after the other, by bisection on the row over its exact motion.
+TEST(RollingShutter, EachCornerIsSeenWhenItsRowIsRead) {
+  Random random(4);
+  const CameraModel camera{.k1 = -0.04};
+  for (int i = 0; i < 200; ++i) {
+    auto projector = CameraProjector<double>::nominal(camera);
+    projector.shutter = {true, random.uniform(-0.05, 0.05)};
+    projector.velocity_camera = 0.5 * random.normal3();
+    projector.angular_velocity_camera = 0.3 * random.normal3();
+    const Vector3d point(random.uniform(-0.4, 0.4), random.uniform(-0.3, 0.3), 1.0);
+    const auto pixelAfter = [&](double seconds) {
+      const Matrix3d turned = expSO3<double>(projector.angular_velocity_camera * seconds);
+      const Vector3d there = turned.transpose() * (point - projector.velocity_camera * seconds);
+      return camera.project(there);
+    };
+    double low = -2000, high = 2000;  // rows
+    for (int k = 0; k < 100; ++k) {
+      const double row = (low + high) / 2;
+      (pixelAfter(projector.shutter.readout_s * row / 480).y() > row ? low : high) = row;
+    }
+    const Vector2d expected = pixelAfter(projector.shutter.readout_s * low / 480);
+    EXPECT_LT((projector.project(point) - expected).norm(), 1e-9);
+  }
+}
+
+TEST(CameraProjector, WithoutEffectsIsTheCameraModel) {
+  Random random(5);
+  const CameraModel camera{.k1 = -0.04, .k2 = 0.01, .p1 = 1e-3, .p2 = -2e-3, .k3 = 3e-3};
+  const auto projector = cameraProjector<double>(camera, {}, 0);
+  for (int i = 0; i < 100; ++i) {
+    const Vector3d point(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(0.5, 2));
+    EXPECT_LT((projector.project(point) - camera.project(point)).norm(), 1e-11);
+  }
+}
+
+/// d pixel / d point by a Jet of the point alone, parameters being plain numbers: what a pose solver needs.
+TEST(CameraProjector, PassesJetsOfThePointThroughPortAndRows) {
+  using Jet = ceres::Jet<double, 3>;
+  Random random(6);
+  auto projector = CameraProjector<double>::nominal({.k1 = -0.04});
+  projector.port = {true, 0.05, 0.01, 0.02, -0.01, 0.1};
+  projector.shutter = {true, 0.03};
+  projector.velocity_camera = {0.5, -0.4, 0.3};
+  projector.angular_velocity_camera = {0.2, 0.3, -0.5};
+  for (int i = 0; i < 50; ++i) {
+    const Vector3d point(random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4), random.uniform(0.5, 2));
+    const auto pixel =
+        projector.project(Vector3<Jet>(Jet(point.x(), 0), Jet(point.y(), 1), Jet(point.z(), 2)));
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d step = 1e-5 * Vector3d::Unit(k);
+      const Vector3d ahead = point + step, behind = point - step;
+      const Vector2d slope = (projector.project(ahead) - projector.project(behind)) / 2e-5;
+      // Central differences: h² f'''/6, slopes being 500 px/m at 1 m, and rounding of 1e-12 px over h.
+      EXPECT_NEAR(pixel.x().v[k], slope.x(), 1e-5);
+      EXPECT_NEAR(pixel.y().v[k], slope.y(), 1e-5);
+    }
+  }
+}
+
+TEST(KinematicState, ExtrapolatedMovesAtConstantAcceleration) {
+  KinematicState<double> state;
+  state.R_odom_robot = expSO3<double>(Vector3d(0.3, -0.2, 1.0));
+  state.position_odom = {1, 2, 3};
+  state.velocity_robot = {0.5, 0.1, -0.2};
+  state.acceleration_robot = {0.1, -0.3, 0.2};
+  state.angular_velocity_robot = {0, 0, 0.4};
+  state.angular_acceleration_robot = {0, 0, 0.1};
+  const auto later = extrapolated(state, 2.0);
+  EXPECT_LT((later.position_odom -
+             (state.position_odom + state.R_odom_robot * Vector3d(1.0 + 0.2, 0.2 - 0.6, -0.4 + 0.4)))
+                .norm(),
+            1e-14);
+  EXPECT_LT((state.R_odom_robot.transpose() * later.R_odom_robot - expSO3<double>(Vector3d(0, 0, 0.8 + 0.2)))
+                .norm(),
+            1e-14);
+  // The same velocity in odom's axes, a second way.
+  EXPECT_LT(
+      (later.R_odom_robot * later.velocity_robot - state.R_odom_robot * Vector3d(0.7, -0.5, 0.2)).norm(),
+      1e-14);
+}
+
+}  // namespace
+}  // namespace fathom
