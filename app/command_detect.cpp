@@ -140,7 +140,7 @@ void addDetect(const RunContext& context) {
       "markers.csv\n"
       "  fathom detect turbid.png --family DICT_ARUCO_ORIGINAL --preprocess clahe --fallback");
   const auto options = std::make_shared<DetectOptions>();
-  command->add_option("IMAGE", options->images, "PNG or JPEG images")->required()->type_name(values::kFile);
+  command->add_option("IMAGE", options->images, "PNG, JPEG or BMP images")->required()->type_name(values::kFile);
   command->add_option("--family", options->families, "Marker families, separated by commas")
       ->required()
       ->delimiter(',')

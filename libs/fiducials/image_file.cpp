@@ -3,6 +3,8 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 #include <string_view>
 
@@ -15,10 +17,18 @@ namespace {
 using namespace std::string_view_literals;
 constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n"sv;
 constexpr std::string_view kJpegStart = "\xff\xd8\xff"sv, kJpegEnd = "\xff\xd9"sv;
+constexpr std::string_view kBmpSignature = "BM"sv;
 
 std::uint32_t bigEndian(std::string_view bytes) {
   std::uint32_t value = 0;
   for (const char byte : bytes) value = value << 8U | static_cast<std::uint8_t>(byte);
+  return value;
+}
+
+std::uint32_t littleEndian(std::string_view bytes) {
+  std::uint32_t value = 0;
+  for (auto byte = bytes.rbegin(); byte != bytes.rend(); ++byte)
+    value = value << 8U | static_cast<std::uint8_t>(*byte);
   return value;
 }
 
@@ -32,7 +42,8 @@ class Checker {
     if (bytes_.empty()) throw Error(file_, "", "the file is empty");
     if (bytes_.starts_with(kPngSignature)) return checkPng();
     if (bytes_.starts_with(kJpegStart)) return checkJpeg();
-    throw Error(file_, "", "neither a PNG nor a JPEG image");
+    if (bytes_.starts_with(kBmpSignature)) return checkBmp();
+    throw Error(file_, "", "neither a PNG nor a JPEG nor a BMP image");
   }
 
  private:
@@ -69,6 +80,24 @@ class Checker {
       if (scan) break;
     }
     if (bytes_.find(kJpegEnd, at) == std::string_view::npos) fail(bytes_.size(), "the JPEG image is cut off");
+  }
+
+  /// Pixels lie in rows of whole words from an offset on; a negative height means from the top.
+  void checkBmp() const {
+    constexpr std::size_t header = 54;
+    if (bytes_.size() < header) fail(bytes_.size(), "the BMP image is cut off");
+    const auto field = [this](std::size_t at, std::size_t size) {
+      return littleEndian(bytes_.substr(at, size));
+    };
+    if (const auto compression = field(30, 4); compression != 0 && compression != 3)
+      fail(30, "the BMP image is compressed; only plain ones are read");
+    const std::int64_t offset = field(10, 4), width = static_cast<std::int32_t>(field(18, 4)),
+                       height = static_cast<std::int32_t>(field(22, 4)), bits = field(28, 2);
+    const std::int64_t row_bytes = (width * bits + 31) / 32 * 4;
+    if (width <= 0 || height == 0 || bits == 0 || bits > 32)
+      fail(18, "damaged: the BMP image's size or depth cannot be");
+    const auto rows_there = (static_cast<std::int64_t>(bytes_.size()) - offset) / row_bytes;
+    if (std::abs(height) > rows_there) fail(bytes_.size(), "the BMP image is cut off");
   }
 
   std::string file_;

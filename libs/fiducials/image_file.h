@@ -5,10 +5,10 @@
 
 namespace fathom {
 
-/// Reads a PNG or JPEG image as CV_8UC3 (BGR) or, where it is gray, CV_8UC1; pixels as stored (an EXIF
-/// orientation is not applied: the camera's calibration is for the stored grid).
-/// Throws Error with the byte where that helps: cannot be read, empty, neither PNG nor JPEG, cut off, damaged
-/// (PNG's checksums), not decodable.
+/// Reads a PNG, JPEG or plain BMP image as CV_8UC3 (BGR) or, where it is gray, CV_8UC1; pixels as stored (an
+/// EXIF orientation is not applied: the camera's calibration is for the stored grid). Throws Error with the
+/// byte where that helps: cannot be read, empty, none of these, cut off, damaged (PNG's checksums), not
+/// decodable.
 cv::Mat readImage(const std::filesystem::path& file);
 
 }  // namespace fathom

@@ -41,18 +41,6 @@ std::string inputsOf(const DetectionSettings& s) {
   return text + "\n";
 }
 
-std::unique_ptr<Detector> detectorFor(const CameraModel& camera, const DetectionSettings& s) {
-  DetectorOptions options;
-  options.preprocess = s.preprocess;
-  options.refine = s.refine;
-  options.camera = camera;
-  options.largest_corrected_bits = s.largest_corrected_bits;
-  auto first = makeDetector(s.backend, s.families, options);
-  if (!s.fallback) return first;
-  return std::make_unique<FallbackDetector>(std::move(first), makeDetector(*s.fallback, s.families, options),
-                                            static_cast<std::size_t>(s.expected_markers));
-}
-
 /// What one thread needs for each camera.
 using Detectors = std::map<std::string, std::unique_ptr<Detector>>;
 
@@ -142,6 +130,18 @@ Detections resultOf(const std::vector<CameraImage>& images, std::vector<Outcome>
 }
 
 }  // namespace
+
+std::unique_ptr<Detector> detectorFor(const CameraModel& camera, const DetectionSettings& settings) {
+  DetectorOptions options;
+  options.preprocess = settings.preprocess;
+  options.refine = settings.refine;
+  options.camera = camera;
+  options.largest_corrected_bits = settings.largest_corrected_bits;
+  auto first = makeDetector(settings.backend, settings.families, options);
+  if (!settings.fallback) return first;
+  return std::make_unique<FallbackDetector>(std::move(first), makeDetector(*settings.fallback, settings.families, options),
+                                            static_cast<std::size_t>(settings.expected_markers));
+}
 
 std::vector<std::string> familiesOf(const std::vector<PanelMap>& panels) {
   std::set<std::string> families;

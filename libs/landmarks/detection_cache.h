@@ -25,6 +25,9 @@ struct DetectionSettings {
   int largest_corrected_bits = 2;
 };
 
+/// A detector for one camera's images, for one thread. Throws std::invalid_argument as makeDetector().
+std::unique_ptr<Detector> detectorFor(const CameraModel& camera, const DetectionSettings& settings);
+
 /// The families of all markers of these panels, sorted.
 std::vector<std::string> familiesOf(const std::vector<PanelMap>& panels);
 

@@ -41,13 +41,14 @@ struct LabelledClass {
   std::string_view label;
   std::string_view mrpt_class;
 };
-constexpr std::array<LabelledClass, 10> kConvention{{{labels::kIns, kImu},
+constexpr std::array<LabelledClass, 11> kConvention{{{labels::kIns, kImu},
                                                      {labels::kDvl, kImu},
                                                      {labels::kDvlBeams, kRange},
                                                      {labels::kDepth, kImu},
                                                      {labels::kUsbl, kRobotPose},
                                                      {labels::kCamera, kImageClass},
                                                      {labels::kStereo, kStereoImages},
+                                                     {labels::kSimulated, kImageClass},
                                                      {labels::kTruth, kRobotPose},
                                                      {labels::kPanel, kFeatures},
                                                      {labels::kMarkerSights, kBearingRange}}};
@@ -296,7 +297,7 @@ struct Encoder {
     write(observation);
   }
   void operator()(const ImageSample& image) const {
-    requireLabel(labels::kCamera);
+    if (sample.label != labels::kSimulated) requireLabel(labels::kCamera);
     CObservationImage observation;
     observation.cameraPose = image.T_robot_camera.toMrpt();
     observation.cameraParams = image.intrinsics;
@@ -377,7 +378,7 @@ Reading decodeReading(const std::string& mrpt_class, const std::string& label,
   if (label == labels::kMarkerSights) return readMarkers(decode<CObservationBearingRange>(object));
   if (label == labels::kDvlBeams) return readBeams(decode<CObservationRange>(object));
   if (label == labels::kStereo) return readStereo(decode<CObservationStereoImages>(object));
-  if (label == labels::kCamera) {
+  if (label == labels::kCamera || label == labels::kSimulated) {
     const auto observation = decode<CObservationImage>(object);
     return ImageSample{Pose::fromMrpt(observation.cameraPose), observation.cameraParams,
                        observation.image.getExternalStorageFile()};

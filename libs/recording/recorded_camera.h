@@ -21,4 +21,14 @@ inline CameraModel cameraModel(const mrpt::img::TCamera& camera) {
           camera.k3()};
 }
 
+/// The inverse.
+inline mrpt::img::TCamera recordedCamera(const CameraModel& model) {
+  mrpt::img::TCamera camera;
+  camera.ncols = static_cast<std::uint32_t>(model.width_px);
+  camera.nrows = static_cast<std::uint32_t>(model.height_px);
+  camera.setIntrinsicParamsFromValues(model.fx_px, model.fy_px, model.cx_px, model.cy_px);
+  camera.setDistortionPlumbBob(model.k1, model.k2, model.p1, model.p2, model.k3);
+  return camera;
+}
+
 }  // namespace fathom

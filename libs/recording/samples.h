@@ -26,6 +26,7 @@ inline constexpr const char* kCamera = "CAMERA";
 inline constexpr const char* kStereo = "STEREO";
 inline constexpr const char* kTruth = "TRUTH";
 // Results, never recorded.
+inline constexpr const char* kSimulated = "SIMULATED";         ///< image made for the CAMERA entry before it
 inline constexpr const char* kMarkers = "MARKERS";             ///< robot pose from markers
 inline constexpr const char* kPanel = "PANEL";                 ///< panels as seen from the camera
 inline constexpr const char* kMarkerSights = "MARKER_SIGHTS";  ///< where single markers were seen

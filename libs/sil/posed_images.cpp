@@ -1,21 +1,21 @@
 #include "sil/posed_images.h"
 
 #include <algorithm>
-#include <optional>
+#include <map>
+
+#include "core/error.h"
 
 namespace fathom {
 namespace {
 
-/// By the panel whose position is known best.
-std::optional<UncertainPose> robotPoseOf(const Sighting& sighting, const std::vector<PanelMap>& panels) {
+/// The panel whose position is known best; null where there is none.
+const SeenPanel* surestPanel(const Sighting& sighting) {
   const auto& seen = sighting.panels.panels;
   const auto surest = std::min_element(seen.begin(), seen.end(), [](const SeenPanel& a, const SeenPanel& b) {
     return a.T_camera_panel.covariance.topLeftCorner<3, 3>().trace() <
            b.T_camera_panel.covariance.topLeftCorner<3, 3>().trace();
   });
-  if (surest == seen.end()) return std::nullopt;
-  return robotPose(surest->T_camera_panel, panels[static_cast<std::size_t>(surest->panel)].T_odom_panel,
-                   sighting.panels.T_robot_camera);
+  return surest == seen.end() ? nullptr : &*surest;
 }
 
 std::string whyNot(const Sighting& sighting) {
@@ -30,22 +30,43 @@ PosedImages posedImages(const std::vector<ImageEntry>& entries, const Detections
   for (const UnreadableImage& image : detections.unreadable) unreadable[image.file] = image.why;
 
   PosedImages images;
+  std::size_t number = 0;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const ImageEntry& entry = entries[i];
     const Sighting& sighting = sightings.by_entry.at(i);
-    const auto T_odom_robot = robotPoseOf(sighting, panels);
-    for (std::size_t eye = 0; eye < entry.eyes.size(); ++eye) {
+    const SeenPanel* const seen = surestPanel(sighting);
+    for (std::size_t eye = 0; eye < entry.eyes.size(); ++eye, ++number) {
       const auto& [image, T_first_camera] = entry.eyes[eye];
       const auto* found = detections.find(image.file);
-      if (found == nullptr)
-        images.unposed.push_back({entry.time, image.file, unreadable[image.file]});
-      else if (!T_odom_robot)
-        images.unposed.push_back({entry.time, image.file, whyNot(sighting)});
-      else
-        images.posed.push_back({entry.time, i, eye, image, *T_odom_robot,
-                                T_odom_robot->pose * entry.T_robot_camera * T_first_camera, *found});
+      if (found == nullptr || seen == nullptr) {
+        images.unposed.push_back(
+            {entry.time, number, image.file, found == nullptr ? unreadable[image.file] : whyNot(sighting)});
+        continue;
+      }
+      const auto panel = static_cast<std::size_t>(seen->panel);
+      const UncertainPose T_odom_robot =
+          robotPose(seen->T_camera_panel, panels[panel].T_odom_panel, sighting.panels.T_robot_camera);
+      const Pose T_robot_camera = entry.T_robot_camera * T_first_camera;
+      images.posed.push_back({entry.time, number, i, eye, image, T_odom_robot,
+                              T_odom_robot.pose * T_robot_camera, T_robot_camera, panel, *found});
     }
   }
+  return images;
+}
+
+PosedImages posedImages(const std::filesystem::path& rawlog, const std::vector<PanelMap>& panels,
+                        const DetectionSettings& settings) {
+  RecordingSource source(rawlog);
+  const std::vector<ImageEntry> entries = imageEntries(source);
+  if (entries.empty()) throw Error(rawlog.string(), "", "has no images");
+  const Detections detections = detectImages(imagesOf(entries), settings, keepBeside(rawlog));
+  PosedImages images = posedImages(entries, detections, solveSightings(entries, detections, panels), panels);
+  const auto earlier = [](const auto& a, const auto& b) { return a.time < b.time; };
+  std::stable_sort(images.posed.begin(), images.posed.end(), earlier);
+  std::stable_sort(images.unposed.begin(), images.unposed.end(), earlier);
+  if (const auto loss = source.loss()) images.remarks.push_back("the recording is damaged: " + describe(*loss));
+  if (!detections.not_kept_why.empty())
+    images.remarks.push_back("detections are not kept: " + detections.not_kept_why);
   return images;
 }
 

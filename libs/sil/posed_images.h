@@ -12,17 +12,21 @@ namespace fathom {
 /// One image; an entry with a pair gives two.
 struct PosedImage {
   Time time;
+  std::size_t number = 0;  ///< among all images of the recording, those that are not posed included
   std::size_t entry = 0;  ///< among the recording's entries with images
   std::size_t eye = 0;    ///< 0: the only or the left one
   CameraImage image;
   UncertainPose
       T_odom_robot;    ///< by the joint solution of the panel that is known best, its map's pose exact
   Pose T_odom_camera;  ///< of this very eye
+  Pose T_robot_camera;
+  std::size_t panel = 0;  ///< the panel that told the pose
   std::vector<Detection> detections;  ///< all that was found in it
 };
 
 struct UnposedImage {
   Time time;
+  std::size_t number = 0;
   std::filesystem::path file;
   std::string why;  ///< one line: not readable, no marker, ambiguous, …
 };
@@ -30,10 +34,17 @@ struct UnposedImage {
 struct PosedImages {
   std::vector<PosedImage> posed;      ///< in the order of the recording
   std::vector<UnposedImage> unposed;  ///< likewise
+  std::vector<std::string> remarks;   ///< what a user should know, one line each
 };
 
 /// `sightings` are those of the entries (solveSightings).
 PosedImages posedImages(const std::vector<ImageEntry>& entries, const Detections& detections,
                         const Sightings& sightings, const std::vector<PanelMap>& panels);
+
+/// The same from a rawlog: finds the markers in its images (they are kept beside it, see keepBeside), and
+/// solves for the panels. Images in order of time, whatever the rawlog's. Throws Error where the rawlog cannot
+/// be read or has no images; Interrupted.
+PosedImages posedImages(const std::filesystem::path& rawlog, const std::vector<PanelMap>& panels,
+                        const DetectionSettings& settings);
 
 }  // namespace fathom

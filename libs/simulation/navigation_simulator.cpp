@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "recording/recorded_camera.h"
 #include "sensors/models.h"
 
 namespace fathom {
@@ -242,15 +243,6 @@ class UsblChannel : public Channel {
   Random random_;
 };
 
-mrpt::img::TCamera intrinsicsOf(const CameraModel& model) {
-  mrpt::img::TCamera camera;
-  camera.ncols = static_cast<std::uint32_t>(model.width_px);
-  camera.nrows = static_cast<std::uint32_t>(model.height_px);
-  camera.setIntrinsicParamsFromValues(model.fx_px, model.fy_px, model.cx_px, model.cy_px);
-  camera.setDistortionPlumbBob(model.k1, model.k2, model.p1, model.p2, model.k3);
-  return camera;
-}
-
 class CameraChannel : public Channel {
  public:
   CameraChannel(const Scene& scene, const CameraSheet& sheet)
@@ -260,7 +252,7 @@ class CameraChannel : public Channel {
  private:
   Reading read(double) override {
     const auto files = imageFiles(sheet_, scene_.options.image_format, image_++);
-    const mrpt::img::TCamera intrinsics = intrinsicsOf(sheet_.model);
+    const mrpt::img::TCamera intrinsics = recordedCamera(sheet_.model);
     if (!sheet_.T_left_right) return ImageSample{sheet_.T_robot_camera, intrinsics, files[0]};
     return StereoSample{
         sheet_.T_robot_camera, *sheet_.T_left_right, intrinsics, intrinsics, files[0], files[1]};

@@ -24,8 +24,7 @@ void makeImages(const SimulationOptions& options, const Trajectory& trajectory, 
                 const RecordingFiles& files) {
   std::error_code absent;
   fs::remove(files.rawlog, absent);  // it would tell of other images
-  const CameraWorld world{sceneOf(readPanelMaps(target.panel_map), options.sea_floor_z_m,
-                                  Random::stream(options.seed, kSandStream)),
+  const CameraWorld world{sceneOf(readPanelMaps(target.panel_map), options.sea_floor_z_m, sandOf(options.seed)),
                           *target.environment};
   simulateImages(options, trajectory, world, files.images);
 }
@@ -61,6 +60,8 @@ void makeRawlog(const SimulationOptions& options, const Trajectory& trajectory, 
 }
 
 }  // namespace
+
+Random sandOf(std::uint64_t seed) { return Random::stream(seed, kSandStream); }
 
 RecordingFiles simulateRecording(const SimulationOptions& options, const Trajectory& trajectory,
                                  const RecordingTarget& target) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "core/random.h"
 #include "sensors/water.h"
 #include "simulation/navigation_simulator.h"
 
@@ -26,6 +27,9 @@ struct RecordingFiles {
   std::filesystem::path images;     ///< the folder; empty: none
   std::size_t image_entries = 0;    ///< CAMERA or STEREO
 };
+
+/// Random numbers of the sand on a simulated recording's sea floor (render/scene.h).
+Random sandOf(std::uint64_t seed);
 
 /// Simulates a whole recording in the form of the recording convention. Memory does not depend on its
 /// length. Files appear under their names only when whole; the rawlog, last: it tells that all is there.

@@ -48,10 +48,28 @@ TEST(ImageFile, PngComesBackAsItWas) {
   EXPECT_EQ(cv::norm(readImage(file), noiseImage(), cv::NORM_INF), 0);
 }
 
+TEST(ImageFile, BmpComesBackAsItWas) {
+  const fs::path file = test::scratchFolder() / "image.bmp";
+  writeTextFile(file, encoded(".bmp"));
+  EXPECT_EQ(cv::norm(readImage(file), noiseImage(), cv::NORM_INF), 0);
+}
+
+TEST(ImageFile, BmpOfAnImpossibleSizeOrCompressedIsRefused) {
+  const std::string whole = encoded(".bmp");
+  const auto changed = [&](std::size_t at, char value) {
+    std::string damaged = whole;
+    damaged[at] = value;
+    return whyRefused(damaged);
+  };
+  EXPECT_NE(changed(18, 0).find("cannot be"), std::string::npos);     // width: was 60
+  EXPECT_NE(changed(21, '\x7f').find("cut off"), std::string::npos);  // two thousand million wide
+  EXPECT_NE(changed(30, 1).find("compressed"), std::string::npos);
+}
+
 TEST(ImageFile, JpegIsRead) { EXPECT_EQ(whyRefused(encoded(".jpg")), ""); }
 
 TEST(ImageFile, EveryTruncationIsSeen) {
-  for (const char* extension : {".png", ".jpg"}) {
+  for (const char* extension : {".png", ".jpg", ".bmp"}) {
     const std::string whole = encoded(extension);
     for (std::size_t length = 0; length < whole.size(); length += 1 + length / 7)
       EXPECT_NE(whyRefused(whole.substr(0, length)), "") << extension << " cut at " << length;
@@ -71,7 +89,7 @@ TEST(ImageFile, EveryChangedByteOfAPngIsSeen) {
 
 TEST(ImageFile, WhatIsNoImageIsSaidToBeNone) {
   EXPECT_EQ(whyRefused(""), "the file is empty");
-  EXPECT_EQ(whyRefused("image,id\n"), "neither a PNG nor a JPEG image");
+  EXPECT_EQ(whyRefused("image,id\n"), "neither a PNG nor a JPEG nor a BMP image");
   EXPECT_THROW(readImage("/no/such.png"), Error);
   EXPECT_THROW(readImage(test::scratchFolder()), Error);
 }

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "landmarks/detection_cache.h"
+#include "render/renderer.h"
+#include "sil/posed_images.h"
+#include "sil/sil_world.h"
+#include "similarity/measure.h"
+
+/// The second half of the paper's Algorithm 1: render at the robot's pose -> pair <real, simulated>.
+namespace fathom {
+
+struct PairOptions {
+  /// The simulated image has the sensor's shot and read noise, as the recorded one has: like with like.
+  bool noise = true;
+  std::uint64_t seed = 1;  ///< of that noise
+  /// A pose belongs to an image where, at that pose, half of the image's own markers are no farther from
+  /// where they should be (root mean square over their corners).
+  double largest_offset_px = 10;
+};
+
+/// A recorded image and the one simulated from where it was taken. Both are of 8 bits, as recordings have them;
+/// of a gray image, the simulated one is gray too (three equal channels).
+struct SilPair {
+  ImagePair images;           ///< its camera is the maker's
+  double range_m = 0;         ///< camera to the centre of the panel that told the pose
+  double view_angle_rad = 0;  ///< between that panel's normal and the line from its centre to the camera
+  double panel_share = 0;     ///< of the image's pixels
+};
+
+/// Makes pairs, for many threads at once. A pair depends on nothing but world, options and the posed image.
+class PairMaker {
+ public:
+  /// Throws std::invalid_argument where the vehicle has no camera or there is no panel.
+  PairMaker(SilWorld world, const PairOptions& options, DetectionSettings detection);
+  ~PairMaker();
+  PairMaker(const PairMaker&) = delete;
+  PairMaker& operator=(const PairMaker&) = delete;
+
+  const SilWorld& world() const { return world_; }
+  const CameraSheet& camera() const { return *world_.vehicle.camera; }
+
+  /// Throws Error{file, "", why} where there is no pair: the image cannot be read or is not of its camera's
+  /// size, the pose is not its own, no panel is in view, one of the images is saturated.
+  SilPair make(const PosedImage& posed) const;
+
+  /// What is compared. Where the sea floor is known, all of the picture; otherwise only the panels: around
+  /// them the recorded image is replaced by the simulated one, so that nothing else can differ there.
+  ImagePair compared(const ImagePair& images) const;
+  /// The pixels of that, CV_8UC1.
+  cv::Mat comparedRegion(const ImagePair& images) const;
+
+ private:
+  struct Optics;
+  struct Tools;
+  struct Threads;
+
+  Lighting lighting(const Pose& T_odom_robot) const;
+  const Optics& opticsOf(const CameraModel& camera) const;
+  Tools& toolsFor(const CameraModel& camera) const;
+  cv::Mat panelMask(const View& view, const PosedImage& posed) const;
+  void requireOwnPose(const PosedImage& posed) const;
+
+  SilWorld world_;
+  PairOptions options_;
+  DetectionSettings detection_;
+  Surface scene_odom_;
+  std::unique_ptr<Threads> threads_;
+};
+
+/// Of an image file, readImage() and its size checked against its camera's. Throws Error.
+cv::Mat readRecorded(const CameraImage& image);
+/// As measures want it: CV_8UC3, whatever the file's channels.
+cv::Mat inColour(const cv::Mat& image);
+
+}  // namespace fathom
