@@ -25,6 +25,7 @@ void addDetect(const RunContext& context);
 void addMap(const RunContext& context);
 void addEvaluate(const RunContext& context);
 void addCompareFiducials(const RunContext& context);
+void addFitWater(const RunContext& context);
 void addFsim(const RunContext& context);
 void addCompletion(const RunContext& context);
 

@@ -11,15 +11,23 @@ namespace {
 
 constexpr double kLargestShare = 0.05;  // of a parameter, that its sigma may be
 constexpr double kVeilSigma = 0.005;    // or this: about one digital number of eight bits
+// What nearest and farthest patches may err by together, however many there are: rounding, JPEG, blur.
+constexpr double kCommonError = 0.001;
 constexpr double kNearest_m = 0.3, kStep_m = 0.1, kFarther_m = 8;
 constexpr const char* kChannels[] = {"red", "green", "blue"};
 
 /// Attenuation, veil and ambient light of one channel, and what is known of them.
 struct ChannelKnowledge {
   double a, b, ambient;
+  double nearest_m, farthest_m;
   Matrix3d covariance;
 
-  double sigmaA() const { return std::sqrt(covariance(0, 0)); }
+  /// Of a, from the change of contrast between the nearest and the farthest patches, if both err.
+  double commonErrorA() const {
+    const double contrast = 0.81 * ambient * std::exp(-a * 0.5 * (nearest_m + farthest_m));
+    return kCommonError / (contrast * (farthest_m - nearest_m));
+  }
+  double sigmaA() const { return std::hypot(std::sqrt(covariance(0, 0)), commonErrorA()); }
   double sigmaB() const { return std::sqrt(covariance(1, 1)); }
   bool suffices() const {
     return sigmaA() <= kLargestShare * a && sigmaB() <= std::max(kLargestShare * b, kVeilSigma);
@@ -32,14 +40,14 @@ struct ChannelKnowledge {
       const Vector3d row{z_m * passed * (b - albedo * ambient), 1 - passed, albedo * passed};
       information += 0.5 * count / (sigma * sigma) * row * row.transpose();
     }
-    return {a, b, ambient, information.inverse()};
+    return {a, b, ambient, std::min(nearest_m, z_m), std::max(farthest_m, z_m), information.inverse()};
   }
 };
 
 ChannelKnowledge channelOf(const WaterFit& fit, int channel) {
   const Eigen::Array3i rows{channel, 3 + channel, 6 + channel};
   const Vector9d p = waterParameters(fit.environment);
-  return {p[rows[0]], p[rows[1]], p[rows[2]], fit.covariance(rows, rows)};
+  return {p[rows[0]], p[rows[1]], p[rows[2]], fit.nearest_z_m, fit.farthest_z_m, fit.covariance(rows, rows)};
 }
 
 /// Information of the patches themselves, as a number of patches of the excess sigma, no more than one
