@@ -139,7 +139,8 @@ std::unique_ptr<Detector> detectorFor(const CameraModel& camera, const Detection
   options.largest_corrected_bits = settings.largest_corrected_bits;
   auto first = makeDetector(settings.backend, settings.families, options);
   if (!settings.fallback) return first;
-  return std::make_unique<FallbackDetector>(std::move(first), makeDetector(*settings.fallback, settings.families, options),
+  return std::make_unique<FallbackDetector>(std::move(first),
+                                            makeDetector(*settings.fallback, settings.families, options),
                                             static_cast<std::size_t>(settings.expected_markers));
 }
 

@@ -33,7 +33,7 @@ th, td { padding: .3rem .8rem; border-bottom: 1px solid var(--line); text-align:
 th { color: var(--soft); font-weight: 600; border-bottom-width: 2px; }
 td.n, th.n { text-align: right; white-space: nowrap; }
 figure { margin: 1rem 0; }
-figure svg { display: block; width: 100%; height: auto; }
+figure svg, figure img { display: block; width: 100%; height: auto; }
 figure.square svg { max-width: 48rem; }
 figcaption { color: var(--soft); font-size: .92rem; max-width: 46rem; }
 pre { background: var(--card); border: 1px solid var(--line); border-radius: 6px; padding: .7rem .9rem;
@@ -82,6 +82,20 @@ std::string withOwnIds(std::string svg, const std::string& prefix) {
   return svg;
 }
 
+/// RFC 4648.
+std::string base64(const std::string& bytes) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t three = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      three = three << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += i + k <= bytes.size() ? kDigits[three >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
 std::string tableRow(const Table& table, const std::vector<std::string>& row, const std::string& tag) {
   std::string html = "<tr>";
   for (std::size_t column = 0; column < table.header.size(); ++column) {
@@ -123,6 +137,14 @@ void HtmlReport::plot(const Plot& plot, const std::string& caption) {
   ++plots_;
   body_ += plot.equal_axes ? "<figure class=\"square\">\n" : "<figure>\n";
   body_ += withOwnIds(renderSvg(plot), "plot" + std::to_string(plots_) + "-");
+  if (!caption.empty()) body_ += element("figcaption", caption);
+  body_ += "</figure>\n";
+}
+
+void HtmlReport::picture(const std::string& image, const std::string& caption) {
+  const std::string kind = image.starts_with("\x89PNG") ? "png" : "jpeg";
+  body_ += "<figure>\n<img alt=\"" + escaped(caption) + "\" src=\"data:image/" + kind + ";base64," +
+           base64(image) + "\">\n";
   if (!caption.empty()) body_ += element("figcaption", caption);
   body_ += "</figure>\n";
 }

@@ -26,6 +26,8 @@ class HtmlReport {
   void table(const Table& table, const std::string& caption = "");
   /// Draws at once. Throws as renderSvg does.
   void plot(const Plot& plot, const std::string& caption = "");
+  /// The bytes of a PNG or JPEG file, kept inside the page.
+  void picture(const std::string& image, const std::string& caption = "");
   /// Text as it is, in a fixed-width font: a file's content, a command.
   void preformatted(const std::string& text);
   void footer(const RunInfo& run);

@@ -127,9 +127,9 @@ Lighting PairMaker::lighting(const Pose& T_odom_robot) const {
 cv::Mat PairMaker::panelMask(const View& view, const PosedImage& posed) const {
   const auto& rays = opticsOf(posed.image.camera).rays_camera;
   const Eigen::Vector3f up_camera = posed.T_odom_camera.rotation.row(2).transpose().cast<float>();
-  const double lowest_m =
-      world_.sea_floor ? world_.sea_floor->z_m + kAboveSeaFloor_m - posed.T_odom_camera.position.z()
-                       : -std::numeric_limits<double>::infinity();
+  const double lowest_m = world_.sea_floor
+                              ? world_.sea_floor->z_m + kAboveSeaFloor_m - posed.T_odom_camera.position.z()
+                              : -std::numeric_limits<double>::infinity();
   cv::Mat mask(view.range_m.size(), CV_8UC1);
   for (int v = 0; v < mask.rows; ++v) {
     const auto* range_m = view.range_m.ptr<float>(v);
@@ -172,8 +172,8 @@ SilPair PairMaker::make(const PosedImage& posed) const {
   pair.images.panel_mask = panelMask(tools.view, posed);
   const int seen = cv::countNonZero(pair.images.panel_mask);
   if (seen == 0) throw Error(posed.image.file.string(), "", "no panel is in view from where it was taken");
-  cv::Mat simulated = model.expose(model.light(tools.view.radiance, tools.view.range_m),
-                                   options_.noise ? &noise : nullptr);
+  cv::Mat simulated =
+      model.expose(model.light(tools.view.radiance, tools.view.range_m), options_.noise ? &noise : nullptr);
   if (recorded.channels() == 1) cv::cvtColor(simulated, simulated, cv::COLOR_BGR2GRAY);
   pair.images.recorded = inColour(recorded);
   pair.images.simulated = inColour(simulated);

@@ -22,8 +22,8 @@ struct PairOptions {
   double largest_offset_px = 10;
 };
 
-/// A recorded image and the one simulated from where it was taken. Both are of 8 bits, as recordings have them;
-/// of a gray image, the simulated one is gray too (three equal channels).
+/// A recorded image and the one simulated from where it was taken. Both are of 8 bits, as recordings have
+/// them; of a gray image, the simulated one is gray too (three equal channels).
 struct SilPair {
   ImagePair images;           ///< its camera is the maker's
   double range_m = 0;         ///< camera to the centre of the panel that told the pose

@@ -11,7 +11,8 @@ namespace fathom {
 namespace {
 
 constexpr int kCaptionHeight_px = 26;
-const cv::Vec3f kBrighterSimulated(0xb2, 0x72, 0x00), kSame(255, 255, 255), kBrighterRecorded(0x00, 0x5e, 0xd5);
+const cv::Vec3f kBrighterSimulated(0xb2, 0x72, 0x00), kSame(255, 255, 255),
+    kBrighterRecorded(0x00, 0x5e, 0xd5);
 const cv::Vec3b kNotCompared(128, 128, 128);
 
 /// The luminance that a channel's numbers stand for: blue, green, red.
@@ -90,8 +91,8 @@ cv::Mat pairPicture(const ImagePair& pair, const cv::Mat& region, const Residual
   cv::hconcat(pairTiles(pair, region, scale, width_px), picture);
   cv::copyMakeBorder(picture, picture, 0, kCaptionHeight_px, 0, 0, cv::BORDER_CONSTANT,
                      cv::Scalar(255, 255, 255));
-  cv::putText(picture, caption, {4, picture.rows - 8}, cv::FONT_HERSHEY_SIMPLEX, 0.5, cv::Scalar(30, 30, 30), 1,
-              cv::LINE_AA);
+  cv::putText(picture, caption, {4, picture.rows - 8}, cv::FONT_HERSHEY_SIMPLEX, 0.5, cv::Scalar(30, 30, 30),
+              1, cv::LINE_AA);
   return picture;
 }
 

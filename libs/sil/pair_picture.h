@@ -10,9 +10,9 @@
 namespace fathom {
 
 /// By what colour a difference of linear light (Rec. 709's luminance, shares of the camera's full scale) is
-/// shown: blue where the simulated image is brighter, white where both are the same, orange where the recorded
-/// one is; full colour from `scale` on. Both colours are of Okabe and Ito's, which colour-blind readers tell
-/// apart.
+/// shown: blue where the simulated image is brighter, white where both are the same, orange where the
+/// recorded one is; full colour from `scale` on. Both colours are of Okabe and Ito's, which colour-blind
+/// readers tell apart.
 struct ResidualScale {
   double full_scale = 0.1;
 };

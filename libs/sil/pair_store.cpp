@@ -58,8 +58,9 @@ Json toJson(const PairRecord& record) {
 }
 
 PairRecord recordFrom(const Json& json) {
-  PairRecord record{json.at("why_not"), json.at("range_m"), json.at("view_angle_rad"), json.at("panel_share"),
-                    {},                 json.at("unmeasured")};
+  PairRecord record{
+      json.at("why_not"),   json.at("range_m"), json.at("view_angle_rad"), json.at("panel_share"), {},
+      json.at("unmeasured")};
   for (const Json& value : json.at("values"))
     record.values.push_back(value.is_null() ? std::nullopt : std::optional(value.get<double>()));
   return record;

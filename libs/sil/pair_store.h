@@ -28,8 +28,8 @@ struct PairFiles {
   std::vector<std::string> all() const { return {recorded, simulated, panel}; }
 };
 
-/// NAME_pairs_Images with the pairs' images, and chunks/ with their numbers. A pair is there when its chunk is,
-/// which is written last; the chunk knows its images' bytes.
+/// NAME_pairs_Images with the pairs' images, and chunks/ with their numbers. A pair is there when its chunk
+/// is, which is written last; the chunk knows its images' bytes.
 class PairStore {
  public:
   /// `inputs` is a text that differs where all pairs would. Throws Error.

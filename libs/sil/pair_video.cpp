@@ -9,8 +9,8 @@ namespace fathom {
 void PairVideo::write(const cv::Mat& picture_bgr) {
   if (!writer_.isOpened()) {
     size_ = picture_bgr.size();
-    if (!writer_.open(file_.path().string(), cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
-                      kPicturesPerSecond, size_))
+    if (!writer_.open(file_.path().string(), cv::CAP_OPENCV_MJPEG,
+                      cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), kPicturesPerSecond, size_))
       throw Error(file_.target().string(), "", "cannot be written");
   }
   cv::Mat fitting = picture_bgr;

@@ -64,7 +64,8 @@ PosedImages posedImages(const std::filesystem::path& rawlog, const std::vector<P
   const auto earlier = [](const auto& a, const auto& b) { return a.time < b.time; };
   std::stable_sort(images.posed.begin(), images.posed.end(), earlier);
   std::stable_sort(images.unposed.begin(), images.unposed.end(), earlier);
-  if (const auto loss = source.loss()) images.remarks.push_back("the recording is damaged: " + describe(*loss));
+  if (const auto loss = source.loss())
+    images.remarks.push_back("the recording is damaged: " + describe(*loss));
   if (!detections.not_kept_why.empty())
     images.remarks.push_back("detections are not kept: " + detections.not_kept_why);
   return images;

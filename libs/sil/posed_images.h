@@ -13,14 +13,14 @@ namespace fathom {
 struct PosedImage {
   Time time;
   std::size_t number = 0;  ///< among all images of the recording, those that are not posed included
-  std::size_t entry = 0;  ///< among the recording's entries with images
-  std::size_t eye = 0;    ///< 0: the only or the left one
+  std::size_t entry = 0;   ///< among the recording's entries with images
+  std::size_t eye = 0;     ///< 0: the only or the left one
   CameraImage image;
   UncertainPose
       T_odom_robot;    ///< by the joint solution of the panel that is known best, its map's pose exact
   Pose T_odom_camera;  ///< of this very eye
   Pose T_robot_camera;
-  std::size_t panel = 0;  ///< the panel that told the pose
+  std::size_t panel = 0;              ///< the panel that told the pose
   std::vector<Detection> detections;  ///< all that was found in it
 };
 
@@ -42,8 +42,8 @@ PosedImages posedImages(const std::vector<ImageEntry>& entries, const Detections
                         const Sightings& sightings, const std::vector<PanelMap>& panels);
 
 /// The same from a rawlog: finds the markers in its images (they are kept beside it, see keepBeside), and
-/// solves for the panels. Images in order of time, whatever the rawlog's. Throws Error where the rawlog cannot
-/// be read or has no images; Interrupted.
+/// solves for the panels. Images in order of time, whatever the rawlog's. Throws Error where the rawlog
+/// cannot be read or has no images; Interrupted.
 PosedImages posedImages(const std::filesystem::path& rawlog, const std::vector<PanelMap>& panels,
                         const DetectionSettings& settings);
 

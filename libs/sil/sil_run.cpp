@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
@@ -50,7 +51,8 @@ std::string fingerprintOf(const std::vector<LampSheet>& lamps) {
   return fingerprint.hex();
 }
 
-std::string inputsOf(const SilWorld& world, const SilOptions& options, const std::vector<SilColumn>& columns) {
+std::string inputsOf(const SilWorld& world, const SilOptions& options,
+                     const std::vector<SilColumn>& columns) {
   std::string text =
       "What these pairs were made from; a run with other inputs removes them.\nversion " FATHOM_VERSION
       "\ncamera " +
@@ -60,9 +62,8 @@ std::string inputsOf(const SilWorld& world, const SilOptions& options, const std
   if (world.sea_floor)
     text += print("sea floor %.17g m, sand %zu\n", world.sea_floor->z_m,
                   static_cast<std::size_t>(world.sea_floor->sand_seed));
-  text += options.pairs.noise
-              ? print("noise of seed %zu\n", static_cast<std::size_t>(options.pairs.seed))
-              : "no noise\n";
+  text += options.pairs.noise ? print("noise of seed %zu\n", static_cast<std::size_t>(options.pairs.seed))
+                              : "no noise\n";
   text += print("offset %.17g px\ndetector ", options.pairs.largest_offset_px) +
           std::string(nameOf(options.detection.backend)) + "\n";
   text += print("\nresiduals to %.17g\n", options.residual.full_scale);
@@ -81,7 +82,7 @@ std::vector<std::string> measureIds(const SilOptions& options) {
 
 std::string columnName(const RegisteredMeasure& measure, const Quantity& quantity) {
   std::string name(measure.id);
-  if (measure.quantities.size() > 1) name += "-" + std::string(quantity.name);
+  if (measure.quantities.size() > 1) name.append("-").append(quantity.name);
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
@@ -189,11 +190,11 @@ struct Workshop {
 class Outputs {
  public:
   Outputs(const SilTarget& target, Time start, SilResults& results)
-      : rawlog_(rawlogFile(target), target.header, start),
-        video_(videoFile(target)),
-        results_(results) {}
+      : rawlog_(rawlogFile(target), target.header, start), video_(videoFile(target)), results_(results) {}
 
-  static fs::path rawlogFile(const SilTarget& target) { return target.folder / (target.name + "_pairs.rawlog"); }
+  static fs::path rawlogFile(const SilTarget& target) {
+    return target.folder / (target.name + "_pairs.rawlog");
+  }
 
   static fs::path videoFile(const SilTarget& target) { return target.folder / (target.name + "_pairs.avi"); }
 
@@ -217,8 +218,8 @@ class Outputs {
 
  private:
   void writeImage(const PosedImage& posed, const char* label, const std::string& file) {
-    rawlog_.write({posed.time, label,
-                   ImageSample{posed.T_robot_camera, recordedCamera(posed.image.camera), file}});
+    rawlog_.write(
+        {posed.time, label, ImageSample{posed.T_robot_camera, recordedCamera(posed.image.camera), file}});
   }
 
   RawlogWriter rawlog_;
@@ -267,8 +268,8 @@ std::vector<UnposedImage> unposed(const PosedImages& images, std::size_t every) 
   const auto most = std::max_element(reasons.begin(), reasons.end(),
                                      [](const auto& a, const auto& b) { return a.second < b.second; });
   throw Error(recording.string(), "",
-              print("none of its %zu images can be paired (%zu times: ", results.unpaired.size(), most->second) +
-                  most->first + ")");
+              print("none of its %zu images can be paired (%zu times: %s)", results.unpaired.size(),
+                    most->second, most->first.c_str()));
 }
 
 /// Makes many at a time and takes them in their order.
@@ -293,15 +294,15 @@ void pairAll(const std::vector<const PosedImage*>& posed, const Workshop& worksh
 
 /// For each of `count` ranges, evenly spread, the pair that is nearest to it.
 std::vector<const SilPairResult*> spreadOverRange(const SilResults& results, std::size_t count) {
-  const auto [near, far] = std::minmax_element(
-      results.pairs.begin(), results.pairs.end(),
-      [](const auto& a, const auto& b) { return a.record.range_m < b.record.range_m; });
+  const auto [near, far] =
+      std::minmax_element(results.pairs.begin(), results.pairs.end(),
+                          [](const auto& a, const auto& b) { return a.record.range_m < b.record.range_m; });
   std::vector<const SilPairResult*> some;
   for (std::size_t i = 0; i < count; ++i) {
     const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
     const double range_m = near->record.range_m + share * (far->record.range_m - near->record.range_m);
-    const auto pair = std::min_element(
-        results.pairs.begin(), results.pairs.end(), [&](const auto& a, const auto& b) {
+    const auto pair =
+        std::min_element(results.pairs.begin(), results.pairs.end(), [&](const auto& a, const auto& b) {
           return std::abs(a.record.range_m - range_m) < std::abs(b.record.range_m - range_m);
         });
     if (some.empty() || some.back() != &*pair) some.push_back(&*pair);
@@ -314,7 +315,9 @@ std::vector<const SilPairResult*> spreadOverRange(const SilResults& results, std
 SilResults runSil(const PosedImages& images, const PairMaker& maker, const SilOptions& options,
                   const SilTarget& target) {
   const OneOpenCvThread one_thread;
-  SilResults results{.measures = measureIds(options), .unpaired = unposed(images, options.every)};
+  SilResults results;
+  results.unpaired = unposed(images, options.every);
+  results.measures = measureIds(options);
   results.columns = columnsOf(results.measures);
   const PairMeasurer measurer(results.measures);
   const auto posed = chosen(images, options.every);
@@ -323,8 +326,8 @@ SilResults runSil(const PosedImages& images, const PairMaker& maker, const SilOp
   const fs::path frames = target.folder / (target.name + "_frames");
   removeStale(options, target, frames);
   const PairStore store(target.folder, target.name, inputsOf(maker.world(), options, results.columns));
-  const Workshop workshop{maker, measurer, store, options, frames,
-                          options.video ? 1 + (posed.size() - 1) / kLongestVideo : 0};
+  const Workshop workshop{maker,   measurer, store,
+                          options, frames,   options.video ? 1 + (posed.size() - 1) / kLongestVideo : 0};
   Outputs outputs(target, posed.front()->time, results);
   pairAll(posed, workshop, outputs);
   if (results.pairs.empty()) complainOfNone(results, target.recording);
@@ -346,8 +349,8 @@ cv::Mat silSheet(const SilResults& results, const PairMaker& maker, const SilOpt
                   print("%.2f m, %.0f deg", record.range_m, degrees(record.view_angle_rad))},
                  {}};
     for (std::size_t i = 0; i < std::min<std::size_t>(4, results.columns.size()); ++i)
-      row.label.push_back(results.columns[i].name + " " +
-                          (record.values[i] ? print("%.4f", *record.values[i]) : "-"));
+      row.label.push_back(print("%s %.4f", results.columns[i].name.c_str(),
+                                record.values[i].value_or(std::numeric_limits<double>::quiet_NaN())));
     const ImagePair images = PairStore::readImages(folder, pair->posed, maker.camera());
     row.tiles = pairTiles(images, maker.comparedRegion(images), options.residual, kSheetTile_px);
     rows.push_back(std::move(row));

@@ -48,14 +48,15 @@ struct SilResults {
   std::vector<SilColumn> columns;
   std::vector<std::string> measures;  ///< ids
   std::vector<SilPairResult> pairs;   ///< in order of time
-  std::vector<UnposedImage> unpaired;  ///< those of the recording without a pose, and those that did not fit it
-  std::size_t taken_over = 0;          ///< pairs of an earlier run
+  std::vector<UnposedImage>
+      unpaired;                ///< those of the recording without a pose, and those that did not fit it
+  std::size_t taken_over = 0;  ///< pairs of an earlier run
 };
 
 /// Makes and measures all pairs, several at a time; hands them on in their order, so that memory does not
-/// depend on how many there are (but for some hundred bytes each). The rawlog has three entries a pair: CAMERA
-/// and SIMULATED, images, and MARKERS, where the robot was. Results are the same, byte by byte, on however many
-/// threads.
+/// depend on how many there are (but for some hundred bytes each). The rawlog has three entries a pair:
+/// CAMERA and SIMULATED, images, and MARKERS, where the robot was. Results are the same, byte by byte, on
+/// however many threads.
 ///
 /// What is finished stays finished: an interrupted run goes on, and a later one takes over those pairs that
 /// come of the same inputs. Files appear under their names when whole, the rawlog last.

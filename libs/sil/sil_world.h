@@ -20,7 +20,8 @@ struct KnownSeaFloor {
 
 /// What the simulation in the loop knows of the world.
 struct SilWorld {
-  Vehicle vehicle;  ///< must have a camera: its response and noise; mounting and intrinsics are the recording's
+  Vehicle
+      vehicle;  ///< must have a camera: its response and noise; mounting and intrinsics are the recording's
   std::vector<PanelMap> panels;
   Environment environment;
   EffectParameters<double> effects;

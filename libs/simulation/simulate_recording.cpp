@@ -24,8 +24,9 @@ void makeImages(const SimulationOptions& options, const Trajectory& trajectory, 
                 const RecordingFiles& files) {
   std::error_code absent;
   fs::remove(files.rawlog, absent);  // it would tell of other images
-  const CameraWorld world{sceneOf(readPanelMaps(target.panel_map), options.sea_floor_z_m, sandOf(options.seed)),
-                          *target.environment};
+  const CameraWorld world{
+      sceneOf(readPanelMaps(target.panel_map), options.sea_floor_z_m, sandOf(options.seed)),
+      *target.environment};
   simulateImages(options, trajectory, world, files.images);
 }
 

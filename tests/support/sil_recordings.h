@@ -1,0 +1,74 @@
+#pragma once
+
+#include <map>
+
+#include "core/files.h"
+#include "panel/panel_maps.h"
+#include "recording/rawlog.h"
+#include "sil/posed_images.h"
+#include "sil/sil_world.h"
+#include "simulation/read_trajectory.h"
+#include "simulation/simulate_recording.h"
+#include "support/shared_data.h"
+#include "support/shipped.h"
+
+/// Small simulated recordings for the simulation in the loop: 320 x 240 px, one image a second, two metres
+/// before the shipped panel.
+namespace fathom::test {
+
+inline const std::filesystem::path kSilWater = kConfig / "water_moderate.yaml";
+
+struct SilRecordingOptions {
+  int images = 3;
+  bool noise = true;
+  double yaw_deg = 1;  ///< 180: the panel is behind
+};
+
+inline RecordingFiles simulateForSil(const std::filesystem::path& folder,
+                                     const SilRecordingOptions& wanted = {}) {
+  writeTextFile(
+      folder / "station.yaml",
+      "kind: station\npose: {x: 3.9, y: 0.05, z: -4.25, yaw_deg: " + std::to_string(wanted.yaw_deg) +
+          "}\nduration_s: 20\nsway:\n  - {axis: y, amplitude_m: 0.1, period_s: 7}\n"
+          "  - {axis: roll, amplitude_deg: 4, period_s: 5}\n");
+  SimulationOptions options;
+  options.vehicle = readVehicle(kRov);
+  options.vehicle.ins.reset();
+  CameraModel& model = options.vehicle.camera->model;
+  model.width_px /= 2;
+  model.height_px /= 2;
+  for (double* value : {&model.fx_px, &model.fy_px, &model.cx_px, &model.cy_px}) *value /= 2;
+  options.begin_s = 5;
+  options.duration_s = wanted.images - 1;
+  options.noise = wanted.noise;
+  return simulateRecording(options, readTrajectory(folder / "station.yaml"),
+                           {folder, "r", kRov, kDexrovMap, "a test", readEnvironment(kSilWater)});
+}
+
+/// What the simulator above knew. Its vehicle's camera differs from the vehicle file's in size only.
+inline SilWorld silWorld() {
+  return {
+      readVehicle(kRov), readPanelMaps(kDexrovMap), readEnvironment(kSilWater), {}, KnownSeaFloor{-6.0, 1}};
+}
+
+inline DetectionSettings silDetection() {
+  DetectionSettings settings;
+  settings.families = familiesOf(readPanelMaps(kDexrovMap));
+  return settings;
+}
+
+/// With each image's pose replaced by the recording's truth.
+inline PosedImages atTruth(PosedImages images, const std::filesystem::path& rawlog) {
+  std::map<Time, Pose> truth;
+  RawlogReader reader(rawlog);
+  while (const auto sample = reader.next())
+    if (sample->label == labels::kTruth)
+      truth[sample->time] = Pose::fromMrpt(std::get<PoseSample>(sample->reading).T_odom_robot.mean);
+  for (PosedImage& posed : images.posed) {
+    posed.T_odom_robot.pose = truth.at(posed.time);
+    posed.T_odom_camera = posed.T_odom_robot.pose * posed.T_robot_camera;
+  }
+  return images;
+}
+
+}  // namespace fathom::test
