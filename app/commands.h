@@ -30,9 +30,9 @@ void addFsim(const RunContext& context);
 void addSil(const RunContext& context);
 void addCompletion(const RunContext& context);
 
-inline constexpr AddCommand kCommands[] = {addImport,           addInfo,   addSimulate, addLocalize,
-                                           addStress,           addDetect, addMap,      addEvaluate,
-                                           addCompareFiducials, addFsim,   addSil,      addCompletion};
+inline constexpr AddCommand kCommands[] = {
+    addImport,           addInfo, addSimulate, addLocalize, addStress,    addDetect, addMap, addEvaluate,
+    addCompareFiducials, addFsim, addSil,      addFitWater, addCompletion};
 
 /// Kinds of values. They show in --help, and tell the shell's completion what to offer: "FILE.x" files that
 /// end in .x, "FILE" any file, "FOLDER" folders.

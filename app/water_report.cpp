@@ -321,7 +321,7 @@ Table parameterTable(const WaterStory& story) {
                  given = waterParameters(study.candidates.front().environment);
   for (int i = 0; i < 9; ++i) {
     std::vector<std::string> row{std::string(kParameters[i / 3]) + ", " + kChannels[i % 3],
-                                 fixed(fitted[i], 4), fixed(sigma[i], 4), fixed(given[i], 4)};
+                                 fixed(fitted[i], 5), fixed(sigma[i], 5), fixed(given[i], 4)};
     if (study.truth) {
       const double truth = waterParameters(*study.truth)[i];
       row.push_back(fixed(truth, 4));

@@ -25,7 +25,7 @@ struct Patch {
 };
 
 struct PatchOptions {
-  int side_px = 8;         ///< of a patch; on the grid of JPEG's blocks
+  int side_px = 16;        ///< of a patch; on the grid of JPEG's blocks of colour
   int margin_px = 3;       ///< that pose, blur and JPEG may shift or smear an edge
   int least_pixels = 12;   ///< of a patch
   double flatness = 0.01;  ///< largest difference of albedo within the margin

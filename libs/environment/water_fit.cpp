@@ -7,6 +7,7 @@
 #include <array>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "environment/range_advice.h"
@@ -20,7 +21,7 @@ constexpr double kFirstExcess = 0.002;      // half a digital number of eight bi
 constexpr double kMedianOfSquare = 0.4549;  // of a standard normal number
 constexpr double kMeanGainSigma = 1e-6;     // fixes the mean log gain to zero
 constexpr int kRobustRounds = 3, kInlierRounds = 2;
-constexpr std::size_t kFewestImages = 10;  // from which on errors within an image are told from others
+constexpr std::size_t kFewestGroups = 10;  // from which on errors that a group shares are told from others
 constexpr std::size_t kFewestPatches = 30;
 
 /// A state of the fit: parameters, and what patches vary by besides their own sigma.
@@ -108,7 +109,10 @@ class Problem {
       : state_(state), with_gain_(with_gain) {
     for (double& gain : state.log_gain) problem_.AddParameterBlock(&gain, 1);
     for (std::size_t i = 0; i < patches.size(); ++i)
-      if (counts[i]) add(patches[i], robust);
+      if (counts[i]) {
+        add(patches[i], robust);
+        chosen_.push_back(i);
+      }
     addPriors(options);
     for (int i = 0; i < 6; ++i) problem_.SetParameterLowerBound(state.water.data(), i, 0);
     for (int i = 6; i < 9; ++i) problem_.SetParameterLowerBound(state.water.data(), i, 1e-6);
@@ -130,27 +134,25 @@ class Problem {
   }
 
   /// Of the parameters, first the nine of the water; see fitWater() about the growth.
-  void covariance(Eigen::MatrixXd& least_squares, Vector9d& growth) {
+  void covariance(const std::vector<Patch>& patches, Eigen::MatrixXd& least_squares, Vector9d& growth) {
     const ceres::CRSMatrix jacobian = evaluate();
     const auto size = static_cast<Eigen::Index>(jacobian.num_cols);
     Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
-    Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(size, static_cast<Eigen::Index>(state_.log_gain.size()));
     for (int row = 0; row < jacobian.num_rows; ++row) {
-      const auto begin = jacobian.rows[static_cast<std::size_t>(row)],
-                 end = jacobian.rows[static_cast<std::size_t>(row) + 1];
-      for (int k = begin; k < end; ++k) {
-        const auto i = static_cast<std::size_t>(k);
-        for (int l = begin; l < end; ++l) {
-          const auto j = static_cast<std::size_t>(l);
-          information(jacobian.cols[i], jacobian.cols[j]) += jacobian.values[i] * jacobian.values[j];
-        }
-        if (static_cast<std::size_t>(row) < 3 * image_.size())
-          scores(jacobian.cols[i], static_cast<Eigen::Index>(image_[static_cast<std::size_t>(row) / 3])) +=
-              jacobian.values[i] * residuals_[static_cast<std::size_t>(row)];
-      }
+      const Eigen::VectorXd gradient = rowOf(jacobian, row);
+      information.selfadjointView<Eigen::Lower>().rankUpdate(gradient);
     }
+    information = information.selfadjointView<Eigen::Lower>();
     least_squares = information.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
-    growth = growthByImages(least_squares, scores);
+    growth = Vector9d::Ones();
+    const auto grow = [&](const auto& groupOf) {
+      growth = growth.cwiseMax(growthByGroups(jacobian, least_squares, groupOf));
+    };
+    grow([&](std::size_t i, int) { return static_cast<long>(patches[chosen_[i]].image); });
+    for (const double levels : {255.0, 127.5})
+      grow([&](std::size_t i, int c) {
+        return 3 * std::lround(levels * patches[chosen_[i]].radiance[c]) + c;
+      });
   }
 
  private:
@@ -160,7 +162,6 @@ class Problem {
         new ceres::AutoDiffCostFunction<PatchResidual, 3, 9, 1>(new PatchResidual{&patch, weight}),
         robust ? new ceres::CauchyLoss(kLossSigmas) : nullptr, state_.water.data(),
         &state_.log_gain[patch.image]);
-    image_.push_back(patch.image);
   }
 
   void addPriors(const WaterFitOptions& options) {
@@ -192,22 +193,38 @@ class Problem {
     return jacobian;
   }
 
-  /// Sandwich estimator: what the images' scores scatter by, against what independent patches would.
-  Vector9d growthByImages(const Eigen::MatrixXd& least_squares, const Eigen::MatrixXd& scores) const {
-    std::vector<bool> seen(state_.log_gain.size(), false);
-    for (const std::size_t image : image_) seen[image] = true;
-    const auto images = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), true));
-    if (images < kFewestImages) return Vector9d::Ones();
-    const double n = static_cast<double>(images);
-    const Eigen::MatrixXd moves = least_squares * scores;  // of the parameters, by each image
-    const Vector9d clustered = moves.rowwise().squaredNorm().head<9>() * n / (n - 3);
-    return (clustered.array() / least_squares.diagonal().head<9>().array()).sqrt().max(1.0);
+  static Eigen::VectorXd rowOf(const ceres::CRSMatrix& jacobian, int row) {
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(jacobian.num_cols);
+    const auto r = static_cast<std::size_t>(row);
+    for (auto k = static_cast<std::size_t>(jacobian.rows[r]);
+         k < static_cast<std::size_t>(jacobian.rows[r + 1]); ++k)
+      gradient[jacobian.cols[k]] += jacobian.values[k];
+    return gradient;
+  }
+
+  /// Sandwich estimator: by how much more the groups' scores scatter than those of independent patches would.
+  template <class GroupOf>
+  Vector9d growthByGroups(const ceres::CRSMatrix& jacobian, const Eigen::MatrixXd& least_squares,
+                          const GroupOf& groupOf) const {
+    std::map<long, Eigen::VectorXd> scores;
+    for (std::size_t i = 0; i < chosen_.size(); ++i)
+      for (int c = 0; c < 3; ++c) {
+        const int row = static_cast<int>(3 * i) + c;
+        auto& score =
+            scores.try_emplace(groupOf(i, c), Eigen::VectorXd::Zero(jacobian.num_cols)).first->second;
+        score += rowOf(jacobian, row) * residuals_[static_cast<std::size_t>(row)];
+      }
+    if (scores.size() < kFewestGroups) return Vector9d::Ones();
+    const double n = static_cast<double>(scores.size());
+    Vector9d variance = Vector9d::Zero();
+    for (const auto& [group, score] : scores) variance += (least_squares * score).head<9>().cwiseAbs2();
+    return (variance.array() * n / (n - 3) / least_squares.diagonal().head<9>().array()).sqrt();
   }
 
   State& state_;
   bool with_gain_;
   ceres::Problem problem_;
-  std::vector<std::size_t> image_;  // of each patch that counts
+  std::vector<std::size_t> chosen_;  // the patches that count
   std::vector<double> residuals_;
 };
 
@@ -345,7 +362,7 @@ void describeCovariance(const std::vector<Patch>& patches, const WaterFitOptions
                         WaterFit& fit) {
   Eigen::MatrixXd covariance;
   Problem(patches, fit.inlier, options, false, fit.gain_fitted, state)
-      .covariance(covariance, fit.sigma_growth);
+      .covariance(patches, covariance, fit.sigma_growth);
   fit.covariance =
       fit.sigma_growth.asDiagonal() * covariance.topLeftCorner<9, 9>() * fit.sigma_growth.asDiagonal();
   if (!fit.gain_fitted) return;

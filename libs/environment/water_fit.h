@@ -40,7 +40,7 @@ struct WaterFit {
   std::string why_not = "not run";
 
   Environment environment;
-  /// In the order of waterParameters(). Grown where patches of one image err alike.
+  /// In the order of waterParameters(). Grown where patches err alike.
   Matrix9d covariance = Matrix9d::Zero();
   Vector9d sigma_growth = Vector9d::Ones();  ///< by how much each parameter's sigma grew so
   bool gain_fitted = false;
@@ -62,8 +62,9 @@ struct WaterFit {
 /// Cauchy's loss; then least squares over the inliers. What patches vary by beyond their own sigma (JPEG,
 /// texture, misregistration) is found by making the median residual what it should be.
 ///
-/// The covariance is that of least squares, each sigma enlarged to that of the estimate that lets patches of
-/// one image err alike (Liang & Zeger 1986, clustered by image), where that is larger.
+/// The covariance is that of least squares, each sigma enlarged to that of estimates that let patches err
+/// alike (Liang & Zeger 1986): those of one image, by its pose and exposure; and in a channel those of one
+/// digital number of eight bits, or of two, by rounding and JPEG. The largest counts.
 WaterFit fitWater(const std::vector<Patch>& patches, std::size_t images, const WaterFitOptions& options = {});
 
 /// What a patch should read, and how far it is off in its sigmas (0 where a channel does not count).

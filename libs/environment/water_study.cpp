@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
 #include <sstream>
 
 #include "core/error.h"
@@ -151,7 +152,10 @@ cv::Mat sheetOf(const std::vector<std::size_t>& images, const Studio& studio, co
   for (const WaterCandidate& candidate : study.candidates) columns.push_back(candidate.name);
   std::vector<SheetRow> rows;
   const auto tile = [&](const cv::Mat& image, const CameraSheet& sheet) {
-    return markedTile(brightenedForEye(image, sheet), {}, nullptr, 0, kTile_px);
+    cv::Mat small;
+    cv::resize(brightenedForEye(image, sheet), small, {kTile_px, kTile_px * image.rows / image.cols}, 0, 0,
+               cv::INTER_AREA);
+    return small;
   };
   for (const std::size_t i : byRange(images, kSheetRows, studio)) {
     const PosedImage& posed = studio.posed[i];
