@@ -173,8 +173,9 @@ std::string howItWasJudged(const WaterStory& story) {
   return text +
          print(
              ". FSIM (Zhang et al. 2011) is of luminance, FSIMc of colour too; RMSE is of linear light on "
-             "the panels. ± is the 95 %% confidence interval of the mean. Recommended is the largest FSIM; "
-             "among waters that FSIM does not tell apart, the smallest RMSE. The paper's search tried %zu "
+             "the panels. ± is the 95 %% confidence interval of the mean. Recommended is the smallest RMSE; "
+             "among waters that it does not tell apart, the largest FSIM, which alone hardly sees contrast "
+             "and colour. The paper's search tried %zu "
              "waters; it looks at FSIMc, because FSIM does not see colours.",
              s.search.evaluations);
 }

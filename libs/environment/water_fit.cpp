@@ -217,8 +217,12 @@ class Problem {
     if (scores.size() < kFewestGroups) return Vector9d::Ones();
     const double n = static_cast<double>(scores.size());
     Vector9d variance = Vector9d::Zero();
-    for (const auto& [group, score] : scores) variance += (least_squares * score).head<9>().cwiseAbs2();
-    return (variance.array() * n / (n - 3) / least_squares.diagonal().head<9>().array()).sqrt();
+    for (const auto& [group, score] : scores) {
+      const Eigen::VectorXd move = least_squares * score;
+      variance += Vector9d(move.head(9)).cwiseAbs2();
+    }
+    const Vector9d alone = least_squares.diagonal().head(9);
+    return (variance.array() * n / (n - 3) / alone.array()).sqrt();
   }
 
   State& state_;

@@ -88,12 +88,12 @@ std::size_t recommended(const std::vector<WaterCandidate>& candidates, std::size
     return meanScore(candidates[i], measure).mean;
   };
   for (std::size_t i = 1; i < eligible; ++i)
-    if (mean(i, &WaterScore::fsim) > mean(best, &WaterScore::fsim)) best = i;
+    if (mean(i, &WaterScore::rmse) < mean(best, &WaterScore::rmse)) best = i;
   std::size_t choice = best;
   for (std::size_t i = 0; i < eligible; ++i) {
-    const MeanScore behind = meanDifference(candidates[best], candidates[i], &WaterScore::fsim);
+    const MeanScore behind = meanDifference(candidates[i], candidates[best], &WaterScore::rmse);
     const bool not_told = behind.mean <= behind.half_width;
-    if (not_told && mean(i, &WaterScore::rmse) < mean(choice, &WaterScore::rmse)) choice = i;
+    if (not_told && mean(i, &WaterScore::fsim) > mean(choice, &WaterScore::fsim)) choice = i;
   }
   return choice;
 }

@@ -47,8 +47,10 @@ std::vector<WaterScore> scoreImage(const PairMaker& maker, const WaterCamera& ca
                                    const FsimComparer& fsim, const CleanPair& pair,
                                    const std::vector<Environment>& waters, std::size_t number, bool fit_gain);
 
-/// The index of the water to recommend: that of the largest mean FSIM; among those which are not told from it
-/// (95 % of the paired difference), that of the smallest mean RMSE. `eligible` candidates are the first ones.
+/// The index of the water to recommend: that of the smallest mean RMSE of linear light; among those which are
+/// not told from it (95 % of the paired difference), that of the largest mean FSIM. (FSIM alone hardly sees
+/// contrast and colour: a water of seven times the RMSE can have the larger one.) `eligible` candidates are
+/// the first ones.
 std::size_t recommended(const std::vector<WaterCandidate>& candidates, std::size_t eligible);
 
 }  // namespace fathom

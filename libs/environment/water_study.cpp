@@ -238,13 +238,13 @@ WaterStudy studyWater(const fs::path& rawlog, const PosedImages& images, const P
   study.choice = chooseImages(images.posed, maker.world().panels, options.choice);
   study.synchronized = synchronize(images.posed, study.choice.fitted, maker);
   requireImages(rawlog, study.synchronized);
+  study.jpeg_quality = jpegQuality(images.posed.front().image.file);
+  const OneOpenCvThread one_thread;
+  const Studio studio{
+      images.posed, maker, Cameras(images.posed, maker, study.jpeg_quality, options.seed), {}, options};
   study.fit = fitWater(study.synchronized.patches, study.synchronized.images.size(), options.fit);
   if (!study.fit.solved) throw Error(rawlog.string(), "", "water cannot be fitted: " + study.fit.why_not);
 
-  study.jpeg_quality = jpegQuality(images.posed.front().image.file);
-  const Studio studio{
-      images.posed, maker, Cameras(images.posed, maker, study.jpeg_quality, options.seed), {}, options};
-  const OneOpenCvThread one_thread;
   study.search = searchIn(study.synchronized.images, studio);
   study.truth = trueEnvironment(rawlog);
   study.candidates = {{"default", options.fit.start, {}},

@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kFar_m = 3, kNear_m = 2;
 
-CameraSheet sheetOf() { return *readVehicle(test::kRov).camera; }
+CameraSheet shippedSheet() { return *readVehicle(test::kRov).camera; }
 
 /// A wall before the camera: white on its left, black on its right; the upper half is nearer.
 View wall(const CameraModel& camera) {
@@ -23,8 +23,8 @@ View wall(const CameraModel& camera) {
 
 cv::Mat everywhere(const View& view) { return {view.range_m.size(), CV_8UC1, cv::Scalar(255)}; }
 
-struct Scene {
-  CameraSheet sheet = sheetOf();
+struct WallScene {
+  CameraSheet sheet = shippedSheet();
   View clean = wall(sheet.model);
   cv::Mat z_per_range = cosinesOf(sheet.model);
   Environment water = readEnvironment(test::kConfig / "water_moderate.yaml");
@@ -34,7 +34,7 @@ struct Scene {
 };
 
 TEST(WaterPatches, AreWhatTheWaterMakesOfTheWall) {
-  const Scene scene;
+  const WallScene scene;
   const PatchSet set = scene.patches();
   EXPECT_EQ(set.why_not, "");
   EXPECT_GT(set.patches.size(), 1000U);
@@ -54,14 +54,14 @@ TEST(WaterPatches, AreWhatTheWaterMakesOfTheWall) {
 }
 
 TEST(WaterPatches, KeepOffEdges) {
-  const Scene scene;
+  const WallScene scene;
   for (const Patch& patch : scene.patches().patches) {
     EXPECT_TRUE(std::abs(patch.albedo[0] - 0.85) < 1e-5 || std::abs(patch.albedo[0] - 0.04) < 1e-5);
   }
 }
 
 TEST(WaterPatches, DoNotCountWhereSaturated) {
-  Scene scene;
+  WallScene scene;
   scene.image.at<cv::Vec3b>(40, 40) = cv::Vec3b(10, 20, 255);  // one red pixel
   const PatchSet set = scene.patches();
   EXPECT_EQ(set.why_not, "");
@@ -72,13 +72,13 @@ TEST(WaterPatches, DoNotCountWhereSaturated) {
 }
 
 TEST(WaterPatches, RefuseAnOverexposedImage) {
-  Scene scene;
+  WallScene scene;
   scene.image.setTo(cv::Scalar::all(255));
   EXPECT_EQ(scene.patches().why_not, "is overexposed: 100 % of the panel is at full scale");
 }
 
 TEST(WaterPatches, RefuseAnEmptyMask) {
-  const Scene scene;
+  const WallScene scene;
   const cv::Mat nowhere = cv::Mat::zeros(scene.clean.range_m.size(), CV_8UC1);
   const PatchSet set = patchesOf(scene.image, scene.clean, nowhere, scene.z_per_range, scene.sheet);
   EXPECT_TRUE(set.patches.empty());
@@ -86,14 +86,14 @@ TEST(WaterPatches, RefuseAnEmptyMask) {
 }
 
 TEST(WaterPatches, RefuseAnotherPose) {
-  Scene scene;
+  WallScene scene;
   cv::flip(scene.image, scene.image, 1);  // white is where the pose has black
   EXPECT_NE(scene.patches().why_not.find("does not show the panel where its pose puts it"),
             std::string::npos);
 }
 
 TEST(WaterPatches, RefuseAnotherSize) {
-  Scene scene;
+  WallScene scene;
   scene.image = scene.image.colRange(0, 320).clone();
   EXPECT_EQ(scene.patches().why_not, "is of 320 x 480 pixels, its rendering of 640 x 480");
 }
