@@ -26,13 +26,14 @@ void addMap(const RunContext& context);
 void addEvaluate(const RunContext& context);
 void addCompareFiducials(const RunContext& context);
 void addEffects(const RunContext& context);
+void addFitWater(const RunContext& context);
 void addFsim(const RunContext& context);
 void addSil(const RunContext& context);
 void addCompletion(const RunContext& context);
 
-inline constexpr AddCommand kCommands[] = {addImport, addInfo, addSimulate,  addLocalize,         addStress,
-                                           addDetect, addMap,  addEvaluate,  addCompareFiducials, addEffects,
-                                           addFsim,   addSil,  addCompletion};
+inline constexpr AddCommand kCommands[] = {addImport, addInfo, addSimulate, addLocalize,         addStress,
+                                           addDetect, addMap,  addEvaluate, addCompareFiducials, addEffects,
+                                           addFsim,   addSil,  addFitWater, addCompletion};
 
 /// Kinds of values. They show in --help, and tell the shell's completion what to offer: "FILE.x" files that
 /// end in .x, "FILE" any file, "FOLDER" folders.

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <functional>
+#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include "core/for_each.h"
@@ -35,6 +36,13 @@ std::unique_ptr<Detector> detectorFor(const PanelMap& map, const CameraModel& ca
   if (!options.fallback || readable.empty()) return first;
   return std::make_unique<FallbackDetector>(
       std::move(first), makeDetector(otherThan(options.backend), readable, detector), map.markers.size());
+}
+
+cv::Mat asStored(const cv::Mat& image, const PanelEvaluationOptions& options) {
+  if (!options.jpeg_quality) return image;
+  std::vector<unsigned char> bytes;
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, *options.jpeg_quality});
+  return cv::imdecode(bytes, cv::IMREAD_COLOR);
 }
 
 /// Means by which the methods compare: over the views in which both have a pose.
@@ -114,21 +122,31 @@ void judge(const std::vector<Detection>& detections, const PanelMap& map, const 
 std::vector<PanelViewResult> evaluatePanel(const PanelMap& map, const Vehicle& vehicle,
                                            const Environment& environment,
                                            const PanelEvaluationOptions& options, const std::string& name) {
+  std::vector<CameraView> views(options.views);
+  for (std::size_t i = 0; i < views.size(); ++i) views[i] = drawView(options.ranges, options.seed, i);
+  return evaluatePanel(map, vehicle, environment, options, views, name);
+}
+
+std::vector<PanelViewResult> evaluatePanel(const PanelMap& map, const Vehicle& vehicle,
+                                           const Environment& environment,
+                                           const PanelEvaluationOptions& options,
+                                           const std::vector<CameraView>& views, const std::string& name) {
   const ViewStudio studio(map, vehicle, environment);
   const CameraModel& camera = vehicle.camera->model;
   tbb::enumerable_thread_specific<std::unique_ptr<Detector>> detectors(
       [&] { return detectorFor(map, camera, options); });
-  std::vector<PanelViewResult> results(options.views);
+  std::vector<PanelViewResult> results(views.size());
   const auto evaluate = [&](std::size_t number) {
     PanelViewResult& result = results[number];
-    result.view = drawView(options.ranges, options.seed, number);
+    result.view = views[number];
     const Pose T_panel_camera = result.view.T_panel_camera();
     result.markers_whole = wholeMarkers(map, camera, T_panel_camera);
-    const auto detections = detectors.local()->detect(studio.image(result.view, options.seed));
+    const auto detections =
+        detectors.local()->detect(asStored(studio.image(result.view, options.seed), options));
     judge(detections, map, camera, T_panel_camera.inverse(), result);
   };
 
-  forEachIndex(options.views, name, evaluate);
+  forEachIndex(views.size(), name, evaluate);
   return results;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "evaluation/statistics.h"
@@ -57,6 +58,7 @@ struct PanelEvaluationOptions {
   Backend backend = Backend::apriltag;
   bool fallback = true;  ///< search what the backend misses with the other one, where it can read the family
   Preprocess preprocess = Preprocess::none;
+  std::optional<int> jpeg_quality;  ///< of the images; absent: exact
 };
 
 /// Draws views, makes their images, detects and judges, all cores at once; results in the order of the
@@ -68,6 +70,11 @@ std::vector<PanelViewResult> evaluatePanel(const PanelMap& map, const Vehicle& v
                                            const Environment& environment,
                                            const PanelEvaluationOptions& options,
                                            const std::string& name = "views");
+/// The same on given views; the options' number of views and ranges do not matter.
+std::vector<PanelViewResult> evaluatePanel(const PanelMap& map, const Vehicle& vehicle,
+                                           const Environment& environment,
+                                           const PanelEvaluationOptions& options,
+                                           const std::vector<CameraView>& views, const std::string& name);
 
 struct MethodSummary {
   ErrorSummary position_m, angle_rad;  ///< over the views in which both methods have a pose

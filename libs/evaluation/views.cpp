@@ -54,6 +54,19 @@ CameraView drawView(const ViewRanges& ranges, std::uint64_t seed, std::uint64_t 
   return view;
 }
 
+CameraView viewOf(const Pose& T_panel_camera) {
+  const Vector3d eye = T_panel_camera.position, forward = T_panel_camera.rotation.col(2);
+  if (eye.z() <= 0 || forward.z() >= 0) throw std::invalid_argument("the camera does not look at the face");
+  CameraView view;
+  view.range_m = eye.norm();
+  view.tilt_rad = std::acos(std::min(1.0, eye.z() / view.range_m));
+  view.azimuth_rad = std::atan2(eye.y(), eye.x());
+  view.aim_panel = (eye - eye.z() / forward.z() * forward).head<2>();
+  const Matrix3d R_level_camera = view.T_panel_camera().rotation.transpose() * T_panel_camera.rotation;
+  view.roll_rad = std::atan2(R_level_camera(1, 0), R_level_camera(0, 0));
+  return view;
+}
+
 bool isWhole(const Marker& marker, const CameraModel& camera, const Pose& T_panel_camera) {
   const Pose T_camera_panel = T_panel_camera.inverse();
   const Vector3d centre = marker.T_panel_marker.position;

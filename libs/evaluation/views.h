@@ -40,6 +40,10 @@ struct ViewRanges {
 /// are empty, not positive, or a tilt or roll is not in [0, 89] or [0, 180] degrees.
 CameraView drawView(const ViewRanges& ranges, std::uint64_t seed, std::uint64_t number);
 
+/// The view of a camera that stands in front of the face (z > 0) and looks at it; its number is 0. Throws
+/// std::invalid_argument where it does not.
+CameraView viewOf(const Pose& T_panel_camera);
+
 /// Whether a marker lies in the image whole, quiet zone of an eighth of its side included, with its face
 /// towards the camera.
 bool isWhole(const Marker& marker, const CameraModel& camera, const Pose& T_panel_camera);

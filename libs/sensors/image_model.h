@@ -60,6 +60,13 @@ class ImageModel {
   explicit ImageModel(const CameraSheet& sheet, const Water& water,
                       const EffectParameters<double>& effects = {});
 
+  /// The same camera in another water; cheap.
+  ImageModel in(const Water& water) const {
+    ImageModel other = *this;
+    other.water_ = water;
+    return other;
+  }
+
   /// Through the water. `radiance` (CV_32FC3) and `range_m` (CV_32FC1, infinite where nothing is hit) are a
   /// View, see render/renderer.h. Without effects exp() is approximated to 3e-7 of the light.
   cv::Mat light(const cv::Mat& radiance, const cv::Mat& range_m, double t_s = 0) const;

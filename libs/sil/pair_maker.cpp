@@ -189,6 +189,16 @@ SilPair PairMaker::make(const PosedImage& posed) const {
   return pair;
 }
 
+CleanPair PairMaker::clean(const PosedImage& posed) const {
+  CleanPair pair{inColour(readRecorded(posed.image)), {}, {}};
+  requireOwnPose(posed);
+  toolsFor(posed.image.camera).renderer.render(posed.T_odom_camera, Lighting{}, pair.clean);
+  pair.panel_mask = panelMask(pair.clean, posed);
+  if (cv::countNonZero(pair.panel_mask) == 0)
+    throw Error(posed.image.file.string(), "", "no panel is in view from where it was taken");
+  return pair;
+}
+
 ImagePair PairMaker::compared(const ImagePair& images) const {
   if (world_.sea_floor) return images;
   ImagePair result = images;

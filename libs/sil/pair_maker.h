@@ -31,6 +31,13 @@ struct SilPair {
   double panel_share = 0;     ///< of the image's pixels
 };
 
+/// A recorded image, and what its camera would have seen without water from where the pose says it was.
+struct CleanPair {
+  cv::Mat recorded;    ///< CV_8UC3 (BGR)
+  View clean;          ///< under full ambient light, lamps off: its radiance is the albedo
+  cv::Mat panel_mask;  ///< CV_8UC1, not 0 where a panel is
+};
+
 /// Makes pairs, for many threads at once. A pair depends on nothing but world, options and the posed image.
 class PairMaker {
  public:
@@ -46,6 +53,8 @@ class PairMaker {
   /// Throws Error{file, "", why} where there is no pair: the image cannot be read or is not of its camera's
   /// size, the pose is not its own, no panel is in view, one of the images is saturated.
   SilPair make(const PosedImage& posed) const;
+  /// Without water, noise and search for markers; throws likewise, but not for saturated images.
+  CleanPair clean(const PosedImage& posed) const;
 
   /// What is compared. Where the sea floor is known, all of the picture; otherwise only the panels: around
   /// them the recorded image is replaced by the simulated one, so that nothing else can differ there.

@@ -144,5 +144,15 @@ TEST(ViewStudio, ShowsMarkersWhereTheViewHasThem) {
   EXPECT_THROW(ViewStudio(dexrov(), blind, water), std::invalid_argument);
 }
 
+TEST(Views, AViewIsFoundFromItsPose) {
+  for (std::uint64_t k = 0; k < 20; ++k) {
+    const CameraView view = drawView({}, 3, k);
+    const Pose pose = viewOf(view.T_panel_camera()).T_panel_camera();
+    EXPECT_NEAR((pose.position - view.T_panel_camera().position).norm(), 0, 1e-12);
+    EXPECT_NEAR(angleBetween(pose.rotation, view.T_panel_camera().rotation), 0, 1e-7);
+  }
+  EXPECT_THROW(viewOf(Pose{}), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace fathom

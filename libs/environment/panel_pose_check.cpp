@@ -1,0 +1,93 @@
+#include "environment/panel_pose_check.h"
+
+#include <map>
+
+#include "core/for_each.h"
+#include "evaluation/recorded_fiducials.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+std::map<fs::path, Pose> truthByImage(const fs::path& rawlog) {
+  RawlogReader reader(rawlog);
+  std::map<fs::path, Pose> truth;
+  for (const RecordedImage& image : recordedImages(reader))
+    if (image.T_odom_robot) truth[image.file] = *image.T_odom_robot;
+  return truth;
+}
+
+/// A posed image whose truth is known: evenly spread ones.
+struct TruePose {
+  const PosedImage* posed;
+  Pose T_panel_camera;
+};
+
+std::vector<TruePose> truePoses(const fs::path& rawlog, const std::vector<PosedImage>& posed,
+                                const PanelMap& panel, std::size_t count) {
+  const auto truth = truthByImage(rawlog);
+  std::vector<TruePose> all, some;
+  for (const PosedImage& image : posed) {
+    const auto known = truth.find(image.image.file);
+    if (known == truth.end() || image.eye != 0) continue;
+    all.push_back({&image, panel.T_odom_panel.inverse() * known->second * image.T_robot_camera});
+  }
+  for (std::size_t k = 0; k < std::min(count, all.size()); ++k)
+    some.push_back(all[(2 * k + 1) * all.size() / (2 * std::min(count, all.size()))]);
+  return some;
+}
+
+MeanScore meanError(const std::vector<PanelViewResult>& results, const PanelPoseCheck& check,
+                    PanelPoseError PanelViewResult::*method, double PanelPoseError::*measure) {
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < results.size(); ++i)
+    if ((check.expected[i].*method).exists() && (check.measured[i].*method).exists())
+      errors.push_back(results[i].*method.*measure);
+  return meanOf(errors);
+}
+
+}  // namespace
+
+MeanScore PanelPoseCheck::joint(const std::vector<PanelViewResult>& results,
+                                double PanelPoseError::*measure) const {
+  return meanError(results, *this, &PanelViewResult::joint, measure);
+}
+
+MeanScore PanelPoseCheck::averaged(const std::vector<PanelViewResult>& results,
+                                   double PanelPoseError::*measure) const {
+  return meanError(results, *this, &PanelViewResult::averaged, measure);
+}
+
+bool agree(const MeanScore& a, const MeanScore& b) {
+  return std::abs(a.mean - b.mean) <= std::hypot(a.half_width, b.half_width);
+}
+
+std::optional<PanelPoseCheck> checkPanelPoses(const fs::path& rawlog, const std::vector<PosedImage>& posed,
+                                              const SilWorld& world, const Environment& water,
+                                              const PanelPoseCheckOptions& options) {
+  if (world.panels.size() != 1) return std::nullopt;
+  const PanelMap& panel = world.panels.front();
+  const std::vector<TruePose> poses = truePoses(rawlog, posed, panel, options.views);
+  if (poses.empty()) return std::nullopt;
+
+  PanelPoseCheck check;
+  std::vector<CameraView> views;
+  for (const TruePose& pose : poses) {
+    views.push_back(viewOf(pose.T_panel_camera));
+    views.back().number = views.size();
+    PanelViewResult& measured = check.measured.emplace_back();
+    measured.view = views.back();
+    judge(pose.posed->detections, panel, pose.posed->image.camera, pose.T_panel_camera.inverse(), measured);
+  }
+  Vehicle vehicle = world.vehicle;
+  vehicle.camera->model = poses.front().posed->image.camera;
+  PanelEvaluationOptions evaluation;
+  evaluation.seed = options.seed;
+  evaluation.backend = options.backend;
+  evaluation.fallback = false;
+  evaluation.jpeg_quality = options.jpeg_quality;
+  check.expected = evaluatePanel(panel, vehicle, water, evaluation, views, "panel poses in this water");
+  return check;
+}
+
+}  // namespace fathom

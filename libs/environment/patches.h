@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "core/camera_model.h"
+#include "render/renderer.h"
+#include "sensors/vehicle.h"
+
+/// Synchronized pixels: what the camera read where the rendering knows albedo and distance.
+namespace fathom {
+
+/// A few neighbouring pixels of one albedo, away from every edge. Colours are linear red, green, blue.
+struct Patch {
+  std::size_t image = 0;  ///< which of the images of the fit
+  double z_m = 0, range_m = 0;
+  Vector3d albedo = Vector3d::Zero();    ///< of what is there, with its shading, under full ambient light
+  Vector3d radiance = Vector3d::Zero();  ///< mean, as the camera read it
+  /// Of that mean, by the sensor's noise, rounding, and what varies within the patch. Infinite for a channel
+  /// that does not count: some pixel is saturated, or it is black up to its noise.
+  Vector3d sigma = Vector3d::Constant(std::numeric_limits<double>::infinity());
+};
+
+struct PatchOptions {
+  int side_px = 16;        ///< of a patch; on the grid of JPEG's blocks of colour
+  int margin_px = 3;       ///< that pose, blur and JPEG may shift or smear an edge
+  int least_pixels = 12;   ///< of a patch
+  double flatness = 0.01;  ///< largest difference of albedo within the margin
+};
+
+struct PatchSet {
+  std::vector<Patch> patches;
+  std::size_t saturated = 0, dark = 0;  ///< patches with such a channel
+  std::string why_not;                  ///< why there is none, or why they cannot be of this image; one line
+};
+
+/// `image` (BGR, 8 or 16 bits) and `clean`, rendered at its pose under ambient light 1; `mask` (CV_8UC1) is
+/// not 0 where the rendering is to be trusted; `z_per_range` as cosinesOf(). Takes no patch where the image
+/// does not get brighter with the rendering: then it was taken from another pose, or shows another panel.
+PatchSet patchesOf(const cv::Mat& image, const View& clean, const cv::Mat& mask, const cv::Mat& z_per_range,
+                   const CameraSheet& sheet, const PatchOptions& options = {});
+
+/// Cosine of each pixel's line of sight to the optical axis; CV_32FC1.
+cv::Mat cosinesOf(const CameraModel& camera);
+
+}  // namespace fathom

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "environment/patches.h"
+#include "sensors/water.h"
+
+/// Task T_E: the paper's water, fitted. For each channel, attenuation a, veil b and ambient light E in
+///
+///     radiance = gain (albedo E exp(-a z) + (1 - exp(-a z)) b)
+///
+/// (predictLight() of sensors/image_model.h), the gain one an image.
+namespace fathom {
+
+using Matrix9d = Eigen::Matrix<double, 9, 9>;
+using Vector9d = Eigen::Matrix<double, 9, 1>;
+
+/// Attenuation, veil, ambient light, red green blue each: the order of the nine parameters of a fit.
+Vector9d waterParameters(const Environment& environment);
+/// With the lamps off.
+Environment environmentOf(const Vector9d& parameters);
+
+struct WaterFitOptions {
+  enum class Gain { fixed, fitted, detected };
+  Gain gain = Gain::detected;        ///< detected: fitted where images turn out to differ
+  double log_gain_sigma = 0.3;       ///< prior
+  double detected_log_gain = 0.005;  ///< gains whose spread is less are not worth fitting
+  /// Priors so wide that only a parameter of which the patches tell nothing feels them; centred on `start`.
+  double attenuation_sigma_per_m = 2.0, veil_sigma = 0.5, ambient_sigma = 1.0;
+  Environment start;
+  double largest_attenuation_per_m = 10;
+  double inlier_probability = 0.9999;  ///< that a good patch counts
+};
+
+struct WaterFit {
+  bool solved = false;
+  std::string why_not = "not run";
+
+  Environment environment;
+  /// In the order of waterParameters(). Grown where patches err alike.
+  Matrix9d covariance = Matrix9d::Zero();
+  Vector9d sigma_growth = Vector9d::Ones();  ///< by how much each parameter's sigma grew so
+  bool gain_fitted = false;
+  std::vector<double> log_gain, log_gain_sigma;  ///< one an image; their mean is 0. Empty where not fitted
+
+  std::vector<bool> inlier;  ///< of each patch
+  std::size_t images = 0, patches = 0, outliers = 0;
+  Vector3d excess_sigma =
+      Vector3d::Zero();  ///< what patches vary by besides their own sigma, found by the fit
+  Vector3d chi_square_per_dof = Vector3d::Zero();  ///< with that; by channel
+  double nearest_z_m = 0, farthest_z_m = 0;        ///< of the inliers
+  std::vector<std::string> warnings;               ///< where ranges do not separate a from b; one line each
+
+  Vector9d sigma() const { return covariance.diagonal().cwiseSqrt(); }
+};
+
+/// Robust maximum likelihood over all patches at once (Ceres). The start does not depend on luck: for each a
+/// of a grid the model is linear in E and b, and the best of these, by a robust cost, is refined with
+/// Cauchy's loss; then least squares over the inliers. What patches vary by beyond their own sigma (JPEG,
+/// texture, misregistration) is found by making the median residual what it should be.
+///
+/// The covariance is that of least squares, each sigma enlarged to that of estimates that let patches err
+/// alike (Liang & Zeger 1986): those of one image, by its pose and exposure; and in a channel those of one
+/// digital number of eight bits, or of two, by rounding and JPEG. The largest counts.
+WaterFit fitWater(const std::vector<Patch>& patches, std::size_t images, const WaterFitOptions& options = {});
+
+/// What a patch should read, and how far it is off in its sigmas (0 where a channel does not count).
+Vector3d predictedRadiance(const Patch& patch, const Environment& environment, double log_gain = 0);
+Vector3d residualSigmas(const Patch& patch, const WaterFit& fit);
+
+}  // namespace fathom

@@ -1,0 +1,292 @@
+#include "environment/water_study.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
+#include <sstream>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "core/for_each.h"
+#include "core/text.h"
+#include "evaluation/contact_sheet.h"
+#include "evaluation/input_fingerprints.h"
+#include "fiducials/one_opencv_thread.h"
+#include "sil/pair_picture.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kFewestImages = 3;
+constexpr std::size_t kSheetRows = 4;
+constexpr int kTile_px = 320;
+
+// ---- synchronized pixels
+
+double distance_m(const PosedImage& image, const PairMaker& maker) {
+  return (image.T_odom_camera.position - maker.world().panels[image.panel].T_odom_panel.position).norm();
+}
+
+/// Pixels by which pose and blur may move or smear an edge, and one or two for JPEG and rounding.
+int margin_px(const PosedImage& image, double distance_m) {
+  double blur_px = 0;
+  for (const Detection& detection : image.detections)
+    if (std::isfinite(detection.blur_sigma_px)) blur_px = std::max(blur_px, detection.blur_sigma_px);
+  const double position_m = std::sqrt(image.T_odom_robot.covariance.topLeftCorner<3, 3>().trace());
+  const double pose_px = image.image.camera.fx_px * position_m / distance_m;
+  return std::clamp(static_cast<int>(std::ceil(1.5 + 2 * blur_px + 3 * pose_px)), 2, 8);
+}
+
+struct OneImage {
+  PatchSet set;
+  std::string why_not;
+};
+
+OneImage patchesFrom(const PosedImage& posed, const PairMaker& maker, const cv::Mat& z_per_range) {
+  OneImage one;
+  try {
+    const CleanPair pair = maker.clean(posed);
+    PatchOptions options;
+    options.margin_px = margin_px(posed, distance_m(posed, maker));
+    CameraSheet sheet = maker.camera();
+    sheet.bits = 8;
+    one.set = patchesOf(pair.recorded, pair.clean, pair.panel_mask, z_per_range, sheet, options);
+    one.why_not = one.set.why_not;
+  } catch (const Error& problem) {
+    one.why_not = problem.why;
+  }
+  return one;
+}
+
+// ---- cameras and pairs
+
+/// Of all cameras that the recording has, mostly one.
+class Cameras {
+ public:
+  Cameras(const std::vector<PosedImage>& posed, const PairMaker& maker, std::optional<int> jpeg_quality,
+          std::uint64_t seed) {
+    for (const PosedImage& image : posed) {
+      auto& camera = cameras_[fingerprintOf(image.image.camera)];
+      if (!camera)
+        camera = std::make_unique<WaterCamera>(maker.camera(), image.image.camera, jpeg_quality, seed);
+    }
+  }
+  const WaterCamera& of(const PosedImage& image) const {
+    return *cameras_.at(fingerprintOf(image.image.camera));
+  }
+
+ private:
+  std::map<std::string, std::unique_ptr<WaterCamera>> cameras_;
+};
+
+/// What the stages of a study share.
+struct Studio {
+  const std::vector<PosedImage>& posed;
+  const PairMaker& maker;
+  Cameras cameras;
+  FsimComparer fsim;
+  const WaterStudyOptions& options;
+};
+
+/// So many of the images, spread evenly over range, nearest first.
+std::vector<std::size_t> byRange(std::vector<std::size_t> images, std::size_t count, const Studio& studio) {
+  std::stable_sort(images.begin(), images.end(), [&](std::size_t a, std::size_t b) {
+    return distance_m(studio.posed[a], studio.maker) < distance_m(studio.posed[b], studio.maker);
+  });
+  if (images.size() <= count) return images;
+  std::vector<std::size_t> some;
+  for (std::size_t k = 0; k < count; ++k) some.push_back(images[(2 * k + 1) * images.size() / (2 * count)]);
+  return some;
+}
+
+// ---- the paper's search
+
+FsimSearch searchIn(const std::vector<std::size_t>& images, const Studio& studio) {
+  const auto some = byRange(images, studio.options.search_images, studio);
+  std::vector<CleanPair> pairs(some.size());
+  tbb::parallel_for(std::size_t{0}, some.size(),
+                    [&](std::size_t k) { pairs[k] = studio.maker.clean(studio.posed[some[k]]); });
+  SharedProgress progress("the paper's search by FSIM", studio.options.search.evaluations * some.size());
+  const auto similarity = [&](const Environment& water) {
+    std::vector<double> scores(some.size());
+    forEachIndex(some.size(), progress, [&](std::size_t k) {
+      const PosedImage& posed = studio.posed[some[k]];
+      const cv::Mat simulated = studio.cameras.of(posed).image(pairs[k].clean, water, posed.number);
+      const ImagePair compared = comparedPair(studio.maker, pairs[k], simulated);
+      const auto alike = studio.fsim.compare(compared.recorded, compared.simulated);
+      scores[k] = alike ? alike->fsimc : 0;
+    });
+    return meanOf(scores).mean;
+  };
+  return searchByFsim(studio.options.fit.start, similarity, studio.options.search);
+}
+
+// ---- held-out images
+
+void scoreCandidates(const std::vector<std::size_t>& images, const Studio& studio, WaterStudy& study) {
+  std::vector<Environment> waters;
+  for (const WaterCandidate& candidate : study.candidates) waters.push_back(candidate.environment);
+  std::vector<std::vector<WaterScore>> scores(images.size());
+  forEachIndex(images.size(), "judging on held-out images", [&](std::size_t k) {
+    const PosedImage& posed = studio.posed[images[k]];
+    scores[k].resize(waters.size());
+    try {
+      scores[k] = scoreImage(studio.maker, studio.cameras.of(posed), studio.fsim, studio.maker.clean(posed),
+                             waters, posed.number, study.fit.gain_fitted);
+    } catch (const Error&) {
+      // An image that does not fit its pose cannot judge: its scores stay absent.
+    }
+  });
+  for (std::size_t w = 0; w < waters.size(); ++w)
+    for (const auto& of_image : scores) study.candidates[w].scores.push_back(of_image[w]);
+}
+
+cv::Mat sheetOf(const std::vector<std::size_t>& images, const Studio& studio, const WaterStudy& study) {
+  std::vector<std::string> columns{"recorded"};
+  for (const WaterCandidate& candidate : study.candidates) columns.push_back(candidate.name);
+  std::vector<SheetRow> rows;
+  const auto tile = [&](const cv::Mat& image, const CameraSheet& sheet) {
+    cv::Mat small;
+    cv::resize(brightenedForEye(image, sheet), small, {kTile_px, kTile_px * image.rows / image.cols}, 0, 0,
+               cv::INTER_AREA);
+    return small;
+  };
+  for (const std::size_t i : byRange(images, kSheetRows, studio)) {
+    const PosedImage& posed = studio.posed[i];
+    const WaterCamera& camera = studio.cameras.of(posed);
+    const CleanPair pair = studio.maker.clean(posed);
+    SheetRow row{{print("%.1f m", distance_m(posed, studio.maker))}, {tile(pair.recorded, camera.sheet())}};
+    for (const WaterCandidate& candidate : study.candidates)
+      row.tiles.push_back(
+          tile(camera.image(pair.clean, candidate.environment, posed.number), camera.sheet()));
+    rows.push_back(row);
+  }
+  return contactSheet("held-out images, brightened for the eye", columns, rows);
+}
+
+// ---- complaints
+
+[[noreturn]] void complainOfNoPose(const fs::path& rawlog, const PosedImages& images) {
+  const std::string count = std::to_string(images.unposed.size());
+  if (images.unposed.empty()) throw Error(rawlog.string(), "", "has no images");
+  throw Error(rawlog.string(), "",
+              "in none of its " + count +
+                  " images markers tell where it was taken; the first: " + images.unposed.front().why);
+}
+
+void requireImages(const fs::path& rawlog, const SynchronizedImages& synchronized) {
+  if (synchronized.images.size() >= kFewestImages) return;
+  const std::string count = std::to_string(synchronized.images.size());
+  if (synchronized.rejected.empty())
+    throw Error(rawlog.string(), "",
+                "only " + count + " images have a pose that is certain enough to fit on");
+  const RejectedImage& first = synchronized.rejected.front();
+  throw Error(
+      rawlog.string(), "",
+      "only " + count + " images can be fitted on; " + first.file.filename().string() + ": " + first.why);
+}
+
+Vector3d colourOf(const nlohmann::json& json) {
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
+}
+
+}  // namespace
+
+SynchronizedImages synchronize(const std::vector<PosedImage>& posed, const std::vector<std::size_t>& images,
+                               const PairMaker& maker) {
+  const OneOpenCvThread one_thread;
+  std::map<std::string, cv::Mat> z_per_range;
+  for (const std::size_t i : images) {
+    cv::Mat& cosines = z_per_range[fingerprintOf(posed[i].image.camera)];
+    if (cosines.empty()) cosines = cosinesOf(posed[i].image.camera);
+  }
+  std::vector<OneImage> each(images.size());
+  forEachIndex(images.size(), "rendering where images were taken", [&](std::size_t k) {
+    const PosedImage& image = posed[images[k]];
+    each[k] = patchesFrom(image, maker, z_per_range.at(fingerprintOf(image.image.camera)));
+  });
+  SynchronizedImages result;
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    if (!each[k].why_not.empty()) {
+      result.rejected.push_back({posed[images[k]].image.file, each[k].why_not});
+      continue;
+    }
+    for (Patch& patch : each[k].set.patches) {
+      patch.image = result.images.size();
+      result.patches.push_back(patch);
+    }
+    result.saturated += each[k].set.saturated;
+    result.dark += each[k].set.dark;
+    result.images.push_back(images[k]);
+  }
+  return result;
+}
+
+WaterStudy studyWater(const fs::path& rawlog, const PosedImages& images, const PairMaker& maker,
+                      const WaterStudyOptions& options) {
+  if (images.posed.empty()) complainOfNoPose(rawlog, images);
+  WaterStudy study;
+  study.images = images.posed.size() + images.unposed.size();
+  study.posed = images.posed.size();
+  study.remarks = images.remarks;
+  study.choice = chooseImages(images.posed, maker.world().panels, options.choice);
+  study.synchronized = synchronize(images.posed, study.choice.fitted, maker);
+  requireImages(rawlog, study.synchronized);
+  study.jpeg_quality = jpegQuality(images.posed.front().image.file);
+  const OneOpenCvThread one_thread;
+  const Studio studio{
+      images.posed, maker, Cameras(images.posed, maker, study.jpeg_quality, options.seed), {}, options};
+  study.fit = fitWater(study.synchronized.patches, study.synchronized.images.size(), options.fit);
+  if (!study.fit.solved) throw Error(rawlog.string(), "", "water cannot be fitted: " + study.fit.why_not);
+
+  study.search = searchIn(study.synchronized.images, studio);
+  study.truth = trueEnvironment(rawlog);
+  study.candidates = {{"default", options.fit.start, {}},
+                      {"paper's search", study.search.environment, {}},
+                      {"fitted", study.fit.environment, {}}};
+  if (study.truth) study.candidates.push_back({"truth", *study.truth, {}});
+  scoreCandidates(study.choice.held_out, studio, study);
+  study.recommended = study.choice.held_out.empty() ? 2 : recommended(study.candidates, 3);
+  study.sheet = sheetOf(study.choice.held_out, studio, study);
+  PanelPoseCheckOptions poses = options.panel_poses;
+  poses.jpeg_quality = study.jpeg_quality;
+  poses.seed = options.seed;
+  study.panel_poses =
+      checkPanelPoses(rawlog, images.posed, maker.world(), study.recommendedWater().environment, poses);
+  return study;
+}
+
+std::optional<Environment> trueEnvironment(const fs::path& rawlog) {
+  const fs::path file = rawlog.parent_path() / (rawlog.stem().string() + "_simulation.json");
+  if (!fs::exists(file)) return std::nullopt;
+  try {
+    const auto json = nlohmann::json::parse(readTextFile(file));
+    if (!json.contains("environment")) return std::nullopt;
+    const auto& known = json.at("environment");
+    return Environment{{colourOf(known.at("attenuation_per_m")), colourOf(known.at("veil"))},
+                       colourOf(known.at("ambient")),
+                       {}};
+  } catch (const nlohmann::json::exception& problem) {
+    throw Error(file.string(), "", std::string("does not tell the water: ") + problem.what());
+  }
+}
+
+std::string formatEnvironment(const Environment& environment, const std::string& comment) {
+  std::string text;
+  std::istringstream lines(comment);
+  for (std::string line; std::getline(lines, line);) text += "# " + line + "\n";
+  const auto colour = [](const Vector3d& c) { return print("[%.5f, %.5f, %.5f]", c[0], c[1], c[2]); };
+  text += "water:\n  attenuation_per_m: " + colour(environment.water.attenuation_per_m) +
+          "\n  veil: " + colour(environment.water.veil) + "\nambient: " + colour(environment.ambient) + "\n";
+  if (environment.lamps_irradiance_1m)
+    text += "lamps_irradiance_1m: " + colour(*environment.lamps_irradiance_1m) + "\n";
+  return text;
+}
+
+}  // namespace fathom

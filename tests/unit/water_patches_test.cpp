@@ -1,0 +1,102 @@
+// Patches of an image whose albedo, distance and water are known, and images that have none.
+#include <gtest/gtest.h>
+
+#include "environment/patches.h"
+#include "environment/water_camera.h"
+#include "support/shipped.h"
+
+namespace fathom {
+namespace {
+
+constexpr float kFar_m = 3, kNear_m = 2;
+
+CameraSheet shippedSheet() { return *readVehicle(test::kRov).camera; }
+
+/// A wall before the camera: white on its left, black on its right; the upper half is nearer.
+View wall(const CameraModel& camera) {
+  const cv::Size size(camera.width_px, camera.height_px);
+  View view{cv::Mat(size, CV_32FC3, cv::Scalar::all(0.85)), cv::Mat(size, CV_32FC1, cv::Scalar(kFar_m))};
+  view.radiance.colRange(size.width / 2, size.width).setTo(cv::Scalar::all(0.04));
+  view.range_m.rowRange(0, size.height / 2).setTo(kNear_m);
+  return view;
+}
+
+cv::Mat everywhere(const View& view) { return {view.range_m.size(), CV_8UC1, cv::Scalar(255)}; }
+
+struct WallScene {
+  CameraSheet sheet = shippedSheet();
+  View clean = wall(sheet.model);
+  cv::Mat z_per_range = cosinesOf(sheet.model);
+  Environment water = readEnvironment(test::kConfig / "water_moderate.yaml");
+  cv::Mat image = WaterCamera(sheet, sheet.model, std::nullopt, 1).image(clean, water, 0);
+
+  PatchSet patches() const { return patchesOf(image, clean, everywhere(clean), z_per_range, sheet); }
+};
+
+TEST(WaterPatches, AreWhatTheWaterMakesOfTheWall) {
+  const WallScene scene;
+  const PatchSet set = scene.patches();
+  EXPECT_EQ(set.why_not, "");
+  EXPECT_GT(set.patches.size(), 1000U);
+  double squares = 0;
+  for (const Patch& patch : set.patches) {
+    EXPECT_LE(patch.z_m, patch.range_m);
+    for (int c = 0; c < 3; ++c) {
+      ASSERT_TRUE(std::isfinite(patch.sigma[c]));
+      const double passed = std::exp(-scene.water.water.attenuation_per_m[c] * patch.z_m);
+      const double expected =
+          patch.albedo[c] * scene.water.ambient[c] * passed + (1 - passed) * scene.water.water.veil[c];
+      squares += std::pow((patch.radiance[c] - expected) / patch.sigma[c], 2);
+    }
+  }
+  // The larger of two sigmas is taken, so less than 1; the z of a patch varies a little, so not far less.
+  EXPECT_NEAR(squares / (3.0 * static_cast<double>(set.patches.size())), 1.0, 0.3);
+}
+
+TEST(WaterPatches, KeepOffEdges) {
+  const WallScene scene;
+  for (const Patch& patch : scene.patches().patches) {
+    EXPECT_TRUE(std::abs(patch.albedo[0] - 0.85) < 1e-5 || std::abs(patch.albedo[0] - 0.04) < 1e-5);
+  }
+}
+
+TEST(WaterPatches, DoNotCountWhereSaturated) {
+  WallScene scene;
+  scene.image.at<cv::Vec3b>(40, 40) = cv::Vec3b(10, 20, 255);  // one red pixel
+  const PatchSet set = scene.patches();
+  EXPECT_EQ(set.why_not, "");
+  EXPECT_EQ(set.saturated, 1U);
+  int excluded = 0;
+  for (const Patch& patch : set.patches) excluded += std::isfinite(patch.sigma[0]) ? 0 : 1;
+  EXPECT_EQ(excluded, 1);
+}
+
+TEST(WaterPatches, RefuseAnOverexposedImage) {
+  WallScene scene;
+  scene.image.setTo(cv::Scalar::all(255));
+  EXPECT_EQ(scene.patches().why_not, "is overexposed: 100 % of the panel is at full scale");
+}
+
+TEST(WaterPatches, RefuseAnEmptyMask) {
+  const WallScene scene;
+  const cv::Mat nowhere = cv::Mat::zeros(scene.clean.range_m.size(), CV_8UC1);
+  const PatchSet set = patchesOf(scene.image, scene.clean, nowhere, scene.z_per_range, scene.sheet);
+  EXPECT_TRUE(set.patches.empty());
+  EXPECT_EQ(set.why_not, "no part of a panel that is large enough is in view of its pose (0 patches)");
+}
+
+TEST(WaterPatches, RefuseAnotherPose) {
+  WallScene scene;
+  cv::flip(scene.image, scene.image, 1);  // white is where the pose has black
+  EXPECT_NE(scene.patches().why_not.find("does not show the panel where its pose puts it"),
+            std::string::npos);
+}
+
+TEST(WaterPatches, RefuseAnotherSize) {
+  WallScene scene;
+  scene.image = scene.image.colRange(0, 320).clone();
+  EXPECT_EQ(scene.patches().why_not, "is of 320 x 480 pixels, its rendering of 640 x 480");
+}
+
+}  // namespace
+}  // namespace fathom
