@@ -21,6 +21,9 @@ constexpr double kFirstExcess = 0.002;      // half a digital number of eight bi
 constexpr double kMedianOfSquare = 0.4549;  // of a standard normal number
 constexpr double kMeanGainSigma = 1e-6;     // fixes the mean log gain to zero
 constexpr int kRobustRounds = 3, kInlierRounds = 2;
+// Digital numbers of eight bits within which patches may share an error: rounding's changes sign after half a
+// number, JPEG's steps are one to two wide.
+constexpr std::array<double, 2> kSharedNumbers{0.5, 2.0};
 constexpr std::size_t kFewestGroups = 10;  // from which on errors that a group shares are told from others
 constexpr std::size_t kFewestPatches = 30;
 
@@ -101,6 +104,20 @@ class MeanGainIsZero : public ceres::CostFunction {
   double weight_;
 };
 
+/// Over the patches of a group: their number, residuals, and moves of a channel's three parameters by each.
+struct GroupSums {
+  double count = 0, residual = 0, residual_squares = 0;
+  Vector3d moves = Vector3d::Zero(), move_squares = Vector3d::Zero();
+
+  void add(double one_residual, const Vector3d& one_moves) {
+    count += 1;
+    residual += one_residual;
+    residual_squares += one_residual * one_residual;
+    moves += one_moves;
+    move_squares += one_moves.cwiseAbs2();
+  }
+};
+
 /// The least-squares problem over some patches at a state, which solving moves.
 class Problem {
  public:
@@ -111,7 +128,7 @@ class Problem {
     for (std::size_t i = 0; i < patches.size(); ++i)
       if (counts[i]) {
         add(patches[i], robust);
-        chosen_.push_back(i);
+        chosen_.push_back(&patches[i]);
       }
     addPriors(options);
     for (int i = 0; i < 6; ++i) problem_.SetParameterLowerBound(state.water.data(), i, 0);
@@ -134,7 +151,7 @@ class Problem {
   }
 
   /// Of the parameters, first the nine of the water; see fitWater() about the growth.
-  void covariance(const std::vector<Patch>& patches, Eigen::MatrixXd& least_squares, Vector9d& growth) {
+  void covariance(Eigen::MatrixXd& least_squares, Vector9d& growth) {
     const ceres::CRSMatrix jacobian = evaluate();
     const auto size = static_cast<Eigen::Index>(jacobian.num_cols);
     Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
@@ -144,15 +161,14 @@ class Problem {
     }
     information = information.selfadjointView<Eigen::Lower>();
     least_squares = information.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
-    growth = Vector9d::Ones();
-    const auto grow = [&](const auto& groupOf) {
-      growth = growth.cwiseMax(growthByGroups(jacobian, least_squares, groupOf));
-    };
-    grow([&](std::size_t i, int) { return static_cast<long>(patches[chosen_[i]].image); });
-    for (const double levels : {255.0, 127.5})
-      grow([&](std::size_t i, int c) {
-        return 3 * std::lround(levels * patches[chosen_[i]].radiance[c]) + c;
-      });
+    growth = growthByGroups(jacobian, least_squares,
+                            [&](const Patch& patch, int) { return static_cast<long>(patch.image); });
+    for (const double numbers : kSharedNumbers)
+      growth = growth.cwiseMax(growthByGroups(jacobian, least_squares, [&](const Patch& patch, int c) {
+        // What it should read: what it did read would make groups of those that err alike.
+        const double expected = predict<double>(patch, state_.water.data(), state_.log_gain[patch.image])[c];
+        return std::lround(255 / numbers * expected + 0.5);
+      }));
   }
 
  private:
@@ -202,33 +218,48 @@ class Problem {
     return gradient;
   }
 
-  /// Sandwich estimator: by how much more the groups' scores scatter than those of independent patches would.
+  /// By how much sigmas grow where residuals of a channel's patches in one group are correlated, all pairs
+  /// alike: the correlation is the mean over all pairs of all groups.
   template <class GroupOf>
   Vector9d growthByGroups(const ceres::CRSMatrix& jacobian, const Eigen::MatrixXd& least_squares,
                           const GroupOf& groupOf) const {
-    std::map<long, Eigen::VectorXd> scores;
-    for (std::size_t i = 0; i < chosen_.size(); ++i)
-      for (int c = 0; c < 3; ++c) {
+    Vector9d growth = Vector9d::Ones();
+    for (int c = 0; c < 3; ++c) {
+      const std::array<Eigen::Index, 3> own{c, 3 + c, 6 + c};  // parameters
+      std::map<long, GroupSums> groups;
+      GroupSums all;
+      for (std::size_t i = 0; i < chosen_.size(); ++i) {
+        if (!std::isfinite(chosen_[i]->sigma[c])) continue;
         const int row = static_cast<int>(3 * i) + c;
-        auto& score =
-            scores.try_emplace(groupOf(i, c), Eigen::VectorXd::Zero(jacobian.num_cols)).first->second;
-        score += rowOf(jacobian, row) * residuals_[static_cast<std::size_t>(row)];
+        const Eigen::VectorXd gradient = rowOf(jacobian, row);
+        Vector3d moves;
+        for (int k = 0; k < 3; ++k)
+          moves[k] = least_squares.row(own[static_cast<std::size_t>(k)]).dot(gradient);
+        const double residual = residuals_[static_cast<std::size_t>(row)];
+        groups[groupOf(*chosen_[i], c)].add(residual, moves);
+        all.add(residual, moves);
       }
-    if (scores.size() < kFewestGroups) return Vector9d::Ones();
-    const double n = static_cast<double>(scores.size());
-    Vector9d variance = Vector9d::Zero();
-    for (const auto& [group, score] : scores) {
-      const Eigen::VectorXd move = least_squares * score;
-      variance += Vector9d(move.head(9)).cwiseAbs2();
+      if (groups.size() < kFewestGroups) continue;
+      double pairs = 0, products = 0;
+      Vector3d extra = Vector3d::Zero();
+      for (const auto& [number, group] : groups) {
+        pairs += group.count * group.count - group.count;
+        products += group.residual * group.residual - group.residual_squares;
+        extra += group.moves.cwiseAbs2() - group.move_squares;
+      }
+      const double correlation =
+          std::max(0.0, products / std::max(1.0, pairs) / (all.residual_squares / all.count));
+      for (int k = 0; k < 3; ++k)
+        growth[own[static_cast<std::size_t>(k)]] =
+            std::sqrt(std::max(1.0, 1 + correlation * extra[k] / all.move_squares[k]));
     }
-    const Vector9d alone = least_squares.diagonal().head(9);
-    return (variance.array() * n / (n - 3) / alone.array()).sqrt();
+    return growth;
   }
 
   State& state_;
   bool with_gain_;
   ceres::Problem problem_;
-  std::vector<std::size_t> chosen_;  // the patches that count
+  std::vector<const Patch*> chosen_;  // that count
   std::vector<double> residuals_;
 };
 
@@ -366,7 +397,7 @@ void describeCovariance(const std::vector<Patch>& patches, const WaterFitOptions
                         WaterFit& fit) {
   Eigen::MatrixXd covariance;
   Problem(patches, fit.inlier, options, false, fit.gain_fitted, state)
-      .covariance(patches, covariance, fit.sigma_growth);
+      .covariance(covariance, fit.sigma_growth);
   fit.covariance =
       fit.sigma_growth.asDiagonal() * covariance.topLeftCorner<9, 9>() * fit.sigma_growth.asDiagonal();
   if (!fit.gain_fitted) return;

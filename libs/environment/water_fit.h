@@ -62,9 +62,9 @@ struct WaterFit {
 /// Cauchy's loss; then least squares over the inliers. What patches vary by beyond their own sigma (JPEG,
 /// texture, misregistration) is found by making the median residual what it should be.
 ///
-/// The covariance is that of least squares, each sigma enlarged to that of estimates that let patches err
-/// alike (Liang & Zeger 1986): those of one image, by its pose and exposure; and in a channel those of one
-/// digital number of eight bits, or of two, by rounding and JPEG. The largest counts.
+/// The covariance is that of least squares, each sigma enlarged by the correlation that the residuals of one
+/// group of patches are found to have: of one image (pose, exposure), or, in a channel, of one digital number
+/// (rounding, JPEG). The largest counts.
 WaterFit fitWater(const std::vector<Patch>& patches, std::size_t images, const WaterFitOptions& options = {});
 
 /// What a patch should read, and how far it is off in its sigmas (0 where a channel does not count).
