@@ -73,7 +73,8 @@ std::string section(const std::string& heading, std::string_view text) {
     const std::size_t end = std::min(text.find_first_of(" \n"), text.size());
     const std::string_view word = text.substr(0, end);
     if (column > kIndent && column + word.size() > kWidth) {
-      lines += "\n" + std::string(kIndent, ' ');
+      lines.back() = '\n';  // instead of the space
+      lines += std::string(kIndent, ' ');
       column = kIndent;
     }
     lines.append(word);
