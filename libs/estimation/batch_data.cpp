@@ -127,13 +127,21 @@ class Collector {
         leaveOut("image that could not be read");
         continue;
       }
-      for (const Detection& detection : *found)
-        addMarker(detection, {t_s_, number, eye, 0, {}, detection, view.image.camera, entry.T_robot_camera,
-                              view.T_first_camera});
+      BatchMarker seen;
+      seen.t_s = t_s_;
+      seen.image = number;
+      seen.eye = eye;
+      seen.camera = view.image.camera;
+      seen.T_robot_camera = entry.T_robot_camera;
+      seen.T_left_right = view.T_first_camera;
+      for (const Detection& detection : *found) {
+        seen.detection = detection;
+        addMarker(detection, seen);
+      }
     }
   }
 
-  void addMarker(const Detection& detection, BatchMarker seen) {
+  void addMarker(const Detection& detection, BatchMarker& seen) {
     const bool finite = std::all_of(detection.corners_px.begin(), detection.corners_px.end(),
                                     [](const Vector2d& corner) { return corner.allFinite(); });
     if (!finite || Eigen::LLT<Matrix8d>(detection.covariance_px2).info() != Eigen::Success)

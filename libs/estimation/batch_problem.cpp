@@ -288,10 +288,8 @@ void BatchCost::prepare(const Eigen::VectorXd& x, bool with_derivative) {
 bool BatchCost::Evaluate(double const* const*, double* residuals, double** jacobians) const {
   Eigen::Map<Eigen::VectorXd>(residuals, residual_.size()) = residual_;
   if (jacobians == nullptr) return residual_.allFinite();
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   Eigen::Index column = 0;
   for (std::size_t b = 0; b < sizes_.size(); ++b) {
-    // A matrix of one column is not row-major for Eigen: a plain loop serves both.
     if (jacobians[b] != nullptr)
       for (Eigen::Index i = 0; i < residual_.size(); ++i)
         for (int c = 0; c < sizes_[b]; ++c) jacobians[b][i * sizes_[b] + c] = derivative_(i, column + c);

@@ -3,11 +3,13 @@
 #include <tbb/parallel_for.h>
 
 #include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>
 #include <tuple>
 
+#include "core/text.h"
 #include "effects/catalogue.h"
 
 namespace fathom {
@@ -20,7 +22,7 @@ std::vector<EffectColumn> effectColumnsOf(const BatchProblem& problem) {
     for (const Parameter& p : effect.parameters)
       for (int i = 0; i < p.size; ++i, ++scalar) {
         if (p.kind != ParameterKind::continuous) continue;
-        const std::string axis = p.size > 1 ? "[" + std::to_string(i) + "]" : "";
+        const std::string axis = p.size > 1 ? print("[%d]", i) : "";
         columns.push_back({effect.index, scalar, std::string(effect.id) + "." + std::string(p.name) + axis,
                            p.prior_sigma,
                            problem.find(UnknownBlock::Kind::effect, effect.index) != nullptr});
