@@ -17,7 +17,7 @@ struct StartPath {
   std::vector<double> times_s;  ///< increasing
   std::vector<Pose> T_odom_robot;
   std::string source;                ///< what made it, or why there is none
-  std::optional<StartPose> given;    ///< the pose that the filter was started with
+  std::optional<StartPose> given;    ///< the start pose, where the user knows it
 
   /// What is known of the path's beginning besides the readings: the start pose given; where there is none,
   /// and nothing tells a position in odom (markers, USBL), that odom is what the filter began with (1 mm,

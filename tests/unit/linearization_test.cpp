@@ -92,7 +92,7 @@ TEST(Linearization, NuisancesDerivativeIsThatOfDifferences) {
   const auto problem = problemAt(linear_run.input.data, linear_run.estimate, linear_run.options);
   const Linearization linear = linearize(linear_run.input.data, *problem);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem->unknowns());
-  EXPECT_EQ((residuals(*problem, zero) - linear.residual).norm(), 0.0);
+  EXPECT_LT((residuals(*problem, zero) - linear.residual).norm(), 1e-9);  // Jets round otherwise
   // Every unknown in turn would take long: directions that mix all of them find a wrong entry as well.
   Random random(3);
   for (int k = 0; k < 10; ++k) {
@@ -137,12 +137,12 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
       if (of_marker && linear.rows[i].marker_id != marker_id) expected[at] = 0;
       if (linear.rows[i].channel == BatchChannel::prior) found[at] = 0;  // its own prior, where estimated
     }
-    EXPECT_GT(expected.norm(), 0.0) << column.name;
-    // A latency's derivative at a new base is the motion elsewhere: the spline's next derivative times h.
-    EXPECT_LT((found - expected).norm(), 1e-4 * expected.norm()) << column.name;
-    ++columns_seen;
+    // A latency's derivative at a new base is the motion elsewhere: the spline's next derivative times h. A
+    // port's tilt changes nothing where it has no thickness: differences of rounding.
+    EXPECT_LT((found - expected).norm(), 1e-4 * expected.norm() + 1e-7) << column.name;
+    if (expected.norm() > 1e-3) ++columns_seen;
   }
-  EXPECT_GT(columns_seen, 40u);
+  EXPECT_EQ(columns_seen + 2, linear.columns.size());
 }
 
 TEST(Linearization, RowsSayWhatTheyAre) {
