@@ -21,6 +21,7 @@ struct SmoothOptions {
   fs::path rawlog, folder;
   std::string vehicle, map, calibration, start = "auto";
   std::vector<std::string> estimate;
+  bool noise_from_data = false;
   std::uint64_t seed = 1;
 };
 
@@ -47,7 +48,8 @@ Detections findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& pane
   settings.families = familiesOf(panels);
   settings.backend = Backend::apriltag;
   Detections detections = detectImages(imagesOf(imageEntries(source)), settings, keepBeside(rawlog));
-  if (!detections.not_kept_why.empty()) remarks.push_back("detections are not kept: " + detections.not_kept_why);
+  if (!detections.not_kept_why.empty())
+    remarks.push_back("detections are not kept: " + detections.not_kept_why);
   for (const UnreadableImage& image : detections.unreadable)
     remarks.push_back(image.file.string() + ": " + image.why);
   return detections;
@@ -81,6 +83,11 @@ void smooth(const SmoothOptions& options, const RunContext& context) {
                                startPose(options.start, options.rawlog, {}));
   recording.estimate = estimateBatch(recording.input.data, recording.input.start, batch);
   if (!recording.estimate.succeeded) throw Error(options.rawlog.string(), "", recording.estimate.failure);
+  if (options.noise_from_data) {
+    batch.problem.noise_scale = noiseScale(recording.estimate, batch.problem);
+    recording.estimate = reestimate(recording.input.data, recording.estimate, batch);
+  }
+  recording.noise_scale = batch.problem.noise_scale;
   recording.linear =
       linearize(recording.input.data, *problemAt(recording.input.data, recording.estimate, batch), false);
 
@@ -91,8 +98,8 @@ void smooth(const SmoothOptions& options, const RunContext& context) {
   std::cout << print("%zu poses from %zu rows in %d steps", e.path.size(), e.rows, e.iterations) << "\n";
   for (const auto& [channel, r] : e.residuals)
     if (channel != BatchChannel::prior)
-      std::cout << print("  %-14s %6zu rows, rms %.3f sigma, expected %.3f\n", nameOf(channel).c_str(), r.rows,
-                         r.rms, r.expected_rms);
+      std::cout << print("  %-14s %6zu rows, rms %.3f sigma, expected %.3f\n", nameOf(channel).c_str(),
+                         r.rows, r.rms, r.expected_rms);
   std::cout << (options.folder / "report.html").string() << "\n";
 }
 
@@ -129,6 +136,9 @@ void addSmooth(const RunContext& context) {
       ->type_name(values::kYaml);
   command->add_option("--start", options->start, "auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]")
       ->capture_default_str();
+  command->add_flag("--noise-from-data", options->noise_from_data,
+                    "Then once more, with each channel's noise as its residuals show where that is more than "
+                    "stated");
   command->add_option("--seed", options->seed, "Accepted for uniformity: nothing here is random");
   command->callback([options, &context] { smooth(*options, context); });
 }

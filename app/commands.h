@@ -28,9 +28,9 @@ void addEvaluate(const RunContext& context);
 void addCompareFiducials(const RunContext& context);
 void addCompletion(const RunContext& context);
 
-inline constexpr AddCommand kCommands[] = {addImport,           addInfo,      addSimulate, addLocalize,
-                                           addSmooth,           addStress,    addDetect,   addMap,
-                                           addEvaluate,         addCompareFiducials, addCompletion};
+inline constexpr AddCommand kCommands[] = {
+    addImport, addInfo, addSimulate, addLocalize,         addSmooth,    addStress,
+    addDetect, addMap,  addEvaluate, addCompareFiducials, addCompletion};
 
 /// Kinds of values. They show in --help, and tell the shell's completion what to offer: "FILE.x" files that
 /// end in .x, "FILE" any file, "FOLDER" folders.

@@ -48,6 +48,7 @@ nlohmann::ordered_json toJson(const SmoothedRecording& recording) {
   auto& channels = json["residuals"];
   for (const auto& [channel, r] : e.residuals)
     channels[nameOf(channel)] = {{"rows", r.rows},
+                                 {"noise_scale", recording.noise_scale[static_cast<std::size_t>(channel)]},
                                  {"rms_sigma", r.rms},
                                  {"expected_rms_sigma", r.expected_rms},
                                  {"down_weighted_rows", r.down_weighted}};
@@ -64,11 +65,14 @@ nlohmann::ordered_json toJson(const SmoothedRecording& recording) {
   return json;
 }
 
-Table residualTable(const BatchEstimate& estimate) {
-  Table table{{"channel", "rows", "rms [sigma]", "expected", "ratio", "down-weighted"}, {}};
+Table residualTable(const SmoothedRecording& recording) {
+  const BatchEstimate& estimate = recording.estimate;
+  Table table{{"channel", "rows", "noise assumed", "rms [sigma]", "expected", "ratio", "down-weighted"}, {}};
   for (const auto& [channel, r] : estimate.residuals)
-    table.rows.push_back({nameOf(channel), std::to_string(r.rows), fixed(r.rms, 3), fixed(r.expected_rms, 3),
-                          fixed(r.rms / r.expected_rms, 3), std::to_string(r.down_weighted)});
+    table.rows.push_back({nameOf(channel), std::to_string(r.rows),
+                          fixed(recording.noise_scale[static_cast<std::size_t>(channel)], 2), fixed(r.rms, 3),
+                          fixed(r.expected_rms, 3), fixed(r.rms / r.expected_rms, 3),
+                          std::to_string(r.down_weighted)});
   return table;
 }
 
@@ -94,7 +98,8 @@ Plot pathPlot(const BatchEstimate& estimate) {
 }
 
 Plot sigmaPlot(const BatchEstimate& estimate) {
-  Plot plot{.title = "What the estimate says of its own error", .x_label = "time [s]", .y_label = "sigma [m]"};
+  Plot plot{
+      .title = "What the estimate says of its own error", .x_label = "time [s]", .y_label = "sigma [m]"};
   const char* const names[] = {"x", "y", "z"};
   for (int axis = 0; axis < 3; ++axis) {
     Series series{.name = names[axis]};
@@ -146,8 +151,9 @@ void writeSmoothReport(const SmoothedRecording& recording, const std::filesystem
     report.table(effectTable(e), "Estimated, with one sigma");
   }
   report.heading("Residuals");
-  report.table(residualTable(e),
-               "In units of the assumed noise. Expected: what the estimate leaves of such noise where nothing "
+  report.table(residualTable(recording),
+               "In units of the assumed noise, which is so many times the stated one. Expected: what the "
+               "estimate leaves of such noise where nothing "
                "is left out of the model. A ratio beyond 1 is noise that is larger than assumed, or a "
                "mismatch.");
   for (const auto& [channel, residual] : e.residuals)

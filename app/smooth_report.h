@@ -16,7 +16,8 @@ struct SmoothedRecording {
   std::filesystem::path recording;
   BatchInput input;
   BatchEstimate estimate;
-  Linearization linear;  ///< without effect columns
+  std::array<double, kBatchChannels.size()> noise_scale{};  ///< as taken, by BatchChannel
+  Linearization linear;                                     ///< without effect columns
   std::vector<std::string> remarks;
 };
 

@@ -17,10 +17,9 @@ namespace fathom {
 
 /// Where a row of the estimate comes from.
 enum class BatchChannel { gyro, accelerometer, attitude, dvl, depth, usbl, markers, prior };
-inline constexpr std::array kBatchChannels{BatchChannel::gyro,    BatchChannel::accelerometer,
-                                           BatchChannel::attitude, BatchChannel::dvl,
-                                           BatchChannel::depth,   BatchChannel::usbl,
-                                           BatchChannel::markers, BatchChannel::prior};
+inline constexpr std::array kBatchChannels{
+    BatchChannel::gyro,  BatchChannel::accelerometer, BatchChannel::attitude, BatchChannel::dvl,
+    BatchChannel::depth, BatchChannel::usbl,          BatchChannel::markers,  BatchChannel::prior};
 /// "gyro", …, as in results.
 std::string nameOf(BatchChannel channel);
 
@@ -29,9 +28,9 @@ std::string nameOf(BatchChannel channel);
 /// The mean of a quadratic function of time over the samples' times is the mean of its values at the nodes,
 /// the mean time plus and minus the times' standard deviation: so prediction and reading are averaged alike.
 struct InsBin {
-  std::array<double, 2> node_s{};     ///< equal where there is one sample
+  std::array<double, 2> node_s{};  ///< equal where there is one sample
   int samples = 0;
-  Vector3d mean = Vector3d::Zero();   ///< rad/s or m/s²; of the attitude rotation vectors from `about`, rad
+  Vector3d mean = Vector3d::Zero();  ///< rad/s or m/s²; of the attitude rotation vectors from `about`, rad
   Matrix3d about = Matrix3d::Identity();  ///< R_odom_ins of the middle sample; attitude only
   Pose T_robot_ins;
 
@@ -69,7 +68,7 @@ struct BatchMarker {
 };
 
 struct BatchData {
-  Time time_zero;  ///< the recording's first entry
+  Time time_zero;                  ///< the recording's first entry
   double first_s = 0, last_s = 0;  ///< of all that follows
   double knot_s = 0.2;             ///< the INS is averaged over [k knot_s, (k + 1) knot_s)
   Vehicle vehicle;

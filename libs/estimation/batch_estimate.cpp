@@ -182,8 +182,8 @@ void addParameters(BatchEstimate& estimate, const BatchProblem& problem, const U
   for (const UnknownBlock* block : effect_blocks)
     for (const std::size_t scalar : continuousScalars(block->index)) {
       const auto i = std::ssize(estimate.effects);
-      estimate.effects.push_back({block->index, scalar, state.effects.values[scalar],
-                                  std::sqrt(estimate.effect_covariance(i, i))});
+      estimate.effects.push_back(
+          {block->index, scalar, state.effects.values[scalar], std::sqrt(estimate.effect_covariance(i, i))});
     }
 }
 
@@ -201,8 +201,18 @@ void addResiduals(BatchEstimate& estimate, const BatchProblem& problem, const Li
   }
   for (auto& [name, channel] : estimate.residuals) {
     channel.rms = std::sqrt(channel.rms / static_cast<double>(channel.rows));
-    channel.expected_rms =
-        std::sqrt(std::max(0.0, channel.expected_rms) / static_cast<double>(channel.rows));
+    channel.expected_rms = std::sqrt(std::max(0.0, channel.expected_rms) / static_cast<double>(channel.rows));
+  }
+}
+
+/// What the calibration says now, but the present values of those that were and are estimated.
+void takeOver(const EffectParameters<double>& calibration, const std::bitset<kEffectCount>& keep,
+              EffectParameters<double>& effects) {
+  const EffectParameters<double> before = effects;
+  effects = calibration;
+  for (std::size_t e = 0; e < kEffectCount; ++e) {
+    if (!keep[e]) continue;
+    for (const std::size_t s : continuousScalars(e)) effects.values[s] = before.values[s];
   }
 }
 
@@ -222,15 +232,23 @@ void describe(BatchEstimate& estimate, const BatchData& data, const BatchProblem
 }  // namespace
 
 BatchEstimate estimateBatch(const BatchData& data, const StartPath& start, const BatchOptions& options) {
-  BatchEstimate estimate;
+  BatchEstimate from;
   if (start.T_odom_robot.empty()) {
-    estimate.failure = "no path to start from: " + start.source;
-    return estimate;
+    from.failure = "no path to start from: " + start.source;
+    return from;
   }
-  constexpr double kSettled_s = 1e-5;
-  estimate.state =
+  from.state =
       startState(data, start.times_s, start.T_odom_robot, options.calibration, options.bias_interval_s);
-  estimate.path_prior = options.problem.path_prior ? options.problem.path_prior : start.prior(data);
+  from.path_prior = start.prior(data);
+  return reestimate(data, from, options);
+}
+
+BatchEstimate reestimate(const BatchData& data, const BatchEstimate& from, const BatchOptions& options) {
+  constexpr double kSettled_s = 1e-5;
+  BatchEstimate estimate;
+  estimate.state = from.state;
+  takeOver(options.calibration, options.problem.estimate & from.state.effects.on, estimate.state.effects);
+  estimate.path_prior = options.problem.path_prior ? options.problem.path_prior : from.path_prior;
   std::unique_ptr<BatchProblem> problem = problemAt(data, estimate, options);
   for (bool settled = false; !settled && estimate.rounds < options.max_rounds; ++estimate.rounds) {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(problem->unknowns());
@@ -252,6 +270,15 @@ BatchEstimate estimateBatch(const BatchData& data, const StartPath& start, const
   estimate.succeeded = true;
   estimate.failure.clear();
   return estimate;
+}
+
+std::array<double, kBatchChannels.size()> noiseScale(const BatchEstimate& estimate,
+                                                     const ProblemOptions& options) {
+  auto scale = options.noise_scale;
+  for (const auto& [channel, residual] : estimate.residuals)
+    if (channel != BatchChannel::prior && residual.expected_rms > 0)
+      scale[static_cast<std::size_t>(channel)] *= std::max(1.0, residual.rms / residual.expected_rms);
+  return scale;
 }
 
 std::unique_ptr<BatchProblem> problemAt(const BatchData& data, const BatchEstimate& estimate,

@@ -16,9 +16,9 @@ struct BatchOptions {
   EffectParameters<double> calibration;  ///< effects that are on; of those estimated, where to start
   ProblemOptions problem;
   double bias_interval_s = 10.0;
-  int max_iterations = 50;      ///< of a round
-  int max_rounds = 5;           ///< a latency that is estimated moves the motion's times between them
-  double output_rate_hz = 10.0; ///< of the path between images
+  int max_iterations = 50;       ///< of a round
+  int max_rounds = 5;            ///< a latency that is estimated moves the motion's times between them
+  double output_rate_hz = 10.0;  ///< of the path between images
 };
 
 struct PathPose {
@@ -73,6 +73,16 @@ struct BatchEstimate {
 /// Levenberg-Marquardt (Ceres) from the start. The same result whatever the number of threads. Throws
 /// Interrupted.
 BatchEstimate estimateBatch(const BatchData& data, const StartPath& start, const BatchOptions& options);
+
+/// The same from where another estimate of the same data ended, with other options: more effects, or noise.
+/// Effects that both estimate go on from their values; of all others the calibration's hold.
+BatchEstimate reestimate(const BatchData& data, const BatchEstimate& from, const BatchOptions& options);
+
+/// What ProblemOptions::noise_scale is to be so that the residuals are as large as expected: never below what
+/// it was. What is left out of the model counts as noise here, so take it from a recording, or a stretch,
+/// that is known to be good.
+std::array<double, kBatchChannels.size()> noiseScale(const BatchEstimate& estimate,
+                                                     const ProblemOptions& options);
 
 /// The problem whose zero is the estimate: for linearize().
 std::unique_ptr<BatchProblem> problemAt(const BatchData& data, const BatchEstimate& estimate,

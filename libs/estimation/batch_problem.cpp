@@ -24,9 +24,7 @@ Eigen::MatrixXd whitener(const Eigen::VectorXd& sigma) {
   return sigma.cwiseInverse().asDiagonal().toDenseMatrix();
 }
 
-Eigen::MatrixXd whitener(int size, double sigma) {
-  return Eigen::MatrixXd::Identity(size, size) / sigma;
-}
+Eigen::MatrixXd whitener(int size, double sigma) { return Eigen::MatrixXd::Identity(size, size) / sigma; }
 
 /// A registered scalar and what it is of.
 struct Scalar {
@@ -91,7 +89,7 @@ class ReadingCost final : public BatchCost {
   std::vector<MotionNode> nodes;
   Eigen::VectorXd reading;
   Eigen::MatrixXd whitening;
-  int first_pose = 0, pose_count = 0;  ///< their blocks come first
+  int first_pose = 0, pose_count = 0;      ///< their blocks come first
   std::optional<std::size_t> panel_block;  ///< place among the blocks
   std::vector<Link> links;
   std::bitset<kEffectCount> acting;
@@ -149,29 +147,40 @@ class ReadingCost final : public BatchCost {
 
   void effectColumns(Eigen::Ref<Eigen::MatrixXd> columns) const override {
     columns.setZero();
-    ForwardPoint point = at_reference;
-    std::vector<int> wanted;
-    for (std::size_t s = 0; s < kEffectScalars; ++s) {
-      const Scalar& scalar = scalars()[s];
-      if (!model->dependsOn(scalar.effect)) continue;
-      point.on.set(scalar.effect);
-      if (scalar.kind == ParameterKind::continuous)
-        wanted.push_back(kEffectColumn + static_cast<int>(s));
-    }
-    if (wanted.empty()) return;
+    std::vector<std::size_t> wanted;
+    for (std::size_t s = 0; s < kEffectScalars; ++s)
+      if (scalars()[s].kind == ParameterKind::continuous && model->dependsOn(scalars()[s].effect))
+        wanted.push_back(s);
     const std::vector<Pose> poses = posesAt(Eigen::VectorXd::Zero(lastColumn()));
-    Eigen::MatrixXd slope, sum = Eigen::MatrixXd::Zero(reading.size(), std::ssize(wanted));
+    const Eigen::MatrixXd scale = -1.0 / static_cast<double>(nodes.size()) * whitening;
     for (const MotionNode& node : nodes) {
+      ForwardPoint point = at_reference;
       point.motion = motionOf(ownOf(poses, node), node, reference_.path.knot_s);
-      model->differentiate(point, wanted, slope);
-      sum += slope;
+      for (std::size_t first = 0; first < wanted.size(); first += kColumnsAtOnce)
+        addColumns(point, std::span(wanted).subspan(first, std::min(kColumnsAtOnce, wanted.size() - first)),
+                   scale, columns);
     }
-    sum = (-1.0 / static_cast<double>(nodes.size()) * whitening * sum).eval();
-    for (std::size_t i = 0; i < wanted.size(); ++i)
-      columns.col(wanted[i] - kEffectColumn) = sum.col(static_cast<Eigen::Index>(i));
   }
 
  private:
+  static constexpr std::size_t kColumnsAtOnce = 8;
+
+  /// Others that are neutral change nothing, so only those are switched on that are differentiated by: some
+  /// are costly.
+  void addColumns(ForwardPoint point, std::span<const std::size_t> wanted, const Eigen::MatrixXd& scale,
+                  Eigen::Ref<Eigen::MatrixXd> columns) const {
+    std::vector<int> model_columns;
+    for (const std::size_t s : wanted) {
+      point.on.set(scalars()[s].effect);
+      model_columns.push_back(kEffectColumn + static_cast<int>(s));
+    }
+    Eigen::MatrixXd slope;
+    model->differentiate(point, model_columns, slope);
+    slope = (scale * slope).eval();
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      columns.col(static_cast<Eigen::Index>(wanted[i])) += slope.col(static_cast<Eigen::Index>(i));
+  }
+
   int lastColumn() const { return unknowns_.back().column + unknowns_.back().size; }
 
   std::vector<Pose> posesAt(const Eigen::VectorXd& x) const {
@@ -210,7 +219,8 @@ class ReadingCost final : public BatchCost {
       next += 6;
     }
     for (const Link& link : links) {
-      const auto c = std::find(columns_.begin(), columns_.end(), kEffectColumn + static_cast<int>(link.scalar));
+      const auto c =
+          std::find(columns_.begin(), columns_.end(), kEffectColumn + static_cast<int>(link.scalar));
       derivative.col(local_[link.block] + link.coordinate) += link.factor * slope.col(c - columns_.begin());
     }
   }
@@ -318,12 +328,13 @@ void BatchProblem::layOut() {
   for (std::size_t i = 0; i < reference_.path.poses.size(); ++i)
     placed.push_back({knot_s * (static_cast<double>(i) - 1.0), {Kind::pose, i, 6, 0}});
   for (std::size_t i = 0; i < reference_.bias.size(); ++i)
-    placed.push_back({reference_.bias_interval_s * (static_cast<double>(i) + 1.0) + 3.5 * knot_s,
-                      {Kind::bias, i, 6, 0}});
+    placed.push_back(
+        {reference_.bias_interval_s * (static_cast<double>(i) + 1.0) + 3.5 * knot_s, {Kind::bias, i, 6, 0}});
   std::stable_sort(placed.begin(), placed.end(),
                    [](const Placed& a, const Placed& b) { return a.at_s < b.at_s; });
   for (const Placed& p : placed) blocks_.push_back(p.block);
-  if (!data_.pressure.empty() && reference_.path.isSpline()) blocks_.push_back({Kind::pressure_offset, 0, 1, 0});
+  if (!data_.pressure.empty() && reference_.path.isSpline())
+    blocks_.push_back({Kind::pressure_offset, 0, 1, 0});
   for (std::size_t i = 0; i < data_.panels.size(); ++i)
     if (data_.panels[i].position_sigma_m > 0 && data_.panels[i].angle_sigma_rad > 0)
       blocks_.push_back({Kind::panel, i, 6, 0});
@@ -396,8 +407,8 @@ std::bitset<kEffectCount> BatchProblem::actingOn(const ReadingModel& model, cons
 }
 
 double BatchProblem::thresholdOf(BatchChannel channel, Eigen::Index rows) const {
-  const bool robust = channel == BatchChannel::dvl || channel == BatchChannel::usbl ||
-                      channel == BatchChannel::markers;
+  const bool robust =
+      channel == BatchChannel::dvl || channel == BatchChannel::usbl || channel == BatchChannel::markers;
   if (!robust || options_.robust_probability >= 1.0) return 0.0;
   return std::sqrt(chiSquareQuantile(static_cast<double>(rows), options_.robust_probability));
 }
@@ -434,8 +445,7 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   const auto link = [&](Kind kind, std::size_t index, const std::vector<std::size_t>& to, int coordinate,
                         double factor) {
     cost->blocks.push_back(block_of_.at({kind, index}));
-    for (const std::size_t s : to)
-      cost->links.push_back({s, cost->blocks.size() - 1, coordinate++, factor});
+    for (const std::size_t s : to) cost->links.push_back({s, cost->blocks.size() - 1, coordinate++, factor});
   };
   if (marker != nullptr && block_of_.contains({Kind::panel, marker->panel})) {
     cost->blocks.push_back(block_of_.at({Kind::panel, marker->panel}));
@@ -495,8 +505,8 @@ void BatchProblem::addReadings() {
   }
   for (const BatchDvl& dvl : data_.dvl) {
     const DvlSheet& sheet = *vehicle.dvl;
-    const Eigen::VectorXd sigma = Vector3d(sheet.velocity_sigma_xy_m_s, sheet.velocity_sigma_xy_m_s,
-                                           sheet.velocity_sigma_z_m_s);
+    const Eigen::VectorXd sigma =
+        Vector3d(sheet.velocity_sigma_xy_m_s, sheet.velocity_sigma_xy_m_s, sheet.velocity_sigma_z_m_s);
     add(dvlModel(dvl), {BatchChannel::dvl, dvl.t_s}, {dvl.t_s}, dvl.velocity_dvl, whitener(sigma));
   }
   for (const BatchPressure& p : data_.pressure)
@@ -530,8 +540,8 @@ void BatchProblem::addMarkers() {
 
 void BatchProblem::addLinear(const UnknownBlock& block, const Eigen::VectorXd& value,
                              const Eigen::MatrixXd& slope) {
-  costs_.push_back(std::make_unique<LinearCost>(
-      blocks_, std::vector{block_of_.at({block.kind, block.index})}, value, slope));
+  costs_.push_back(std::make_unique<LinearCost>(blocks_, std::vector{block_of_.at({block.kind, block.index})},
+                                                value, slope));
 }
 
 void BatchProblem::addPriors() {
@@ -550,7 +560,8 @@ void BatchProblem::addPriors() {
       // Position and heading; roll and pitch are gravity's.
       Vector6d reading, precision;
       reading << prior->T_odom_robot.position, Vector3d::Zero();
-      precision << Vector3d::Constant(1.0 / prior->position_sigma_m), 0.0, 0.0, 1.0 / prior->heading_sigma_rad;
+      precision << Vector3d::Constant(1.0 / prior->position_sigma_m), 0.0, 0.0,
+          1.0 / prior->heading_sigma_rad;
       add(poseModel(prior->T_odom_robot, path.begin_s), {BatchChannel::prior, path.begin_s}, {path.begin_s},
           reading, precision.asDiagonal().toDenseMatrix());
     }
@@ -561,8 +572,7 @@ void BatchProblem::addPriors() {
     Vector6d precision;
     precision << Vector3d::Constant(1.0 / ins.gyro_bias_sigma_rad_s),
         Vector3d::Constant(1.0 / ins.accelerometer_bias_sigma_m_s2);
-    const double phi =
-        k == 0 ? 0.0 : std::exp(-reference_.bias_interval_s / ins.bias_time_constant_s);
+    const double phi = k == 0 ? 0.0 : std::exp(-reference_.bias_interval_s / ins.bias_time_constant_s);
     precision /= std::sqrt(1.0 - phi * phi);
     Eigen::MatrixXd slope(6, k == 0 ? 6 : 12);
     slope.leftCols<6>() = precision.asDiagonal();
@@ -585,7 +595,8 @@ void BatchProblem::addPriors() {
     if (block.kind == Kind::panel) {
       const PanelMap& map = data_.panels[block.index];
       Vector6d precision;
-      precision << Vector3d::Constant(1.0 / map.position_sigma_m), Vector3d::Constant(1.0 / map.angle_sigma_rad);
+      precision << Vector3d::Constant(1.0 / map.position_sigma_m),
+          Vector3d::Constant(1.0 / map.angle_sigma_rad);
       const Vector6d error = poseDifference(map.T_odom_panel, reference_.T_odom_panel[block.index]);
       Matrix6d slope = Matrix6d::Identity();
       slope.bottomRightCorner<3, 3>() = inverseRightJacobianSO3<double>(error.tail<3>());

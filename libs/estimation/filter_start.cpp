@@ -46,11 +46,9 @@ std::vector<View> viewsOf(const BatchData& data) {
   for (const BatchMarker& seen : data.markers) by_image[seen.image][seen.panel].add(seen);
   std::vector<View> views;
   for (const auto& [image, panels] : by_image)
-    views.push_back(std::max_element(panels.begin(), panels.end(),
-                                     [](const auto& a, const auto& b) {
-                                       return a.second.markers < b.second.markers;
-                                     })
-                        ->second);
+    views.push_back(std::max_element(panels.begin(), panels.end(), [](const auto& a, const auto& b) {
+                      return a.second.markers < b.second.markers;
+                    })->second);
   std::stable_sort(views.begin(), views.end(), [](const View& a, const View& b) { return a.t_s < b.t_s; });
   return views;
 }
@@ -95,8 +93,8 @@ std::optional<PathPrior> StartPath::prior(const BatchData& data) const {
                    data.attitude.empty() ? kByDefinition_rad : kLoosely_rad};
 }
 
-StartPath filterStart(const BatchData& data, SampleSource& samples, const EffectParameters<double>& calibration,
-                      const std::optional<StartPose>& start) {
+StartPath filterStart(const BatchData& data, SampleSource& samples,
+                      const EffectParameters<double>& calibration, const std::optional<StartPose>& start) {
   LocalizationSetup setup;
   setup.vehicle = data.vehicle;
   setup.calibration = calibration;
@@ -113,7 +111,8 @@ StartPath filterStart(const BatchData& data, SampleSource& samples, const Effect
     path.times_s.push_back(e.t_s);
     path.T_odom_robot.push_back({e.state.motion.R_odom_robot, e.state.motion.position_odom});
   };
-  const LocalizationSummary summary = localize(setup, [&] { return samples.next(); }, sink);
+  const LocalizationSummary summary = localize(
+      setup, [&] { return samples.next(); }, sink);
   path.source = summary.started ? "filter, smoothed; begun from " + summary.start_source : summary.failure;
   return path;
 }
@@ -133,10 +132,10 @@ StartPath imageStart(const BatchData& data) {
   return path;
 }
 
-BatchInput batchInput(const std::function<std::unique_ptr<SampleSource>()>& open, const Detections& detections,
-                      const Vehicle& vehicle, const std::vector<PanelMap>& panels,
-                      const EffectParameters<double>& calibration, const std::optional<StartPose>& start,
-                      const BatchDataOptions& options) {
+BatchInput batchInput(const std::function<std::unique_ptr<SampleSource>()>& open,
+                      const Detections& detections, const Vehicle& vehicle,
+                      const std::vector<PanelMap>& panels, const EffectParameters<double>& calibration,
+                      const std::optional<StartPose>& start, const BatchDataOptions& options) {
   BatchInput input;
   input.data = collectBatch(*open(), detections, vehicle, panels, options);
   if (!input.data.hasMotion()) {

@@ -24,8 +24,7 @@ std::vector<EffectColumn> effectColumnsOf(const BatchProblem& problem) {
         if (p.kind != ParameterKind::continuous) continue;
         const std::string axis = p.size > 1 ? print("[%d]", i) : "";
         columns.push_back({effect.index, scalar, std::string(effect.id) + "." + std::string(p.name) + axis,
-                           p.prior_sigma,
-                           problem.find(UnknownBlock::Kind::effect, effect.index) != nullptr});
+                           p.prior_sigma, problem.find(UnknownBlock::Kind::effect, effect.index) != nullptr});
       }
   }
   return columns;
@@ -147,8 +146,7 @@ Projected projectOff(const Eigen::SparseMatrix<double>& J, const Eigen::MatrixXd
   const Eigen::SparseMatrix<double> normal = J.transpose() * J;
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factors(
       normal);
-  if (factors.info() != Eigen::Success)
-    throw std::runtime_error("the nuisances' derivative lacks rank");
+  if (factors.info() != Eigen::Success) throw std::runtime_error("the nuisances' derivative lacks rank");
   Projected projected;
   const Eigen::MatrixXd along = factors.solve(J.transpose() * C);
   projected.C_perp = C - J * along;

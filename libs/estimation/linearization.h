@@ -74,6 +74,7 @@ struct Projected {
   Eigen::VectorXd score;  ///< C_perp^T r
 };
 /// One sparse factorization of J^T J, natural order. Throws std::runtime_error where J lacks rank.
-Projected projectOff(const Eigen::SparseMatrix<double>& J, const Eigen::MatrixXd& C, const Eigen::VectorXd& r);
+Projected projectOff(const Eigen::SparseMatrix<double>& J, const Eigen::MatrixXd& C,
+                     const Eigen::VectorXd& r);
 
 }  // namespace fathom

@@ -46,8 +46,8 @@ Turning<T> splineTurning(const std::array<Matrix3<T>, 4>& R_odom_control, const 
     Vector3<T>& acceleration = turning.acceleration_robot;
     turning.R_odom_robot = turning.R_odom_robot * R;
     rate = R.transpose() * rate + weights.rate[j] * turn;
-    acceleration = R.transpose() * acceleration + weights.curvature[j] * turn +
-                   weights.rate[j] * rate.cross(turn);
+    acceleration =
+        R.transpose() * acceleration + weights.curvature[j] * turn + weights.rate[j] * rate.cross(turn);
   }
   return turning;
 }

@@ -56,8 +56,7 @@ Inputs<T> lift(const ForwardPoint& point, double t_s, const std::vector<int>& co
   state.velocity_robot = R_robot_odom * (cast<T>(m.velocity_odom) + moved[kVelocityColumn / 3]);
   state.acceleration_robot = R_robot_odom * (cast<T>(m.acceleration_odom) + moved[kAccelerationColumn / 3]);
   state.angular_velocity_robot = cast<T>(m.rate_robot) + moved[kRateColumn / 3];
-  state.angular_acceleration_robot =
-      cast<T>(m.rate_derivative_robot) + moved[kRateDerivativeColumn / 3];
+  state.angular_acceleration_robot = cast<T>(m.rate_derivative_robot) + moved[kRateDerivativeColumn / 3];
   in.panel = {t_s, cast<T>(point.T_odom_panel.position) + panel_moved[0],
               turned(point.T_odom_panel.rotation, panel_moved[1])};
   return in;
@@ -94,8 +93,8 @@ std::vector<int> triples(std::initializer_list<int> firsts) {
 
 struct GyroReader {
   static constexpr Sensor kSensor = Sensor::ins;
-  using Stages = StageList<Mounting<double, Sensor::ins>, ValidityOffset<double, Sensor::ins>,
-                           GyroReading<double>>;
+  using Stages =
+      StageList<Mounting<double, Sensor::ins>, ValidityOffset<double, Sensor::ins>, GyroReading<double>>;
   static std::vector<int> motion() { return triples({kOrientationColumn, kRateColumn}); }
   Pose T_robot_ins;
   double t_s;
@@ -137,11 +136,9 @@ struct AttitudeReader {
 
 struct DvlReader {
   static constexpr Sensor kSensor = Sensor::dvl;
-  using Stages = StageList<Mounting<double, Sensor::dvl>, ValidityOffset<double, Sensor::dvl>,
-                           DvlVelocity<double>>;
-  static std::vector<int> motion() {
-    return triples({kOrientationColumn, kVelocityColumn, kRateColumn});
-  }
+  using Stages =
+      StageList<Mounting<double, Sensor::dvl>, ValidityOffset<double, Sensor::dvl>, DvlVelocity<double>>;
+  static std::vector<int> motion() { return triples({kOrientationColumn, kVelocityColumn, kRateColumn}); }
   Pose T_robot_dvl;
   double t_s;
   template <class T>
@@ -161,8 +158,8 @@ struct PressureReader {
   Vector3d gravity_odom;
   template <class T>
   Eigen::Matrix<T, 1, 1> predict(const Inputs<T>& in) const {
-    return Eigen::Matrix<T, 1, 1>(predictPressure(in.state, World<T>{gravity_odom, T(0)}, sheet,
-                                                  T_robot_depth, in.effects, t_s));
+    return Eigen::Matrix<T, 1, 1>(
+        predictPressure(in.state, World<T>{gravity_odom, T(0)}, sheet, T_robot_depth, in.effects, t_s));
   }
 };
 
@@ -181,9 +178,8 @@ struct UsblReader {
 struct MarkerReader {
   static constexpr Sensor kSensor = Sensor::camera;
   using Stages =
-      StageList<Mounting<double, Sensor::camera>, ValidityOffset<double, Sensor::camera>,
-                FlatPort<double>, Intrinsics<double>, Shutter<double>, MarkerPlacement<double>,
-                PanelPlacement<double>>;
+      StageList<Mounting<double, Sensor::camera>, ValidityOffset<double, Sensor::camera>, FlatPort<double>,
+                Intrinsics<double>, Shutter<double>, MarkerPlacement<double>, PanelPlacement<double>>;
   static std::vector<int> motion() { return triples({kPositionColumn, kOrientationColumn}); }
   BatchMarker seen;
   double t_s;
@@ -192,7 +188,8 @@ struct MarkerReader {
     const auto corners = predictCorners(in.state, in.panel, seen.marker, seen.camera, seen.T_robot_camera,
                                         in.effects, t_s, seen.T_left_right);
     Eigen::Matrix<T, 8, 1> all;
-    for (Eigen::Index k = 0; k < 4; ++k) all.template segment<2>(2 * k) = corners[static_cast<std::size_t>(k)];
+    for (Eigen::Index k = 0; k < 4; ++k)
+      all.template segment<2>(2 * k) = corners[static_cast<std::size_t>(k)];
     return all;
   }
 };
@@ -255,7 +252,8 @@ class ModelOf final : public ReadingModel {
         derivative.resize(jets.size(), static_cast<Eigen::Index>(columns.size()));
         for (Eigen::Index i = 0; i < jets.size(); ++i) prediction[i] = jets[i].a;
       }
-      const auto count = std::min<Eigen::Index>(kStride, std::ssize(columns) - static_cast<Eigen::Index>(first));
+      const auto count =
+          std::min<Eigen::Index>(kStride, std::ssize(columns) - static_cast<Eigen::Index>(first));
       for (Eigen::Index i = 0; i < jets.size(); ++i)
         derivative.row(i).segment(static_cast<Eigen::Index>(first), count) =
             jets[i].v.head(count).transpose();

@@ -31,7 +31,8 @@ void run() {
     const double project_s = seconds([&] { projectOff(linear.J, linear.C, linear.residual); });
     if (shortest_s == 0) shortest_s = estimate_s;
     std::printf(
-        "%4.0f s, %zu markers, %zu rows, %zu unknowns: filter and data %.2f s, estimate %.2f s (%d steps; %.2f "
+        "%4.0f s, %zu markers, %zu rows, %zu unknowns: filter and data %.2f s, estimate %.2f s (%d steps; "
+        "%.2f "
         "of the shortest), linearization %.2f s, of that an effect %.2f %%, projection %.2f s\n",
         duration_s, input.data.markers.size(), estimate.rows, estimate.unknowns, input_s, estimate_s,
         estimate.iterations, estimate_s / shortest_s, linear_s,

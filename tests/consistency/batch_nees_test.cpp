@@ -32,9 +32,10 @@ TEST(BatchNees, CovarianceIsHonestAndTheSmootherIsBeaten) {
       batch_m2 += poseDifference(pose.T_odom_robot.pose, run.truth(pose.t_s)).head<3>().squaredNorm() /
                   static_cast<double>(estimate.path.size());
     for (std::size_t i = 0; i < input.start.times_s.size(); ++i, ++compared)
-      smoother_m2 +=
-          poseDifference(input.start.T_odom_robot[i], run.truth(input.start.times_s[i])).head<3>().squaredNorm() /
-          static_cast<double>(input.start.times_s.size());
+      smoother_m2 += poseDifference(input.start.T_odom_robot[i], run.truth(input.start.times_s[i]))
+                         .head<3>()
+                         .squaredNorm() /
+                     static_cast<double>(input.start.times_s.size());
   }
   const auto [low, high] = meanChiSquareBand(6, static_cast<std::size_t>(poses));
   const double margin = 0.5 * (high - low);  // the 95 % band made 99.9 % wide, as there is one test

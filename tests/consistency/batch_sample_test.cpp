@@ -6,6 +6,7 @@
 #include "effects/catalogue.h"
 #include "estimation/batch_estimate.h"
 #include "panel/panel_maps.h"
+#include "recording/tum.h"
 #include "support/shared_data.h"
 
 namespace fathom {
@@ -60,18 +61,24 @@ struct SampleRun {
 TEST(BatchSample, ResidualsOfACleanRecordingAreItsNoise) {
   FATHOM_NEEDS_SHARED("data/sample/none/recording.rawlog");
   const SampleRun run("none");
-  const BatchEstimate estimate = estimateBatch(run.input.data, run.input.start, {});
+  BatchOptions options;
+  BatchEstimate estimate = estimateBatch(run.input.data, run.input.start, options);
   ASSERT_TRUE(estimate.succeeded) << estimate.failure;
+  // Its corners are noisier than the fit of their edges says.
+  options.problem.noise_scale = noiseScale(estimate, options.problem);
+  EXPECT_LT(options.problem.noise_scale[static_cast<std::size_t>(BatchChannel::markers)], 2.5);
+  estimate = reestimate(run.input.data, estimate, options);
   for (const auto& [channel, residual] : estimate.residuals) {
     const double ratio = residual.rms / residual.expected_rms;
     RecordProperty(nameOf(channel), std::to_string(ratio));
     if (channel == BatchChannel::prior) continue;
-    EXPECT_NEAR(ratio, 1.0, channel == BatchChannel::markers ? 0.25 : 0.1) << nameOf(channel);
+    EXPECT_NEAR(ratio, 1.0, 0.1) << nameOf(channel);
   }
   const auto [nees, rms_m] = run.errors(estimate);
   RecordProperty("nees", std::to_string(nees));
   RecordProperty("rms_m", std::to_string(rms_m));
-  EXPECT_LT(rms_m, 0.02);
+  EXPECT_LT(rms_m, 0.01);
+  EXPECT_LT(nees, 6.0 + 4.5 * std::sqrt(12.0 / 35.0));
 }
 
 TEST(BatchSample, FindsTheMarkerThatWasMoved) {
@@ -83,8 +90,10 @@ TEST(BatchSample, FindsTheMarkerThatWasMoved) {
   options.calibration.of<MarkerMoved>()[0] = truth["marker_id"].get<double>();
   options.problem.estimate = options.calibration.on;
   const SampleRun run("marker_moved");
-  const BatchEstimate estimate = estimateBatch(run.input.data, run.input.start, options);
+  BatchEstimate estimate = estimateBatch(run.input.data, run.input.start, options);
   ASSERT_TRUE(estimate.succeeded) << estimate.failure;
+  options.problem.noise_scale = noiseScale(estimate, options.problem);
+  estimate = reestimate(run.input.data, estimate, options);
   ASSERT_EQ(estimate.effects.size(), 4u);
   const auto& e = estimate.effects;
   EXPECT_NEAR(e[0].value, truth["offset_m"][0].get<double>(), 3 * e[0].sigma);

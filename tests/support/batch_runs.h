@@ -93,8 +93,7 @@ inline Detections BatchRun::detections() const {
   for (std::size_t image = 0;; ++image) {
     const double t_s = secondsBetween(simulation.start, imageTime(simulation, image));
     if (t_s > duration_s) return detections;
-    const auto state =
-        path_.at(simulation.begin_s + t_s + validityOffset<Sensor::camera>(effects, t_s));
+    const auto state = path_.at(simulation.begin_s + t_s + validityOffset<Sensor::camera>(effects, t_s));
     auto& found = detections.by_file["/images/" + imageFiles(sheet, {}, image)[0]];
     for (const Marker& marker : panel.markers) {
       const auto corners = predictCorners(state, nominalPlacement<double>(panel.T_odom_panel, t_s), marker,

@@ -51,7 +51,8 @@ TEST(ProjectOff, IsWhatDenseAlgebraSays) {
   Eigen::VectorXd r(90);
   for (double& e : r) e = random.normal();
   const Eigen::MatrixXd D(J);
-  const Eigen::MatrixXd P = Eigen::MatrixXd::Identity(90, 90) - D * (D.transpose() * D).inverse() * D.transpose();
+  const Eigen::MatrixXd P =
+      Eigen::MatrixXd::Identity(90, 90) - D * (D.transpose() * D).inverse() * D.transpose();
   const Projected projected = projectOff(J, C, r);
   EXPECT_LT((projected.C_perp - P * C).norm(), 1e-11);
   EXPECT_LT((projected.gram - C.transpose() * P * C).norm(), 1e-10);
@@ -131,7 +132,8 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
       const auto there = problemAt(data, moved, linear_run.options);
       ends[sign] = residuals(*there, zero);
     }
-    Eigen::VectorXd expected = linear.C.col(static_cast<Eigen::Index>(c)), found = (ends[1] - ends[0]) / (2 * h);
+    Eigen::VectorXd expected = linear.C.col(static_cast<Eigen::Index>(c)),
+                    found = (ends[1] - ends[0]) / (2 * h);
     for (std::size_t i = 0; i < linear.rows.size(); ++i) {
       const auto at = static_cast<Eigen::Index>(i);
       if (of_marker && linear.rows[i].marker_id != marker_id) expected[at] = 0;

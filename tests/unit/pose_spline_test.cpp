@@ -48,8 +48,8 @@ TEST(PoseSpline, ReproducesSteadyTurningAndConstantAcceleration) {
   for (int i = 0; i < 20; ++i) {
     const double t = kKnot_s * (i - 1);
     // The control points of a parabola lie beside it by -a h²/6 (second difference, weights 1/6 4/6 1/6).
-    path.poses.push_back({R0 * expSO3<double>(t * rate),
-                          p0 + v * t + 0.5 * a * t * t - a * (kKnot_s * kKnot_s / 6.0)});
+    path.poses.push_back(
+        {R0 * expSO3<double>(t * rate), p0 + v * t + 0.5 * a * t * t - a * (kKnot_s * kKnot_s / 6.0)});
   }
   for (double t = 0.0; t < 3.0; t += 0.07) {
     const auto state = stateAt(path, 10.0 + t);
@@ -67,19 +67,22 @@ TEST(PoseSpline, ItsDerivativesAreThoseOfItsPath) {
   constexpr double h = 1e-4;  // differences of the second order: 1e-8 of the third derivatives, some 100
   for (double t = -0.55; t < 1.1; t += 0.0731) {
     const Motion now = motionAt(path, t), before = motionAt(path, t - h), later = motionAt(path, t + h);
-    const auto slope = [&](const Vector3d& from, const Vector3d& to) { return Vector3d((to - from) / (2 * h)); };
+    const auto slope = [&](const Vector3d& from, const Vector3d& to) {
+      return Vector3d((to - from) / (2 * h));
+    };
     EXPECT_LT((slope(before.T_odom_robot.position, later.T_odom_robot.position) - now.velocity_odom).norm(),
               1e-6);
     EXPECT_LT((slope(before.velocity_odom, later.velocity_odom) - now.acceleration_odom).norm(), 1e-5);
-    const Vector3d turn = logSO3<double>(before.T_odom_robot.rotation.transpose() * later.T_odom_robot.rotation);
+    const Vector3d turn =
+        logSO3<double>(before.T_odom_robot.rotation.transpose() * later.T_odom_robot.rotation);
     EXPECT_LT((turn / (2 * h) - now.rate_robot).norm(), 1e-6);
     EXPECT_LT((slope(before.rate_robot, later.rate_robot) - now.rate_derivative_robot).norm(), 1e-5);
     if (path.nodeAt(t - h).first != path.nodeAt(t + h).first) continue;  // jerks jump there
     EXPECT_LT((slope(before.acceleration_odom, later.acceleration_odom) - now.jerk_odom).norm(), 1e-6);
-    EXPECT_LT((slope(before.rate_derivative_robot, later.rate_derivative_robot) -
-               now.rate_second_derivative_robot)
-                  .norm(),
-              1e-4);
+    EXPECT_LT(
+        (slope(before.rate_derivative_robot, later.rate_derivative_robot) - now.rate_second_derivative_robot)
+            .norm(),
+        1e-4);
   }
 }
 
