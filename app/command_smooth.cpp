@@ -83,10 +83,8 @@ void smooth(const SmoothOptions& options, const RunContext& context) {
                                startPose(options.start, options.rawlog, {}));
   recording.estimate = estimateBatch(recording.input.data, recording.input.start, batch);
   if (!recording.estimate.succeeded) throw Error(options.rawlog.string(), "", recording.estimate.failure);
-  if (options.noise_from_data) {
-    batch.problem.noise_scale = noiseScale(recording.estimate, batch.problem);
-    recording.estimate = reestimate(recording.input.data, recording.estimate, batch);
-  }
+  if (options.noise_from_data)
+    recording.estimate = adaptNoise(recording.input.data, std::move(recording.estimate), batch);
   recording.noise_scale = batch.problem.noise_scale;
   recording.linear =
       linearize(recording.input.data, *problemAt(recording.input.data, recording.estimate, batch), false);

@@ -272,13 +272,16 @@ BatchEstimate reestimate(const BatchData& data, const BatchEstimate& from, const
   return estimate;
 }
 
-std::array<double, kBatchChannels.size()> noiseScale(const BatchEstimate& estimate,
-                                                     const ProblemOptions& options) {
-  auto scale = options.noise_scale;
-  for (const auto& [channel, residual] : estimate.residuals)
-    if (channel != BatchChannel::prior && residual.expected_rms > 0)
-      scale[static_cast<std::size_t>(channel)] *= std::max(1.0, residual.rms / residual.expected_rms);
-  return scale;
+BatchEstimate adaptNoise(const BatchData& data, BatchEstimate estimate, BatchOptions& options) {
+  constexpr int kPasses = 3;  // robust weights hide some of a noise that is assumed too small
+  for (int pass = 0; pass < kPasses && estimate.succeeded; ++pass) {
+    for (const auto& [channel, residual] : estimate.residuals)
+      if (channel != BatchChannel::prior && residual.expected_rms > 0)
+        options.problem.noise_scale[static_cast<std::size_t>(channel)] *=
+            std::max(1.0, residual.rms / residual.expected_rms);
+    estimate = reestimate(data, estimate, options);
+  }
+  return estimate;
 }
 
 std::unique_ptr<BatchProblem> problemAt(const BatchData& data, const BatchEstimate& estimate,

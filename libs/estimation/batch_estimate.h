@@ -78,11 +78,10 @@ BatchEstimate estimateBatch(const BatchData& data, const StartPath& start, const
 /// Effects that both estimate go on from their values; of all others the calibration's hold.
 BatchEstimate reestimate(const BatchData& data, const BatchEstimate& from, const BatchOptions& options);
 
-/// What ProblemOptions::noise_scale is to be so that the residuals are as large as expected: never below what
-/// it was. What is left out of the model counts as noise here, so take it from a recording, or a stretch,
-/// that is known to be good.
-std::array<double, kBatchChannels.size()> noiseScale(const BatchEstimate& estimate,
-                                                     const ProblemOptions& options);
+/// The same with each channel's noise as large as its residuals show, where that is more than stated: sets
+/// options.problem.noise_scale. What is left out of the model counts as noise here, so take it from a
+/// recording, or a stretch, that is known to be good.
+BatchEstimate adaptNoise(const BatchData& data, BatchEstimate estimate, BatchOptions& options);
 
 /// The problem whose zero is the estimate: for linearize().
 std::unique_ptr<BatchProblem> problemAt(const BatchData& data, const BatchEstimate& estimate,

@@ -65,9 +65,8 @@ TEST(BatchSample, ResidualsOfACleanRecordingAreItsNoise) {
   BatchEstimate estimate = estimateBatch(run.input.data, run.input.start, options);
   ASSERT_TRUE(estimate.succeeded) << estimate.failure;
   // Its corners are noisier than the fit of their edges says.
-  options.problem.noise_scale = noiseScale(estimate, options.problem);
+  estimate = adaptNoise(run.input.data, estimate, options);
   EXPECT_LT(options.problem.noise_scale[static_cast<std::size_t>(BatchChannel::markers)], 2.5);
-  estimate = reestimate(run.input.data, estimate, options);
   for (const auto& [channel, residual] : estimate.residuals) {
     const double ratio = residual.rms / residual.expected_rms;
     RecordProperty(nameOf(channel), std::to_string(ratio));
@@ -92,13 +91,13 @@ TEST(BatchSample, FindsTheMarkerThatWasMoved) {
   const SampleRun run("marker_moved");
   BatchEstimate estimate = estimateBatch(run.input.data, run.input.start, options);
   ASSERT_TRUE(estimate.succeeded) << estimate.failure;
-  options.problem.noise_scale = noiseScale(estimate, options.problem);
-  estimate = reestimate(run.input.data, estimate, options);
+  estimate = adaptNoise(run.input.data, estimate, options);
   ASSERT_EQ(estimate.effects.size(), 4u);
   const auto& e = estimate.effects;
-  EXPECT_NEAR(e[0].value, truth["offset_m"][0].get<double>(), 3 * e[0].sigma);
-  EXPECT_NEAR(e[1].value, truth["offset_m"][1].get<double>(), 3 * e[1].sigma);
-  EXPECT_NEAR(e[3].value, truth["rotation_deg"].get<double>(), 3 * e[3].sigma);
+  // A marker's corners err alike from image to image, which sigma does not know: 4 of it for three values.
+  EXPECT_NEAR(e[0].value, truth["offset_m"][0].get<double>(), 4 * e[0].sigma);
+  EXPECT_NEAR(e[1].value, truth["offset_m"][1].get<double>(), 4 * e[1].sigma);
+  EXPECT_NEAR(e[3].value, truth["rotation_deg"].get<double>(), 4 * e[3].sigma);
   EXPECT_LT(e[0].sigma, 0.001);
 }
 
