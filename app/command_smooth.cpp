@@ -1,0 +1,144 @@
+#include <iostream>
+#include <memory>
+
+#include "commands.h"
+#include "core/error.h"
+#include "core/files.h"
+#include "core/text.h"
+#include "effects/calibration.h"
+#include "effects/catalogue.h"
+#include "panel/panel_maps.h"
+#include "recording/tum.h"
+#include "smooth_report.h"
+#include "tasks/companions.h"
+#include "tasks/start_pose.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+struct SmoothOptions {
+  fs::path rawlog, folder;
+  std::string vehicle, map, calibration, start = "auto";
+  std::vector<std::string> estimate;
+  bool noise_from_data = false;
+  std::uint64_t seed = 1;
+};
+
+/// Which effects are on, and which of them are estimated.
+void readEffects(const SmoothOptions& options, BatchOptions& batch) {
+  if (!options.calibration.empty()) batch.calibration = readCalibration(options.calibration);
+  for (const std::string& id : options.estimate) {
+    const EffectInfo* effect = findEffect(id);
+    if (effect == nullptr) throw Error("--estimate", id, "no such effect (known: " + knownEffects() + ")");
+    for (const Parameter& p : effect->parameters)
+      if (p.kind != ParameterKind::continuous && !batch.calibration.on[effect->index])
+        throw Error("--estimate", id,
+                    "its " + std::string(p.name) + " is not estimated: name it in the --calibration file");
+    batch.calibration.on.set(effect->index);
+    batch.problem.estimate.set(effect->index);
+  }
+}
+
+Detections findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& panels,
+                       std::vector<std::string>& remarks) {
+  if (panels.empty()) return {};
+  RecordingSource source(rawlog);
+  DetectionSettings settings;
+  settings.families = familiesOf(panels);
+  settings.backend = Backend::apriltag;
+  Detections detections = detectImages(imagesOf(imageEntries(source)), settings, keepBeside(rawlog));
+  if (!detections.not_kept_why.empty())
+    remarks.push_back("detections are not kept: " + detections.not_kept_why);
+  for (const UnreadableImage& image : detections.unreadable)
+    remarks.push_back(image.file.string() + ": " + image.why);
+  return detections;
+}
+
+void writePath(const fs::path& file, const SmoothedRecording& recording) {
+  std::vector<StampedPose> poses;
+  for (const PathPose& pose : recording.estimate.path)
+    poses.push_back({after(recording.input.data.time_zero, pose.t_s), pose.T_odom_robot.pose});
+  writeTum(file, poses);
+}
+
+void smooth(const SmoothOptions& options, const RunContext& context) {
+  SmoothedRecording recording;
+  recording.run.command_line = context.command_line;
+  recording.recording = options.rawlog;
+  const auto open = [&]() -> std::unique_ptr<SampleSource> {
+    return std::make_unique<RecordingSource>(options.rawlog);
+  };
+  const RecordingHeader header = open()->header();
+  const auto vehicle = vehicleFile(options.vehicle, options.rawlog, header);
+  if (!vehicle)
+    throw Error(options.rawlog.string(), "",
+                "names no vehicle file in its first comment; give one with --vehicle");
+  const auto map = panelMapFile(options.map, options.rawlog, header);
+  const std::vector<PanelMap> panels = map ? readPanelMaps(*map) : std::vector<PanelMap>{};
+  BatchOptions batch;
+  readEffects(options, batch);
+  const Detections detections = findMarkers(options.rawlog, panels, recording.remarks);
+  recording.input = batchInput(open, detections, readVehicle(*vehicle), panels, batch.calibration,
+                               startPose(options.start, options.rawlog, {}));
+  recording.estimate = estimateBatch(recording.input.data, recording.input.start, batch);
+  if (!recording.estimate.succeeded) throw Error(options.rawlog.string(), "", recording.estimate.failure);
+  if (options.noise_from_data)
+    recording.estimate = adaptNoise(recording.input.data, std::move(recording.estimate), batch);
+  recording.noise_scale = batch.problem.noise_scale;
+  recording.linear =
+      linearize(recording.input.data, *problemAt(recording.input.data, recording.estimate, batch), false);
+
+  writePath(options.folder / "trajectory.tum", recording);
+  writeTextFile(options.folder / "calibration.yaml", formatCalibration(recording.estimate.state.effects));
+  writeSmoothReport(recording, options.folder);
+  const BatchEstimate& e = recording.estimate;
+  std::cout << print("%zu poses from %zu rows in %d steps", e.path.size(), e.rows, e.iterations) << "\n";
+  for (const auto& [channel, r] : e.residuals)
+    if (channel != BatchChannel::prior)
+      std::cout << print("  %-14s %6zu rows, rms %.3f sigma, expected %.3f\n", nameOf(channel).c_str(),
+                         r.rows, r.rms, r.expected_rms);
+  std::cout << (options.folder / "report.html").string() << "\n";
+}
+
+}  // namespace
+
+void addSmooth(const RunContext& context) {
+  auto* command =
+      context.root->add_subcommand("smooth", "Estimate path, calibration and effects of a whole recording");
+  command->footer(
+      "The batch estimate: all readings of all sensors at once, by maximum a posteriori. It starts from the\n"
+      "filter's smoothed path; without INS and DVL each image has a pose by itself. Writes report.html,\n"
+      "result.json, trajectory.tum and calibration.yaml (the effects that are on, as estimated), which\n"
+      "`simulate` and `localize` read.\n"
+      "\n"
+      "An effect's marker_id and time_s are not estimated: --calibration names them. Each parameter has the\n"
+      "prior that `fathom effects` lists.\n"
+      "\n"
+      "Examples:\n"
+      "  fathom smooth dive.rawlog --out out/dive\n"
+      "  fathom smooth dive.rawlog --estimate dvl-scale camera-misalignment --out out/dive");
+  const auto options = std::make_shared<SmoothOptions>();
+  command->add_option("RECORDING", options->rawlog, "The recording")->required()->type_name(values::kRawlog);
+  command->add_option("--out", options->folder, "Where the results go")
+      ->required()
+      ->type_name(values::kFolder);
+  command->add_option("--estimate", options->estimate, "Effects whose parameters are estimated");
+  command
+      ->add_option("--calibration", options->calibration,
+                   "Effects known to be there; of those estimated, where to start")
+      ->type_name(values::kYaml);
+  command->add_option("--vehicle", options->vehicle, "Vehicle file (default: the one the recording names)")
+      ->type_name(values::kYaml);
+  command->add_option("--map", options->map, "Panel map (default: the one the recording names)")
+      ->type_name(values::kYaml);
+  command->add_option("--start", options->start, "auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]")
+      ->capture_default_str();
+  command->add_flag("--noise-from-data", options->noise_from_data,
+                    "Then once more, with each channel's noise as its residuals show where that is more than "
+                    "stated");
+  command->add_option("--seed", options->seed, "Accepted for uniformity: nothing here is random");
+  command->callback([options, &context] { smooth(*options, context); });
+}
+
+}  // namespace fathom

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "landmarks/detection_cache.h"
+#include "panel/panel_map.h"
+#include "recording/sample_source.h"
+#include "sensors/vehicle.h"
+
+/// What goes into the batch estimate: readings of a whole recording, typed and plain. Times are stamps in
+/// seconds since the recording's first entry.
+namespace fathom {
+
+/// Where a row of the estimate comes from.
+enum class BatchChannel { gyro, accelerometer, attitude, dvl, depth, usbl, markers, prior };
+inline constexpr std::array kBatchChannels{
+    BatchChannel::gyro,  BatchChannel::accelerometer, BatchChannel::attitude, BatchChannel::dvl,
+    BatchChannel::depth, BatchChannel::usbl,          BatchChannel::markers,  BatchChannel::prior};
+/// "gyro", …, as in results.
+std::string nameOf(BatchChannel channel);
+
+/// The mean of an INS's readings in one knot interval: what a preintegrated increment says, over its time.
+///
+/// The mean of a quadratic function of time over the samples' times is the mean of its values at the nodes,
+/// the mean time plus and minus the times' standard deviation: so prediction and reading are averaged alike.
+struct InsBin {
+  std::array<double, 2> node_s{};  ///< equal where there is one sample
+  int samples = 0;
+  Vector3d mean = Vector3d::Zero();  ///< rad/s or m/s²; of the attitude rotation vectors from `about`, rad
+  Matrix3d about = Matrix3d::Identity();  ///< R_odom_ins of the middle sample; attitude only
+  Pose T_robot_ins;
+
+  double t_s() const { return 0.5 * (node_s[0] + node_s[1]); }
+};
+
+struct BatchDvl {
+  double t_s = 0;
+  Vector3d velocity_dvl = Vector3d::Zero();
+  Pose T_robot_dvl;
+};
+
+struct BatchPressure {
+  double t_s = 0, pressure_pa = 0;
+  Pose T_robot_depth;
+};
+
+struct BatchUsbl {
+  double t_s = 0;
+  Vector3d position_odom = Vector3d::Zero();
+  Matrix3d covariance_m2 = Matrix3d::Identity();
+};
+
+/// One marker in one image.
+struct BatchMarker {
+  double t_s = 0;
+  std::size_t image = 0;  ///< number of the recording's entry with an image, from 0
+  std::size_t eye = 0;    ///< of a pair: 0 left, 1 right
+  std::size_t panel = 0;  ///< index in BatchData::panels
+  Marker marker;          ///< as the panel's map has it
+  Detection detection;
+  CameraModel camera;   ///< of this eye
+  Pose T_robot_camera;  ///< nominal mounting of the left one
+  Pose T_left_right;    ///< of the left eye: identity
+};
+
+struct BatchData {
+  Time time_zero;                  ///< the recording's first entry
+  double first_s = 0, last_s = 0;  ///< of all that follows
+  double knot_s = 0.2;             ///< the INS is averaged over [k knot_s, (k + 1) knot_s)
+  Vehicle vehicle;
+  std::vector<PanelMap> panels;
+
+  std::vector<InsBin> gyro, force, attitude;
+  std::vector<BatchDvl> dvl;
+  std::vector<BatchPressure> pressure;
+  std::vector<BatchUsbl> usbl;
+  std::vector<BatchMarker> markers;
+
+  /// How many readings are not there, by the reason: not-a-number, impossible, duplicate, no such marker …
+  std::map<std::string, std::size_t> left_out;
+
+  /// Whether the path between images is known; else each image has a pose by itself.
+  bool hasMotion() const { return !gyro.empty() || !force.empty() || !dvl.empty(); }
+};
+
+struct BatchDataOptions {
+  double knot_s = 0.2;
+};
+
+/// Reads a source to its end. What is not a number, impossible or there twice is left out and counted; there
+/// is no gate beyond that: what does not fit is what a diagnosis looks for. Markers are those of the images'
+/// files that the panels' maps have. Attitude is taken where the vehicle has a sigma for it. Throws Error
+/// where nothing is left.
+BatchData collectBatch(SampleSource& source, const Detections& detections, const Vehicle& vehicle,
+                       const std::vector<PanelMap>& panels, const BatchDataOptions& options = {});
+
+}  // namespace fathom

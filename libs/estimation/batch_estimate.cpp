@@ -1,0 +1,294 @@
+#include "estimation/batch_estimate.h"
+
+#include <ceres/ceres.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/progress.h"
+#include "effects/catalogue.h"
+#include "estimation/linearization.h"
+#include "estimation/selected_inverse.h"
+#include "sensors/models.h"
+
+namespace fathom {
+namespace {
+
+using Kind = UnknownBlock::Kind;
+
+/// Lets all costs compute at once, each for itself, before Ceres adds them up one after the other: the sums
+/// do not depend on the number of threads.
+class Preparation : public ceres::EvaluationCallback {
+ public:
+  Preparation(const BatchProblem& problem, const Eigen::VectorXd& x) : problem_(problem), x_(x) {}
+  void PrepareForEvaluation(bool with_jacobians, bool new_point) override {
+    if (!new_point && (!with_jacobians || has_jacobians_)) return;
+    tbb::parallel_for(std::size_t{0}, problem_.costs().size(),
+                      [&](std::size_t i) { problem_.costs()[i]->prepare(x_, with_jacobians); });
+    has_jacobians_ = with_jacobians;
+  }
+
+ private:
+  const BatchProblem& problem_;
+  const Eigen::VectorXd& x_;
+  bool has_jacobians_ = false;
+};
+
+class Watch : public ceres::IterationCallback {
+ public:
+  explicit Watch(int iterations) : iterations_(iterations) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    progress_.update(static_cast<double>(summary.iteration) / iterations_);
+    return ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  Progress progress_{"estimating"};
+  int iterations_;
+};
+
+ceres::Solver::Summary solve(const BatchProblem& problem, const BatchOptions& options, Eigen::VectorXd& x) {
+  Preparation preparation(problem, x);
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ownership.evaluation_callback = &preparation;
+  ceres::Problem ceres_problem(ownership);
+  for (const auto& cost : problem.costs()) {
+    std::vector<double*> parameters;
+    for (const std::size_t b : cost->blocks) parameters.push_back(x.data() + problem.blocks()[b].column);
+    ceres_problem.AddResidualBlock(
+        cost.get(), cost->robust_threshold > 0 ? new ceres::HuberLoss(cost->robust_threshold) : nullptr,
+        parameters);
+  }
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.max_num_iterations = options.max_iterations;
+  solver.function_tolerance = 1e-9;
+  solver.num_threads = 1;
+  solver.logging_type = ceres::SILENT;
+  Watch watch(options.max_iterations);
+  solver.callbacks.push_back(&watch);
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &ceres_problem, &summary);
+  return summary;
+}
+
+/// Seconds by which the latencies of two calibrations differ at most.
+double latencyChange(const EffectParameters<double>& a, const EffectParameters<double>& b) {
+  double change_s = 0.0;
+  forEachEffect([&]<class Effect>() {
+    using Stage = typename Effect::template Stage<double>;
+    if constexpr (requires(Stage stage) { stage.seconds; })
+      change_s = std::max(change_s, std::abs(*a.template of<Effect>() - *b.template of<Effect>()));
+  });
+  return change_s;
+}
+
+/// Covariances at the estimate, of what shares rows.
+class Uncertainty {
+ public:
+  Uncertainty(const BatchProblem& problem, const Linearization& weighted)
+      : problem_(problem), covariance_(lowerNormal(weighted.J)) {}
+
+  Eigen::MatrixXd of(const std::vector<const UnknownBlock*>& blocks) const {
+    std::vector<Eigen::Index> indices;
+    for (const UnknownBlock* block : blocks)
+      for (int i = 0; i < block->size; ++i) indices.push_back(block->column + i);
+    return covariance_.block(indices);
+  }
+  Eigen::MatrixXd of(Kind kind, std::size_t index) const { return of({problem_.find(kind, index)}); }
+
+  Matrix6d ofPose(const MotionNode& node) const {
+    const PosePath& path = problem_.reference().path;
+    std::vector<const UnknownBlock*> poses;
+    for (int k = 0; k < node.count; ++k)
+      poses.push_back(problem_.find(Kind::pose, static_cast<std::size_t>(node.first + k)));
+    const auto own = std::span(path.poses)
+                         .subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
+    const Eigen::MatrixXd slope = motionJacobian(own, node, path.knot_s).topRows<6>();
+    return slope * of(poses) * slope.transpose();
+  }
+
+  /// a^T Cov a of each row.
+  Eigen::VectorXd leverages(const Eigen::SparseMatrix<double, Eigen::RowMajor>& J) const {
+    Eigen::VectorXd result(J.rows());
+    tbb::parallel_for(Eigen::Index{0}, J.rows(), [&](Eigen::Index i) {
+      double sum = 0;
+      using Entry = Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator;
+      for (Entry a(J, i); a; ++a) {
+        sum += a.value() * a.value() * covariance_(a.col(), a.col());
+        for (Entry b(J, i); b.col() < a.col(); ++b)
+          sum += 2 * a.value() * b.value() * covariance_(a.col(), b.col());
+      }
+      result[i] = sum;
+    });
+    return result;
+  }
+
+ private:
+  static Eigen::SparseMatrix<double> lowerNormal(const Eigen::SparseMatrix<double>& J) {
+    const Eigen::SparseMatrix<double> normal = J.transpose() * J;
+    return normal.triangularView<Eigen::Lower>();
+  }
+  const BatchProblem& problem_;
+  SelectedInverse covariance_;
+};
+
+void addPath(BatchEstimate& estimate, const BatchData& data, const BatchProblem& problem,
+             const Uncertainty& uncertainty, double rate_hz) {
+  const BatchState& state = problem.reference();
+  const auto add = [&](double t_s, const MotionNode& node, std::ptrdiff_t image) {
+    const auto own = std::span(state.path.poses)
+                         .subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
+    const Motion motion = motionOf(own, node, state.path.knot_s);
+    estimate.path.push_back({t_s,
+                             {motion.T_odom_robot, uncertainty.ofPose(node)},
+                             motion.T_odom_robot.rotation.transpose() * motion.velocity_odom,
+                             image});
+  };
+  if (state.path.isSpline()) {
+    const auto count = static_cast<int>(std::floor((data.last_s - data.first_s) * rate_hz + 1e-6));
+    for (int i = 0; i <= count; ++i) {
+      const double t_s = data.first_s + i / rate_hz;
+      add(t_s, state.path.nodeAt(t_s), -1);
+    }
+    return;
+  }
+  std::map<std::size_t, double> stamps;
+  for (const BatchMarker& seen : data.markers) stamps[seen.image] = seen.t_s;
+  for (std::size_t i = 0; i < state.images.size(); ++i)
+    add(stamps.at(state.images[i]), {static_cast<int>(i), 1, 0.0},
+        static_cast<std::ptrdiff_t>(state.images[i]));
+}
+
+void addParameters(BatchEstimate& estimate, const BatchProblem& problem, const Uncertainty& uncertainty) {
+  const BatchState& state = problem.reference();
+  std::vector<const UnknownBlock*> effect_blocks;
+  for (const UnknownBlock& block : problem.blocks()) {
+    if (block.kind == Kind::bias)
+      estimate.bias_sigma.push_back(uncertainty.of(block.kind, block.index).diagonal().cwiseSqrt());
+    if (block.kind == Kind::pressure_offset)
+      estimate.pressure_offset_sigma_pa = std::sqrt(uncertainty.of(block.kind, 0)(0, 0));
+    if (block.kind == Kind::effect) effect_blocks.push_back(&block);
+  }
+  for (std::size_t i = 0; i < state.T_odom_panel.size(); ++i) {
+    const bool estimated = problem.find(Kind::panel, i) != nullptr;
+    estimate.T_odom_panel.push_back(
+        {state.T_odom_panel[i], estimated ? Matrix6d(uncertainty.of(Kind::panel, i)) : Matrix6d::Zero()});
+  }
+  if (effect_blocks.empty()) return;
+  estimate.effect_covariance = uncertainty.of(effect_blocks);
+  for (const UnknownBlock* block : effect_blocks)
+    for (const std::size_t scalar : continuousScalars(block->index)) {
+      const auto i = std::ssize(estimate.effects);
+      estimate.effects.push_back(
+          {block->index, scalar, state.effects.values[scalar], std::sqrt(estimate.effect_covariance(i, i))});
+    }
+}
+
+void addResiduals(BatchEstimate& estimate, const BatchProblem& problem, const Linearization& weighted,
+                  const Eigen::VectorXd& leverages) {
+  for (Eigen::Index i = 0; i < weighted.residual.size(); ++i) {
+    const RowInfo& row = weighted.rows[static_cast<std::size_t>(i)];
+    ChannelResidual& channel = estimate.residuals[row.channel];
+    ++channel.rows;
+    if (row.robust_weight < 1.0) ++channel.down_weighted;
+    channel.rms += weighted.residual[i] * weighted.residual[i];
+    channel.expected_rms += 1.0 - leverages[i];
+    if (row.component == 0 && row.robust_weight < 1.0)
+      estimate.down_weighted.push_back({problem.costs()[row.reading]->source, row.robust_weight});
+  }
+  for (auto& [name, channel] : estimate.residuals) {
+    channel.rms = std::sqrt(channel.rms / static_cast<double>(channel.rows));
+    channel.expected_rms = std::sqrt(std::max(0.0, channel.expected_rms) / static_cast<double>(channel.rows));
+  }
+}
+
+/// What the calibration says now, but the present values of those that were and are estimated.
+void takeOver(const EffectParameters<double>& calibration, const std::bitset<kEffectCount>& keep,
+              EffectParameters<double>& effects) {
+  const EffectParameters<double> before = effects;
+  effects = calibration;
+  for (std::size_t e = 0; e < kEffectCount; ++e) {
+    if (!keep[e]) continue;
+    for (const std::size_t s : continuousScalars(e)) effects.values[s] = before.values[s];
+  }
+}
+
+/// All that follows from where the minimum is.
+void describe(BatchEstimate& estimate, const BatchData& data, const BatchProblem& problem, double rate_hz) {
+  Linearization linear = linearize(data, problem, false);
+  applyRobustWeights(linear);
+  const Uncertainty uncertainty(problem, linear);
+  addPath(estimate, data, problem, uncertainty, rate_hz);
+  addParameters(estimate, problem, uncertainty);
+  addResiduals(estimate, problem, linear, uncertainty.leverages(linear.J));
+  estimate.rows = linear.rows.size();
+  estimate.unknowns = static_cast<std::size_t>(problem.unknowns());
+  estimate.markers_behind_camera = problem.behindCamera();
+}
+
+}  // namespace
+
+BatchEstimate estimateBatch(const BatchData& data, const StartPath& start, const BatchOptions& options) {
+  BatchEstimate from;
+  if (start.T_odom_robot.empty()) {
+    from.failure = "no path to start from: " + start.source;
+    return from;
+  }
+  from.state =
+      startState(data, start.times_s, start.T_odom_robot, options.calibration, options.bias_interval_s);
+  from.path_prior = start.prior(data);
+  return reestimate(data, from, options);
+}
+
+BatchEstimate reestimate(const BatchData& data, const BatchEstimate& from, const BatchOptions& options) {
+  constexpr double kSettled_s = 1e-5;
+  BatchEstimate estimate;
+  estimate.state = from.state;
+  takeOver(options.calibration, options.problem.estimate & from.state.effects.on, estimate.state.effects);
+  estimate.path_prior = options.problem.path_prior ? options.problem.path_prior : from.path_prior;
+  std::unique_ptr<BatchProblem> problem = problemAt(data, estimate, options);
+  for (bool settled = false; !settled && estimate.rounds < options.max_rounds; ++estimate.rounds) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(problem->unknowns());
+    const ceres::Solver::Summary summary = solve(*problem, options, x);
+    estimate.stopped = summary.message;
+    estimate.iterations += static_cast<int>(summary.iterations.size()) - 1;
+    if (estimate.rounds == 0) estimate.cost_start = summary.initial_cost;
+    estimate.cost = summary.final_cost;
+    if (!summary.IsSolutionUsable()) {
+      estimate.failure = summary.message;
+      return estimate;
+    }
+    const EffectParameters<double> before = estimate.state.effects;
+    estimate.state = problem->at(x);
+    settled = latencyChange(before, estimate.state.effects) < kSettled_s;
+    problem = problemAt(data, estimate, options);
+  }
+  describe(estimate, data, *problem, options.output_rate_hz);
+  estimate.succeeded = true;
+  estimate.failure.clear();
+  return estimate;
+}
+
+BatchEstimate adaptNoise(const BatchData& data, BatchEstimate estimate, BatchOptions& options) {
+  constexpr int kPasses = 3;  // robust weights hide some of a noise that is assumed too small
+  for (int pass = 0; pass < kPasses && estimate.succeeded; ++pass) {
+    for (const auto& [channel, residual] : estimate.residuals)
+      if (channel != BatchChannel::prior && residual.expected_rms > 0)
+        options.problem.noise_scale[static_cast<std::size_t>(channel)] *=
+            std::max(1.0, residual.rms / residual.expected_rms);
+    estimate = reestimate(data, estimate, options);
+  }
+  return estimate;
+}
+
+std::unique_ptr<BatchProblem> problemAt(const BatchData& data, const BatchEstimate& estimate,
+                                        const BatchOptions& options) {
+  ProblemOptions problem = options.problem;
+  problem.path_prior = estimate.path_prior;
+  return std::make_unique<BatchProblem>(data, problem, estimate.state);
+}
+
+}  // namespace fathom

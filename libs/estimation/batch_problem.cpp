@@ -1,0 +1,644 @@
+#include "estimation/batch_problem.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "effects/catalogue.h"
+#include "localization/chi_square.h"
+
+namespace fathom {
+namespace {
+
+using Kind = UnknownBlock::Kind;
+constexpr std::size_t kNoImage = std::numeric_limits<std::size_t>::max();
+
+/// W with W C W^T = 1. The symmetric one, so that each row stays as near to its own coordinate as can be.
+Eigen::MatrixXd whitener(const Eigen::MatrixXd& covariance) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(covariance).operatorInverseSqrt();
+}
+
+Eigen::MatrixXd whitener(const Eigen::VectorXd& sigma) {
+  return sigma.cwiseInverse().asDiagonal().toDenseMatrix();
+}
+
+Eigen::MatrixXd whitener(int size, double sigma) { return Eigen::MatrixXd::Identity(size, size) / sigma; }
+
+/// A registered scalar and what it is of.
+struct Scalar {
+  std::size_t effect = 0;
+  ParameterKind kind = ParameterKind::continuous;
+  double prior_sigma = 0;
+};
+
+const std::vector<Scalar>& scalars() {
+  static const std::vector<Scalar> all = [] {
+    std::vector<Scalar> list;
+    for (const EffectInfo& effect : allEffects())
+      for (const Parameter& p : effect.parameters)
+        for (int i = 0; i < p.size; ++i) list.push_back({effect.index, p.kind, p.prior_sigma});
+    return list;
+  }();
+  return all;
+}
+
+/// Marker ids and times are this row's own: what acts here.
+void setDiscrete(ForwardPoint& point, int marker_id) {
+  for (std::size_t s = 0; s < kEffectScalars; ++s) {
+    if (scalars()[s].kind == ParameterKind::marker_id) point.effects[s] = marker_id;
+    if (scalars()[s].kind == ParameterKind::time) point.effects[s] = -Interval::kForever_s;
+  }
+}
+
+/// Effects that look at the motion besides the pose, whatever the sensor: latencies and the shutter.
+const std::bitset<kEffectCount>& effectsOfMotion() {
+  static const std::bitset<kEffectCount> mask = [] {
+    std::bitset<kEffectCount> effects;
+    forEachEffect([&]<class Effect>() {
+      using Stage = typename Effect::template Stage<double>;
+      if (std::is_same_v<Stage, ValidityOffset<double, Sensor::ins>> ||
+          std::is_same_v<Stage, ValidityOffset<double, Sensor::dvl>> ||
+          std::is_same_v<Stage, ValidityOffset<double, Sensor::depth>> ||
+          std::is_same_v<Stage, ValidityOffset<double, Sensor::camera>> ||
+          std::is_same_v<Stage, Shutter<double>>)
+        effects.set(kEffectIndex<Effect>);
+    });
+    return effects;
+  }();
+  return mask;
+}
+
+/// An effect's scalar as a sum of unknowns.
+struct Link {
+  std::size_t scalar = 0;
+  std::size_t block = 0;  ///< place among the cost's blocks
+  int coordinate = 0;     ///< in that block
+  double factor = 1.0;
+};
+
+/// Rows of one reading.
+class ReadingCost final : public BatchCost {
+ public:
+  ReadingCost(const BatchState& reference, const std::vector<UnknownBlock>& unknowns)
+      : reference_(reference), unknowns_(unknowns) {}
+
+  std::unique_ptr<ReadingModel> model;
+  ForwardPoint at_reference;  ///< but for the motion
+  std::vector<MotionNode> nodes;
+  Eigen::VectorXd reading;
+  Eigen::MatrixXd whitening;
+  int first_pose = 0, pose_count = 0;      ///< their blocks come first
+  std::optional<std::size_t> panel_block;  ///< place among the blocks
+  std::vector<Link> links;
+  std::bitset<kEffectCount> acting;
+
+  void finish() {
+    finishSetup(unknowns_, static_cast<int>(reading.size()));
+    local_.clear();
+    int column = 0;
+    for (const std::size_t b : blocks) {
+      local_.push_back(column);
+      column += unknowns_[b].size;
+    }
+    local_.push_back(column);
+    columns_ = model->motionColumns();
+    if ((acting & effectsOfMotion()).any()) {
+      columns_.clear();
+      for (int c = 0; c < kMotionSize; ++c) columns_.push_back(c);
+    }
+    motion_columns_ = columns_.size();
+    if (panel_block)
+      for (int c = 0; c < 6; ++c) columns_.push_back(kPanelColumn + c);
+    for (const Link& link : links) {
+      const int c = kEffectColumn + static_cast<int>(link.scalar);
+      if (std::find(columns_.begin(), columns_.end(), c) == columns_.end()) columns_.push_back(c);
+    }
+  }
+
+  void compute(const Eigen::VectorXd& x, Eigen::VectorXd& residual,
+               Eigen::MatrixXd* derivative) const override {
+    const std::vector<Pose> poses = posesAt(x);
+    ForwardPoint point = pointAt(x);
+    Eigen::VectorXd prediction = Eigen::VectorXd::Zero(reading.size());
+    if (derivative != nullptr) derivative->setZero(reading.size(), local_.back());
+    Eigen::MatrixXd slope;
+    for (const MotionNode& node : nodes) {
+      const auto own = ownOf(poses, node);
+      point.motion = motionOf(own, node, reference_.path.knot_s);
+      if (derivative == nullptr) {
+        prediction += model->predict(point);
+        continue;
+      }
+      prediction += model->differentiate(point, columns_, slope);
+      accumulate(slope, motionJacobian(own, node, reference_.path.knot_s), node, *derivative);
+    }
+    const double share = 1.0 / static_cast<double>(nodes.size());
+    residual = whitening * (reading - share * prediction);
+    if (derivative == nullptr) return;
+    *derivative = (-share * whitening * *derivative).eval();
+    for (std::size_t b = 0; b < blocks.size(); ++b) turnByRightJacobian(x, b, *derivative);
+  }
+
+  Eigen::VectorXd raw(const Eigen::VectorXd& residual) const override {
+    return whitening.fullPivLu().solve(residual);
+  }
+
+  void effectColumns(Eigen::Ref<Eigen::MatrixXd> columns) const override {
+    columns.setZero();
+    std::vector<std::size_t> wanted;
+    for (std::size_t s = 0; s < kEffectScalars; ++s)
+      if (scalars()[s].kind == ParameterKind::continuous && model->dependsOn(scalars()[s].effect))
+        wanted.push_back(s);
+    const std::vector<Pose> poses = posesAt(Eigen::VectorXd::Zero(lastColumn()));
+    const Eigen::MatrixXd scale = -1.0 / static_cast<double>(nodes.size()) * whitening;
+    for (const MotionNode& node : nodes) {
+      ForwardPoint point = at_reference;
+      point.motion = motionOf(ownOf(poses, node), node, reference_.path.knot_s);
+      for (std::size_t first = 0; first < wanted.size(); first += kColumnsAtOnce)
+        addColumns(point, std::span(wanted).subspan(first, std::min(kColumnsAtOnce, wanted.size() - first)),
+                   scale, columns);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kColumnsAtOnce = 8;
+
+  /// Others that are neutral change nothing, so only those are switched on that are differentiated by: some
+  /// are costly.
+  void addColumns(ForwardPoint point, std::span<const std::size_t> wanted, const Eigen::MatrixXd& scale,
+                  Eigen::Ref<Eigen::MatrixXd> columns) const {
+    std::vector<int> model_columns;
+    for (const std::size_t s : wanted) {
+      point.on.set(scalars()[s].effect);
+      model_columns.push_back(kEffectColumn + static_cast<int>(s));
+    }
+    Eigen::MatrixXd slope;
+    model->differentiate(point, model_columns, slope);
+    slope = (scale * slope).eval();
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      columns.col(static_cast<Eigen::Index>(wanted[i])) += slope.col(static_cast<Eigen::Index>(i));
+  }
+
+  int lastColumn() const { return unknowns_.back().column + unknowns_.back().size; }
+
+  std::vector<Pose> posesAt(const Eigen::VectorXd& x) const {
+    std::vector<Pose> poses;
+    for (int k = 0; k < pose_count; ++k)
+      poses.push_back(retracted(reference_.path.poses[static_cast<std::size_t>(first_pose + k)],
+                                x.segment<6>(blockAt(static_cast<std::size_t>(k)).column)));
+    return poses;
+  }
+
+  ForwardPoint pointAt(const Eigen::VectorXd& x) const {
+    ForwardPoint point = at_reference;
+    if (panel_block)
+      point.T_odom_panel = retracted(point.T_odom_panel, x.segment<6>(blockAt(*panel_block).column));
+    for (const Link& link : links)
+      point.effects[link.scalar] += link.factor * x[blockAt(link.block).column + link.coordinate];
+    return point;
+  }
+
+  const UnknownBlock& blockAt(std::size_t place) const { return unknowns_[blocks[place]]; }
+
+  std::span<const Pose> ownOf(const std::vector<Pose>& poses, const MotionNode& node) const {
+    return std::span(poses).subspan(static_cast<std::size_t>(node.first - first_pose),
+                                    static_cast<std::size_t>(node.count));
+  }
+
+  /// Chain rule: columns of the model -> columns of the blocks.
+  void accumulate(const Eigen::MatrixXd& slope, const MotionJacobian& motion_slope, const MotionNode& node,
+                  Eigen::MatrixXd& derivative) const {
+    auto by_pose = derivative.middleCols(6 * (node.first - first_pose), 6 * node.count);
+    for (std::size_t c = 0; c < motion_columns_; ++c)
+      by_pose += slope.col(static_cast<Eigen::Index>(c)) * motion_slope.row(columns_[c]);
+    auto next = static_cast<Eigen::Index>(motion_columns_);
+    if (panel_block) {
+      derivative.middleCols<6>(local_[*panel_block]) += slope.middleCols<6>(next);
+      next += 6;
+    }
+    for (const Link& link : links) {
+      const auto c =
+          std::find(columns_.begin(), columns_.end(), kEffectColumn + static_cast<int>(link.scalar));
+      derivative.col(local_[link.block] + link.coordinate) += link.factor * slope.col(c - columns_.begin());
+    }
+  }
+
+  /// Derivatives so far are by the error of the pose at x; the unknown is that of the reference.
+  void turnByRightJacobian(const Eigen::VectorXd& x, std::size_t place, Eigen::MatrixXd& derivative) const {
+    const UnknownBlock& block = blockAt(place);
+    if (block.kind != Kind::pose && block.kind != Kind::panel) return;
+    const Vector3d turn = x.segment<3>(block.column + 3);
+    auto columns = derivative.middleCols<3>(local_[place] + 3);
+    columns = (columns * rightJacobianSO3<double>(turn)).eval();
+  }
+
+  const BatchState& reference_;
+  const std::vector<UnknownBlock>& unknowns_;
+  std::vector<int> local_;    ///< first column of each block; the last entry is their number
+  std::vector<int> columns_;  ///< by which the model is differentiated: motion, panel, scalars
+  std::size_t motion_columns_ = 0;
+};
+
+/// r = value + sum of slope x over its blocks.
+class LinearCost final : public BatchCost {
+ public:
+  LinearCost(const std::vector<UnknownBlock>& unknowns, std::vector<std::size_t> of,
+             const Eigen::VectorXd& value, const Eigen::MatrixXd& slope)
+      : unknowns_(unknowns), value_(value), slope_(slope) {
+    blocks = std::move(of);
+    finishSetup(unknowns_, static_cast<int>(value_.size()));
+  }
+
+  void compute(const Eigen::VectorXd& x, Eigen::VectorXd& residual,
+               Eigen::MatrixXd* derivative) const override {
+    residual = value_;
+    int column = 0;
+    for (const std::size_t b : blocks) {
+      const int size = unknowns_[b].size;
+      residual += slope_.middleCols(column, size) * x.segment(unknowns_[b].column, size);
+      column += size;
+    }
+    if (derivative != nullptr) *derivative = slope_;
+  }
+
+ private:
+  const std::vector<UnknownBlock>& unknowns_;
+  Eigen::VectorXd value_;
+  Eigen::MatrixXd slope_;
+};
+
+}  // namespace
+
+std::vector<std::size_t> continuousScalars(std::size_t effect) {
+  std::vector<std::size_t> list;
+  for (std::size_t s = kEffectOffsets[effect]; s < kEffectOffsets[effect + 1]; ++s)
+    if (scalars()[s].kind == ParameterKind::continuous) list.push_back(s);
+  return list;
+}
+
+void BatchCost::finishSetup(const std::vector<UnknownBlock>& unknowns, int rows) {
+  set_num_residuals(rows);
+  for (const std::size_t b : blocks) {
+    sizes_.push_back(unknowns[b].size);
+    mutable_parameter_block_sizes()->push_back(unknowns[b].size);
+  }
+}
+
+double BatchCost::robustWeight(const Eigen::VectorXd& residual) const {
+  const double size = residual.norm();
+  return robust_threshold > 0.0 && size > robust_threshold ? robust_threshold / size : 1.0;
+}
+
+void BatchCost::prepare(const Eigen::VectorXd& x, bool with_derivative) {
+  compute(x, residual_, with_derivative ? &derivative_ : nullptr);
+}
+
+bool BatchCost::Evaluate(double const* const*, double* residuals, double** jacobians) const {
+  Eigen::Map<Eigen::VectorXd>(residuals, residual_.size()) = residual_;
+  if (jacobians == nullptr) return residual_.allFinite();
+  Eigen::Index column = 0;
+  for (std::size_t b = 0; b < sizes_.size(); ++b) {
+    if (jacobians[b] != nullptr)
+      for (Eigen::Index i = 0; i < residual_.size(); ++i)
+        for (int c = 0; c < sizes_[b]; ++c) jacobians[b][i * sizes_[b] + c] = derivative_(i, column + c);
+    column += sizes_[b];
+  }
+  return residual_.allFinite();
+}
+
+BatchProblem::BatchProblem(const BatchData& data, const ProblemOptions& options, const BatchState& reference)
+    : data_(data), options_(options), reference_(reference) {
+  layOut();
+  addReadings();
+  addMarkers();
+  addPriors();
+}
+
+/// Unknowns in the order in which a sparse factorization without fill eliminates them: poses by time, a bias
+/// behind the last pose that shares a reading with it, then what is constant.
+void BatchProblem::layOut() {
+  struct Placed {
+    double at_s;
+    UnknownBlock block;
+  };
+  std::vector<Placed> placed;
+  const double knot_s = reference_.path.knot_s;
+  for (std::size_t i = 0; i < reference_.path.poses.size(); ++i)
+    placed.push_back({knot_s * (static_cast<double>(i) - 1.0), {Kind::pose, i, 6, 0}});
+  for (std::size_t i = 0; i < reference_.bias.size(); ++i)
+    placed.push_back(
+        {reference_.bias_interval_s * (static_cast<double>(i) + 1.0) + 3.5 * knot_s, {Kind::bias, i, 6, 0}});
+  std::stable_sort(placed.begin(), placed.end(),
+                   [](const Placed& a, const Placed& b) { return a.at_s < b.at_s; });
+  for (const Placed& p : placed) blocks_.push_back(p.block);
+  if (!data_.pressure.empty() && reference_.path.isSpline())
+    blocks_.push_back({Kind::pressure_offset, 0, 1, 0});
+  for (std::size_t i = 0; i < data_.panels.size(); ++i)
+    if (data_.panels[i].position_sigma_m > 0 && data_.panels[i].angle_sigma_rad > 0)
+      blocks_.push_back({Kind::panel, i, 6, 0});
+  for (std::size_t e = 0; e < kEffectCount; ++e)
+    if (const auto size = std::ssize(continuousScalars(e)); options_.estimate[e] && size > 0)
+      blocks_.push_back({Kind::effect, e, static_cast<int>(size), 0});
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    blocks_[b].column = unknowns_;
+    unknowns_ += blocks_[b].size;
+    block_of_[{blocks_[b].kind, blocks_[b].index}] = b;
+  }
+  for (std::size_t i = 0; i < reference_.images.size(); ++i) {
+    image_pose_.resize(std::max(image_pose_.size(), reference_.images[i] + 1), kNoImage);
+    image_pose_[reference_.images[i]] = i;
+  }
+}
+
+const UnknownBlock* BatchProblem::find(Kind kind, std::size_t index) const {
+  const auto found = block_of_.find({kind, index});
+  return found == block_of_.end() ? nullptr : &blocks_[found->second];
+}
+
+BatchState BatchProblem::at(const Eigen::VectorXd& x) const {
+  BatchState state = reference_;
+  for (const UnknownBlock& block : blocks_) {
+    const auto e = x.segment(block.column, block.size);
+    if (block.kind == Kind::pose) state.path.poses[block.index] = retracted(state.path.poses[block.index], e);
+    if (block.kind == Kind::panel)
+      state.T_odom_panel[block.index] = retracted(state.T_odom_panel[block.index], e);
+    if (block.kind == Kind::bias) state.bias[block.index] += e;
+    if (block.kind == Kind::pressure_offset) state.pressure_offset_pa += e[0];
+    if (block.kind == Kind::effect) {
+      state.effects.on.set(block.index);
+      int i = 0;
+      for (const std::size_t s : continuousScalars(block.index)) state.effects.values[s] += e[i++];
+    }
+  }
+  return state;
+}
+
+MotionNode BatchProblem::nodeOf(double t_s, std::size_t image) const {
+  if (reference_.path.isSpline()) return reference_.path.nodeAt(t_s);
+  return {static_cast<int>(image_pose_[image]), 1, 0.0};
+}
+
+Motion BatchProblem::motionAt(double t_s, std::size_t image) const {
+  const MotionNode node = nodeOf(t_s, image);
+  return motionOf(std::span(reference_.path.poses)
+                      .subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count)),
+                  node, reference_.path.knot_s);
+}
+
+std::bitset<kEffectCount> BatchProblem::actingOn(const ReadingModel& model, const RowSource& source) const {
+  std::bitset<kEffectCount> acting;
+  for (std::size_t e = 0; e < kEffectCount; ++e) {
+    const bool on = reference_.effects.on[e] || options_.estimate[e];
+    if (!on || !reference_.effects.active_s[e].contains(source.t_s) || !model.dependsOn(e)) continue;
+    bool acts = true;
+    for (std::size_t s = kEffectOffsets[e]; s < kEffectOffsets[e + 1]; ++s) {
+      const double value = reference_.effects.values[s];
+      if (scalars()[s].kind == ParameterKind::marker_id)
+        acts = acts && source.marker >= 0 &&
+               static_cast<int>(std::lround(value)) ==
+                   data_.markers[static_cast<std::size_t>(source.marker)].marker.id;
+      if (scalars()[s].kind == ParameterKind::time) acts = acts && source.t_s >= value;
+    }
+    acting[e] = acts;
+  }
+  return acting;
+}
+
+double BatchProblem::thresholdOf(BatchChannel channel, Eigen::Index rows) const {
+  const bool robust =
+      channel == BatchChannel::dvl || channel == BatchChannel::usbl || channel == BatchChannel::markers;
+  if (!robust || options_.robust_probability >= 1.0) return 0.0;
+  return std::sqrt(chiSquareQuantile(static_cast<double>(rows), options_.robust_probability));
+}
+
+void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, std::vector<double> node_s,
+                       Eigen::VectorXd reading, Eigen::MatrixXd whitening) {
+  auto cost = std::make_unique<ReadingCost>(reference_, blocks_);
+  const BatchMarker* marker =
+      source.marker < 0 ? nullptr : &data_.markers[static_cast<std::size_t>(source.marker)];
+  ForwardPoint& point = cost->at_reference;
+
+  // What acts on it.
+  setDiscrete(point, marker == nullptr ? -1 : marker->marker.id);
+  cost->acting = actingOn(*model, source);
+  point.on = cost->acting;
+  for (std::size_t e = 0; e < kEffectCount; ++e)
+    if (cost->acting[e])
+      for (const std::size_t s : continuousScalars(e)) point.effects[s] += reference_.effects.values[s];
+  if (marker != nullptr) point.T_odom_panel = reference_.T_odom_panel[marker->panel];
+
+  // When it was valid, and which poses that makes.
+  point.validity_s = model->validity_s(point);
+  if (node_s.size() == 2 && node_s[0] == node_s[1]) node_s.pop_back();
+  for (const double t_s : node_s)
+    cost->nodes.push_back(nodeOf(t_s + point.validity_s, marker == nullptr ? kNoImage : marker->image));
+  const auto [first, last] = std::minmax_element(
+      cost->nodes.begin(), cost->nodes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  cost->first_pose = first->first;
+  cost->pose_count = last->first + last->count - first->first;
+  for (int k = 0; k < cost->pose_count; ++k)
+    cost->blocks.push_back(block_of_.at({Kind::pose, static_cast<std::size_t>(cost->first_pose + k)}));
+
+  // What else it tells of.
+  const auto link = [&](Kind kind, std::size_t index, const std::vector<std::size_t>& to, int coordinate,
+                        double factor) {
+    cost->blocks.push_back(block_of_.at({kind, index}));
+    for (const std::size_t s : to) cost->links.push_back({s, cost->blocks.size() - 1, coordinate++, factor});
+  };
+  if (marker != nullptr && block_of_.contains({Kind::panel, marker->panel})) {
+    cost->blocks.push_back(block_of_.at({Kind::panel, marker->panel}));
+    cost->panel_block = cost->blocks.size() - 1;
+  }
+  const bool is_gyro = source.channel == BatchChannel::gyro,
+             is_force = source.channel == BatchChannel::accelerometer;
+  if ((is_gyro || is_force) && !reference_.bias.empty()) {
+    const std::size_t effect = is_gyro ? kEffectIndex<GyroBias> : kEffectIndex<AccelerometerBias>;
+    const int first_axis = is_gyro ? 0 : 3;
+    point.on.set(effect);
+    const double at = std::clamp((source.t_s - reference_.path.begin_s) / reference_.bias_interval_s, 0.0,
+                                 static_cast<double>(reference_.bias.size()) - 1.0);
+    const auto k = std::min(static_cast<std::size_t>(at), reference_.bias.size() - 2);
+    const double share = at - static_cast<double>(k);
+    const auto axes = continuousScalars(effect);
+    link(Kind::bias, k, axes, first_axis, 1.0 - share);
+    link(Kind::bias, k + 1, axes, first_axis, share);
+    for (std::size_t i = 0; i < 3; ++i)
+      point.effects[axes[i]] += (1.0 - share) * reference_.bias[k][first_axis + static_cast<int>(i)] +
+                                share * reference_.bias[k + 1][first_axis + static_cast<int>(i)];
+  }
+  if (source.channel == BatchChannel::depth) {
+    const auto scalar = continuousScalars(kEffectIndex<PressureOffset>);
+    point.on.set(kEffectIndex<PressureOffset>);
+    point.effects[scalar[0]] += reference_.pressure_offset_pa;
+    link(Kind::pressure_offset, 0, scalar, 0, 1.0);
+  }
+  for (std::size_t e = 0; e < kEffectCount; ++e)
+    if (cost->acting[e] && block_of_.contains({Kind::effect, e}))
+      link(Kind::effect, e, continuousScalars(e), 0, 1.0);
+
+  cost->model = std::move(model);
+  cost->source = source;
+  cost->whitening = std::move(whitening) / options_.noise_scale[static_cast<std::size_t>(source.channel)];
+  cost->robust_threshold = thresholdOf(source.channel, reading.size());
+  cost->reading = std::move(reading);
+  cost->finish();
+  costs_.push_back(std::move(cost));
+}
+
+void BatchProblem::addReadings() {
+  if (!reference_.path.isSpline()) return;
+  const Vehicle& vehicle = data_.vehicle;
+  const auto addBins = [&](const std::vector<InsBin>& bins, BatchChannel channel, double sigma,
+                           const auto& make) {
+    for (const InsBin& bin : bins)
+      add(make(bin), {channel, bin.t_s()}, {bin.node_s[0], bin.node_s[1]}, bin.mean,
+          whitener(3, sigma / std::sqrt(bin.samples)));
+  };
+  if (vehicle.ins) {
+    addBins(data_.gyro, BatchChannel::gyro, vehicle.ins->gyro_sigma_rad_s, gyroModel);
+    addBins(data_.force, BatchChannel::accelerometer, vehicle.ins->accelerometer_sigma_m_s2,
+            [&](const InsBin& bin) { return forceModel(bin, vehicle); });
+    addBins(data_.attitude, BatchChannel::attitude, vehicle.ins->attitude_sigma_rad.value_or(1.0),
+            attitudeModel);
+  }
+  for (const BatchDvl& dvl : data_.dvl) {
+    const DvlSheet& sheet = *vehicle.dvl;
+    const Eigen::VectorXd sigma =
+        Vector3d(sheet.velocity_sigma_xy_m_s, sheet.velocity_sigma_xy_m_s, sheet.velocity_sigma_z_m_s);
+    add(dvlModel(dvl), {BatchChannel::dvl, dvl.t_s}, {dvl.t_s}, dvl.velocity_dvl, whitener(sigma));
+  }
+  for (const BatchPressure& p : data_.pressure)
+    add(pressureModel(p, vehicle), {BatchChannel::depth, p.t_s}, {p.t_s},
+        Eigen::VectorXd::Constant(1, p.pressure_pa), whitener(1, vehicle.depth->pressure_sigma_pa));
+  for (const BatchUsbl& usbl : data_.usbl)
+    add(usblModel(usbl, vehicle), {BatchChannel::usbl, usbl.t_s}, {usbl.t_s}, usbl.position_odom,
+        whitener(Eigen::MatrixXd(usbl.covariance_m2)));
+}
+
+void BatchProblem::addMarkers() {
+  for (std::size_t i = 0; i < data_.markers.size(); ++i) {
+    const BatchMarker& seen = data_.markers[i];
+    if (!reference_.path.isSpline() &&
+        (seen.image >= image_pose_.size() || image_pose_[seen.image] == kNoImage))
+      continue;
+    const Pose T_odom_camera =
+        motionAt(seen.t_s, seen.image).T_odom_robot * seen.T_robot_camera * seen.T_left_right;
+    const Vector3d centre_odom = reference_.T_odom_panel[seen.panel] * seen.marker.T_panel_marker.position;
+    if ((T_odom_camera.inverse() * centre_odom).z() < seen.marker.size_m) {
+      ++behind_camera_;
+      continue;
+    }
+    Vector8d corners;
+    for (std::size_t k = 0; k < 4; ++k)
+      corners.segment<2>(static_cast<Eigen::Index>(2 * k)) = seen.detection.corners_px[k];
+    add(markerModel(seen), {BatchChannel::markers, seen.t_s, static_cast<std::ptrdiff_t>(i)}, {seen.t_s},
+        corners, whitener(Eigen::MatrixXd(seen.detection.covariance_px2)));
+  }
+}
+
+void BatchProblem::addLinear(const UnknownBlock& block, const Eigen::VectorXd& value,
+                             const Eigen::MatrixXd& slope) {
+  costs_.push_back(std::make_unique<LinearCost>(blocks_, std::vector{block_of_.at({block.kind, block.index})},
+                                                value, slope));
+}
+
+void BatchProblem::addPriors() {
+  const PosePath& path = reference_.path;
+  if (path.isSpline()) {
+    Vector6d sigma;
+    sigma << Vector3d::Constant(options_.acceleration_sigma_m_s2),
+        Vector3d::Constant(options_.angular_acceleration_sigma_rad_s2);
+    const auto segments = path.poses.size() - 3;
+    for (std::size_t i = 0; i <= segments; ++i) {
+      const double t_s = path.begin_s + path.knot_s * static_cast<double>(i);
+      add(accelerationModel(t_s), {BatchChannel::prior, t_s}, {t_s}, Vector6d::Zero(),
+          whitener(Eigen::VectorXd(sigma)));
+    }
+    if (const auto& prior = options_.path_prior) {
+      // Position and heading; roll and pitch are gravity's.
+      Vector6d reading, precision;
+      reading << prior->T_odom_robot.position, Vector3d::Zero();
+      precision << Vector3d::Constant(1.0 / prior->position_sigma_m), 0.0, 0.0,
+          1.0 / prior->heading_sigma_rad;
+      add(poseModel(prior->T_odom_robot, path.begin_s), {BatchChannel::prior, path.begin_s}, {path.begin_s},
+          reading, precision.asDiagonal().toDenseMatrix());
+    }
+  }
+  // First-order Gauss-Markov: stationary at first, then b' = phi b + noise.
+  for (std::size_t k = 0; k < reference_.bias.size(); ++k) {
+    const InsSheet& ins = *data_.vehicle.ins;
+    Vector6d precision;
+    precision << Vector3d::Constant(1.0 / ins.gyro_bias_sigma_rad_s),
+        Vector3d::Constant(1.0 / ins.accelerometer_bias_sigma_m_s2);
+    const double phi = k == 0 ? 0.0 : std::exp(-reference_.bias_interval_s / ins.bias_time_constant_s);
+    precision /= std::sqrt(1.0 - phi * phi);
+    Eigen::MatrixXd slope(6, k == 0 ? 6 : 12);
+    slope.leftCols<6>() = precision.asDiagonal();
+    Vector6d value = precision.cwiseProduct(reference_.bias[k]);
+    std::vector<std::size_t> of{block_of_.at({Kind::bias, k})};
+    if (k > 0) {
+      slope.rightCols<6>() = (-phi * precision).asDiagonal();
+      value -= phi * precision.cwiseProduct(reference_.bias[k - 1]);
+      of.push_back(block_of_.at({Kind::bias, k - 1}));
+    }
+    costs_.push_back(std::make_unique<LinearCost>(blocks_, of, value, slope));
+    costs_.back()->source.t_s = reference_.path.begin_s + reference_.bias_interval_s * static_cast<double>(k);
+  }
+  for (const UnknownBlock& block : blocks_) {
+    if (block.kind == Kind::pressure_offset) {
+      const double precision = 1.0 / data_.vehicle.depth->pressure_offset_sigma_pa;
+      addLinear(block, Eigen::VectorXd::Constant(1, precision * reference_.pressure_offset_pa),
+                Eigen::MatrixXd::Constant(1, 1, precision));
+    }
+    if (block.kind == Kind::panel) {
+      const PanelMap& map = data_.panels[block.index];
+      Vector6d precision;
+      precision << Vector3d::Constant(1.0 / map.position_sigma_m),
+          Vector3d::Constant(1.0 / map.angle_sigma_rad);
+      const Vector6d error = poseDifference(map.T_odom_panel, reference_.T_odom_panel[block.index]);
+      Matrix6d slope = Matrix6d::Identity();
+      slope.bottomRightCorner<3, 3>() = inverseRightJacobianSO3<double>(error.tail<3>());
+      addLinear(block, precision.cwiseProduct(error), precision.asDiagonal() * slope);
+    }
+    if (block.kind == Kind::effect) {
+      Eigen::VectorXd precision(block.size), value(block.size);
+      int i = 0;
+      for (const std::size_t s : continuousScalars(block.index)) {
+        precision[i] = 1.0 / scalars()[s].prior_sigma;
+        value[i++] = reference_.effects.values[s];
+      }
+      addLinear(block, precision.cwiseProduct(value), precision.asDiagonal().toDenseMatrix());
+    }
+  }
+}
+
+BatchState startState(const BatchData& data, const std::vector<double>& times_s,
+                      const std::vector<Pose>& T_odom_robot, const EffectParameters<double>& effects,
+                      double bias_interval_s) {
+  BatchState state;
+  state.effects = effects;
+  for (const PanelMap& panel : data.panels) state.T_odom_panel.push_back(panel.T_odom_panel);
+  if (!data.hasMotion()) {
+    for (const BatchMarker& seen : data.markers) {
+      if (!state.images.empty() && state.images.back() == seen.image) continue;
+      const auto found = std::find(times_s.begin(), times_s.end(), seen.t_s);
+      if (found == times_s.end()) continue;
+      state.images.push_back(seen.image);
+      state.path.poses.push_back(T_odom_robot[static_cast<std::size_t>(found - times_s.begin())]);
+    }
+    return state;
+  }
+  const double begin_s = std::floor(data.first_s / data.knot_s + 1e-6) * data.knot_s;
+  state.path = PosePath::splineNear(times_s, T_odom_robot, begin_s, data.last_s, data.knot_s);
+  if (data.vehicle.ins && !(data.gyro.empty() && data.force.empty())) {
+    state.bias_interval_s = bias_interval_s;
+    const double length_s = state.path.end_s() - begin_s;
+    const auto intervals = std::max(1.0, std::ceil(length_s / bias_interval_s));
+    state.bias.assign(static_cast<std::size_t>(intervals) + 1, Vector6d::Zero());
+  }
+  return state;
+}
+
+}  // namespace fathom

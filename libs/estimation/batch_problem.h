@@ -1,0 +1,150 @@
+#pragma once
+
+#include <ceres/cost_function.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <bitset>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "estimation/batch_data.h"
+#include "estimation/motion.h"
+#include "estimation/readings.h"
+
+/// The batch estimate as a least-squares problem: unknowns, and the rows of residuals that they explain.
+namespace fathom {
+
+/// What is estimated, as numbers.
+struct BatchState {
+  PosePath path;
+  std::vector<std::size_t> images;  ///< of poses by themselves: number of each one's image
+  /// Gyro (rad/s) and accelerometer bias (m/s²), INS axes, at path.begin_s + k bias_interval_s; linear
+  /// between. Empty without an INS.
+  std::vector<Vector6d> bias;
+  double bias_interval_s = 10.0;
+  double pressure_offset_pa = 0.0;
+  std::vector<Pose> T_odom_panel;
+  EffectParameters<double> effects;  ///< all that are on, estimated or not
+};
+
+struct PathPrior {
+  Pose T_odom_robot;  ///< at the path's beginning
+  double position_sigma_m = 100.0, heading_sigma_rad = 3.0;
+};
+
+struct ProblemOptions {
+  /// Effects whose continuous parameters are estimated, starting from the state's.
+  std::bitset<kEffectCount> estimate;
+  /// Sigma of each channel in units of the data sheet's (or of a corner's own covariance), by BatchChannel.
+  std::array<double, kBatchChannels.size()> noise_scale{1, 1, 1, 1, 1, 1, 1, 1};
+  /// Huber's loss for DVL, USBL and markers, beyond what a reading's chi-square exceeds with probability
+  /// 1 - this; 1: none. Generous, so that what is out of place keeps most of its weight.
+  double robust_probability = 0.99999;
+  /// What keeps stretches without an INS from being singular: a vehicle hardly accelerates more than this
+  /// (one sigma, white, each knot). With an INS its weight is 1e-5 of the INS's.
+  double acceleration_sigma_m_s2 = 1.0, angular_acceleration_sigma_rad_s2 = 1.0;
+  std::optional<PathPrior> path_prior;  ///< absent: as StartPath::prior() says
+};
+
+/// A block of unknowns: coordinates of the error of one part of a reference state.
+struct UnknownBlock {
+  enum class Kind { pose, bias, pressure_offset, panel, effect };
+  Kind kind = Kind::pose;
+  std::size_t index = 0;  ///< in the state's list, of an effect: in the registry
+  int size = 6;
+  int column = 0;  ///< of its first coordinate
+};
+
+/// What a cost's rows are about.
+struct RowSource {
+  BatchChannel channel = BatchChannel::prior;
+  double t_s = 0.0;
+  std::ptrdiff_t marker = -1;  ///< index in BatchData::markers; -1: none
+};
+
+/// A few rows of residuals, whitened: r = W (reading - prediction).
+class BatchCost : public ceres::CostFunction {
+ public:
+  RowSource source;
+  double robust_threshold = 0.0;  ///< on |r|; 0: none
+  std::vector<std::size_t> blocks;
+
+  /// At the coordinates x of all unknowns; derivative: by those of its blocks, one behind the other.
+  virtual void compute(const Eigen::VectorXd& x, Eigen::VectorXd& residual,
+                       Eigen::MatrixXd* derivative) const = 0;
+  /// Derivative at x = 0 by all continuous scalars of all effects, a column each as in EffectParameters;
+  /// every one taken as acting here: its marker id is this marker's, its time long past, its interval open.
+  virtual void effectColumns(Eigen::Ref<Eigen::MatrixXd> columns) const { columns.setZero(); }
+
+  /// The residual in the reading's unit: reading - prediction.
+  virtual Eigen::VectorXd raw(const Eigen::VectorXd& residual) const { return residual; }
+  /// Huber's weight on the squared residual.
+  double robustWeight(const Eigen::VectorXd& residual) const;
+
+  /// Computes what Evaluate() then hands out. May run beside others'.
+  void prepare(const Eigen::VectorXd& x, bool with_derivative);
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+
+ protected:
+  void finishSetup(const std::vector<UnknownBlock>& unknowns, int rows);
+
+ private:
+  std::vector<int> sizes_;
+  Eigen::VectorXd residual_;
+  Eigen::MatrixXd derivative_;
+};
+
+/// Unknowns are error coordinates of a reference state: zero there, added up by at().
+class BatchProblem {
+ public:
+  /// Data is referred to and must outlive it.
+  BatchProblem(const BatchData& data, const ProblemOptions& options, const BatchState& reference);
+  BatchProblem(const BatchProblem&) = delete;
+  BatchProblem& operator=(const BatchProblem&) = delete;
+
+  const BatchState& reference() const { return reference_; }
+  BatchState at(const Eigen::VectorXd& x) const;
+  const std::vector<UnknownBlock>& blocks() const { return blocks_; }
+  /// Null: not estimated.
+  const UnknownBlock* find(UnknownBlock::Kind kind, std::size_t index) const;
+  int unknowns() const { return unknowns_; }
+  const std::vector<std::unique_ptr<BatchCost>>& costs() const { return costs_; }
+  /// The motion of the reference at a stamp, or on an image.
+  Motion motionAt(double t_s, std::size_t image) const;
+  std::size_t behindCamera() const { return behind_camera_; }
+
+ private:
+  void layOut();
+  void addReadings();
+  void addMarkers();
+  void addPriors();
+  MotionNode nodeOf(double t_s, std::size_t image) const;
+  void add(std::unique_ptr<ReadingModel> model, RowSource source, std::vector<double> node_s,
+           Eigen::VectorXd reading, Eigen::MatrixXd whitener);
+  void addLinear(const UnknownBlock& block, const Eigen::VectorXd& value, const Eigen::MatrixXd& slope);
+  std::bitset<kEffectCount> actingOn(const ReadingModel& model, const RowSource& source) const;
+  double thresholdOf(BatchChannel channel, Eigen::Index rows) const;
+
+  const BatchData& data_;
+  ProblemOptions options_;
+  BatchState reference_;
+  std::vector<UnknownBlock> blocks_;  ///< in the order of elimination: by time, then what is constant
+  std::map<std::pair<UnknownBlock::Kind, std::size_t>, std::size_t> block_of_;
+  std::vector<std::size_t> image_pose_;  ///< of poses by themselves: by image
+  int unknowns_ = 0;
+  std::size_t behind_camera_ = 0;
+  std::vector<std::unique_ptr<BatchCost>> costs_;
+};
+
+/// An effect's continuous scalars, by their place in EffectParameters::values: those that are estimated.
+std::vector<std::size_t> continuousScalars(std::size_t effect);
+
+/// The first state of a problem: a spline near a path, or a pose an image. Images without one are left out.
+BatchState startState(const BatchData& data, const std::vector<double>& times_s,
+                      const std::vector<Pose>& T_odom_robot, const EffectParameters<double>& effects,
+                      double bias_interval_s);
+
+}  // namespace fathom

@@ -1,0 +1,158 @@
+#include "estimation/linearization.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <tuple>
+
+#include "core/text.h"
+#include "effects/catalogue.h"
+
+namespace fathom {
+namespace {
+
+std::vector<EffectColumn> effectColumnsOf(const BatchProblem& problem) {
+  std::vector<EffectColumn> columns;
+  for (const EffectInfo& effect : allEffects()) {
+    std::size_t scalar = effect.first_scalar;
+    for (const Parameter& p : effect.parameters)
+      for (int i = 0; i < p.size; ++i, ++scalar) {
+        if (p.kind != ParameterKind::continuous) continue;
+        const std::string axis = p.size > 1 ? print("[%d]", i) : "";
+        columns.push_back({effect.index, scalar, std::string(effect.id) + "." + std::string(p.name) + axis,
+                           p.prior_sigma, problem.find(UnknownBlock::Kind::effect, effect.index) != nullptr});
+      }
+  }
+  return columns;
+}
+
+/// What all rows of a reading have in common.
+RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const RowSource& source) {
+  RowInfo info;
+  info.channel = source.channel;
+  info.t_s = source.t_s;
+  info.marker = source.marker;
+  const BatchMarker* seen =
+      source.marker < 0 ? nullptr : &data.markers[static_cast<std::size_t>(source.marker)];
+  if (seen == nullptr && !problem.reference().path.isSpline()) return info;
+  const Motion motion = problem.motionAt(source.t_s, seen == nullptr ? 0 : seen->image);
+  info.speed_m_s = motion.velocity_odom.norm();
+  info.turn_rate_rad_s = motion.rate_robot.norm();
+  info.depth_m = -motion.T_odom_robot.position.z();
+  if (seen == nullptr) return info;
+  info.marker_id = seen->marker.id;
+  info.panel = static_cast<std::ptrdiff_t>(seen->panel);
+  info.image = static_cast<std::ptrdiff_t>(seen->image);
+  info.eye = static_cast<std::ptrdiff_t>(seen->eye);
+  const Pose T_camera_marker = (motion.T_odom_robot * seen->T_robot_camera * seen->T_left_right).inverse() *
+                               problem.reference().T_odom_panel[seen->panel] * seen->marker.T_panel_marker;
+  info.range_m = T_camera_marker.position.norm();
+  info.incidence_rad = std::acos(
+      std::clamp(-T_camera_marker.rotation.col(2).dot(T_camera_marker.position) / info.range_m, -1.0, 1.0));
+  return info;
+}
+
+void setCorner(RowInfo& info, const BatchMarker& seen) {
+  info.pixel = seen.detection.corners_px[static_cast<std::size_t>(info.component / 2)];
+  info.image_radius = std::hypot((info.pixel.x() - seen.camera.cx_px) / seen.camera.fx_px,
+                                 (info.pixel.y() - seen.camera.cy_px) / seen.camera.fy_px);
+}
+
+/// Tracks in the order of channel, marker and component; rows by time.
+void findTracks(Linearization& linear) {
+  using Key = std::tuple<BatchChannel, std::ptrdiff_t, int, std::ptrdiff_t, int>;
+  std::map<Key, std::vector<std::size_t>> tracks;
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+    const RowInfo& row = linear.rows[i];
+    if (row.channel == BatchChannel::prior) continue;
+    tracks[{row.channel, row.panel, row.marker_id, row.eye, row.component}].push_back(i);
+  }
+  for (auto& [key, rows] : tracks) {
+    std::stable_sort(rows.begin(), rows.end(),
+                     [&](std::size_t a, std::size_t b) { return linear.rows[a].t_s < linear.rows[b].t_s; });
+    for (const std::size_t i : rows) linear.rows[i].track = static_cast<int>(linear.tracks.size());
+    linear.tracks.push_back(std::move(rows));
+  }
+}
+
+}  // namespace
+
+Linearization linearize(const BatchData& data, const BatchProblem& problem, bool effect_columns) {
+  Linearization linear;
+  linear.blocks = problem.blocks();
+  if (effect_columns) linear.columns = effectColumnsOf(problem);
+  const auto& costs = problem.costs();
+  std::vector<Eigen::Index> first(costs.size() + 1, 0);
+  for (std::size_t i = 0; i < costs.size(); ++i) first[i + 1] = first[i] + costs[i]->num_residuals();
+  linear.residual.resize(first.back());
+  linear.rows.resize(static_cast<std::size_t>(first.back()));
+  linear.C.resize(first.back(), std::ssize(linear.columns));
+
+  // Each cost writes to places of its own, so that nothing depends on the number of threads.
+  std::vector<std::vector<Eigen::Triplet<double>>> entries(costs.size());
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem.unknowns());
+  tbb::parallel_for(std::size_t{0}, costs.size(), [&](std::size_t i) {
+    const BatchCost& cost = *costs[i];
+    Eigen::VectorXd r;
+    Eigen::MatrixXd J;
+    cost.compute(zero, r, &J);
+    linear.residual.segment(first[i], r.size()) = r;
+    Eigen::Index column = 0;
+    for (const std::size_t b : cost.blocks)
+      for (int c = 0; c < linear.blocks[b].size; ++c, ++column)
+        for (Eigen::Index k = 0; k < r.size(); ++k)
+          entries[i].emplace_back(static_cast<int>(first[i] + k), linear.blocks[b].column + c, J(k, column));
+    if (effect_columns) {
+      Eigen::MatrixXd all(r.size(), static_cast<Eigen::Index>(kEffectScalars));
+      cost.effectColumns(all);
+      for (std::size_t c = 0; c < linear.columns.size(); ++c)
+        linear.C.block(first[i], static_cast<Eigen::Index>(c), r.size(), 1) =
+            all.col(static_cast<Eigen::Index>(linear.columns[c].scalar));
+    }
+    RowInfo info = commonInfo(data, problem, cost.source);
+    info.reading = i;
+    info.robust_weight = cost.robustWeight(r);
+    const Eigen::VectorXd raw = cost.raw(r);
+    for (Eigen::Index k = 0; k < r.size(); ++k) {
+      info.component = static_cast<int>(k);
+      info.raw = raw[k];
+      if (info.marker >= 0) setCorner(info, data.markers[static_cast<std::size_t>(info.marker)]);
+      linear.rows[static_cast<std::size_t>(first[i] + k)] = info;
+    }
+  });
+  std::vector<Eigen::Triplet<double>> all;
+  for (const auto& list : entries) all.insert(all.end(), list.begin(), list.end());
+  linear.J.resize(first.back(), problem.unknowns());
+  linear.J.setFromTriplets(all.begin(), all.end());
+  findTracks(linear);
+  return linear;
+}
+
+void applyRobustWeights(Linearization& linear) {
+  Eigen::VectorXd root(linear.residual.size());
+  for (Eigen::Index i = 0; i < root.size(); ++i)
+    root[i] = std::sqrt(linear.rows[static_cast<std::size_t>(i)].robust_weight);
+  linear.residual.array() *= root.array();
+  linear.C.array().colwise() *= root.array();
+  linear.J = (root.asDiagonal() * linear.J).eval();
+}
+
+Projected projectOff(const Eigen::SparseMatrix<double>& J, const Eigen::MatrixXd& C,
+                     const Eigen::VectorXd& r) {
+  const Eigen::SparseMatrix<double> normal = J.transpose() * J;
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factors(
+      normal);
+  if (factors.info() != Eigen::Success) throw std::runtime_error("the nuisances' derivative lacks rank");
+  Projected projected;
+  const Eigen::MatrixXd along = factors.solve(J.transpose() * C);
+  projected.C_perp = C - J * along;
+  projected.gram = projected.C_perp.transpose() * projected.C_perp;
+  projected.score = projected.C_perp.transpose() * r;
+  return projected;
+}
+
+}  // namespace fathom

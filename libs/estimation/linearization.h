@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <string>
+#include <vector>
+
+#include "estimation/batch_problem.h"
+
+/// The batch estimate's residuals and their derivatives: what a diagnosis asks which effect is missing.
+namespace fathom {
+
+/// One residual. What is not of its kind is NaN, or -1.
+struct RowInfo {
+  BatchChannel channel = BatchChannel::prior;
+  int component = 0;         ///< axis x y z; of a marker x0 y0 x1 y1 …; of a prior, its row
+  double t_s = 0;            ///< stamp
+  std::size_t reading = 0;   ///< rows of one reading have this in common
+  int track = -1;            ///< index in Linearization::tracks; -1: a prior
+  double raw = 0;            ///< reading - prediction in the reading's unit
+  double robust_weight = 1;  ///< Huber's weight of its reading, on the squared residual
+
+  // The motion of the robot then.
+  double speed_m_s = 0, turn_rate_rad_s = 0, depth_m = 0;
+
+  // Of markers.
+  std::ptrdiff_t marker = -1;  ///< index in BatchData::markers
+  int marker_id = -1;
+  std::ptrdiff_t panel = -1, image = -1, eye = -1;
+  Vector2d pixel = Vector2d::Constant(kNone);  ///< the corner
+  double image_radius = kNone;   ///< its distance from the principal point over the focal length
+  double range_m = kNone;        ///< of the marker's centre
+  double incidence_rad = kNone;  ///< between the marker's normal and the line of sight
+
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// A continuous scalar of a registered effect.
+struct EffectColumn {
+  std::size_t effect = 0;  ///< in the registry
+  std::size_t scalar = 0;  ///< in EffectParameters::values
+  std::string name;        ///< "dvl-lever-arm.offset_m[0]"
+  double prior_sigma = 0;
+  bool estimated = false;  ///< its block is among the nuisances too
+};
+
+/// At an estimate: residual(x, c) = residual + J x + C c to first order. Whitened: a unit of the noise each.
+struct Linearization {
+  std::vector<RowInfo> rows;
+  Eigen::VectorXd residual;
+  /// By all unknowns of the problem: poses, biases, offset, panels, estimated effects. Priors are rows.
+  /// Columns are in an order that J^T J is factorized in without much fill.
+  Eigen::SparseMatrix<double> J;
+  std::vector<UnknownBlock> blocks;
+  /// By every continuous scalar of every registered effect, where it acts at its estimate, else at neutral.
+  /// Every row takes an effect's marker_id for its own marker's, time_s for long past and active_s for
+  /// always: a candidate (effect, marker, onset) is its columns with all other rows set to zero.
+  Eigen::MatrixXd C;
+  std::vector<EffectColumn> columns;
+  /// Rows of one sensor's axis, or of one coordinate of one marker's corner (and eye), in time order.
+  std::vector<std::vector<std::size_t>> tracks;
+};
+
+/// With effect columns, or without (C has none).
+Linearization linearize(const BatchData& data, const BatchProblem& problem, bool effect_columns = true);
+
+/// Multiplies each row by the root of its robust weight: what the estimate has minimized, to first order.
+void applyRobustWeights(Linearization& linear);
+
+/// What the nuisances leave of candidates and residual: (I - J (J^T J)^-1 J^T) C and its products. All may
+/// have been whitened further.
+struct Projected {
+  Eigen::MatrixXd C_perp;
+  Eigen::MatrixXd gram;   ///< C_perp^T C_perp
+  Eigen::VectorXd score;  ///< C_perp^T r
+};
+/// One sparse factorization of J^T J, natural order. Throws std::runtime_error where J lacks rank.
+Projected projectOff(const Eigen::SparseMatrix<double>& J, const Eigen::MatrixXd& C,
+                     const Eigen::VectorXd& r);
+
+}  // namespace fathom

@@ -1,0 +1,328 @@
+#include "estimation/readings.h"
+
+#include <ceres/jet.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "sensors/camera_geometry.h"
+#include "sensors/models.h"
+
+namespace fathom {
+namespace {
+
+/// What a sensor's model is called with.
+template <class T>
+struct Inputs {
+  KinematicState<T> state;
+  PanelPlacement<T> panel;
+  EffectParameters<T> effects;
+};
+
+template <class T>
+Vector3<T> cast(const Vector3d& v) {
+  return v.cast<T>();
+}
+
+/// `point`; as Jets, with derivatives by as many columns as they carry, from the first-th on.
+template <class T>
+Inputs<T> lift(const ForwardPoint& point, double t_s, const std::vector<int>& columns, std::size_t first) {
+  Inputs<T> in;
+  Vector3<T> moved[6], panel_moved[2];
+  for (auto& v : moved) v.setZero();
+  for (auto& v : panel_moved) v.setZero();
+  for (std::size_t i = 0; i < point.effects.size(); ++i) in.effects.values[i] = T(point.effects[i]);
+  in.effects.on = point.on;
+  if constexpr (!std::is_same_v<T, double>) {
+    for (int slot = 0; slot < T::DIMENSION && first + slot < columns.size(); ++slot) {
+      const int c = columns[first + static_cast<std::size_t>(slot)];
+      if (c < kPanelColumn)
+        moved[c / 3][c % 3].v[slot] = 1.0;
+      else if (c < kEffectColumn)
+        panel_moved[(c - kPanelColumn) / 3][c % 3].v[slot] = 1.0;
+      else
+        in.effects.values[static_cast<std::size_t>(c - kEffectColumn)].v[slot] = 1.0;
+    }
+  }
+  // A rotation by a zero vector with a derivative: its Jet is exact.
+  const auto turned = [](const Matrix3d& R, const Vector3<T>& r) {
+    return Matrix3<T>(R.template cast<T>() * expSO3<T>(r));
+  };
+  const Motion& m = point.motion;
+  auto& state = in.state;
+  state.position_odom = cast<T>(m.T_odom_robot.position) + moved[kPositionColumn / 3];
+  state.R_odom_robot = turned(m.T_odom_robot.rotation, moved[kOrientationColumn / 3]);
+  const Matrix3<T> R_robot_odom = state.R_odom_robot.transpose();
+  state.velocity_robot = R_robot_odom * (cast<T>(m.velocity_odom) + moved[kVelocityColumn / 3]);
+  state.acceleration_robot = R_robot_odom * (cast<T>(m.acceleration_odom) + moved[kAccelerationColumn / 3]);
+  state.angular_velocity_robot = cast<T>(m.rate_robot) + moved[kRateColumn / 3];
+  state.angular_acceleration_robot = cast<T>(m.rate_derivative_robot) + moved[kRateDerivativeColumn / 3];
+  in.panel = {t_s, cast<T>(point.T_odom_panel.position) + panel_moved[0],
+              turned(point.T_odom_panel.rotation, panel_moved[1])};
+  return in;
+}
+
+/// The motion where the effects say that it was seen: extrapolated(), and constant jerks too.
+template <class T, Sensor S>
+void carryOn(Inputs<T>& in, const ForwardPoint& point, double t_s) {
+  if (!anyActsAt<ValidityOffset<double, S>>(in.effects)) return;
+  const T seconds = validityOffset<S>(in.effects, t_s) - point.validity_s;
+  in.state = extrapolated(in.state, seconds);
+  in.state.acceleration_robot +=
+      in.state.R_odom_robot.transpose() * Vector3<T>(cast<T>(point.motion.jerk_odom) * seconds);
+  in.state.angular_acceleration_robot += cast<T>(point.motion.rate_second_derivative_robot) * seconds;
+}
+
+template <class... Stages>
+struct StageList {
+  template <class Effect>
+  static constexpr bool has() {
+    return (std::is_same_v<typename Effect::template Stage<double>, Stages> || ...);
+  }
+};
+
+/// Columns of three each, by their first.
+std::vector<int> triples(std::initializer_list<int> firsts) {
+  std::vector<int> columns;
+  for (const int first : firsts)
+    for (int i = 0; i < 3; ++i) columns.push_back(first + i);
+  return columns;
+}
+
+// Each sensor: when it is valid, what acts on it, what it depends on, and the call of its model.
+
+struct GyroReader {
+  static constexpr Sensor kSensor = Sensor::ins;
+  using Stages =
+      StageList<Mounting<double, Sensor::ins>, ValidityOffset<double, Sensor::ins>, GyroReading<double>>;
+  static std::vector<int> motion() { return triples({kOrientationColumn, kRateColumn}); }
+  Pose T_robot_ins;
+  double t_s;
+  template <class T>
+  Vector3<T> predict(const Inputs<T>& in) const {
+    return predictGyro(in.state, T_robot_ins, in.effects, t_s);
+  }
+};
+
+struct ForceReader {
+  static constexpr Sensor kSensor = Sensor::ins;
+  using Stages = StageList<Mounting<double, Sensor::ins>, ValidityOffset<double, Sensor::ins>,
+                           AccelerometerReading<double>>;
+  static std::vector<int> motion() {
+    return triples({kOrientationColumn, kAccelerationColumn, kRateColumn, kRateDerivativeColumn});
+  }
+  Pose T_robot_ins;
+  double t_s;
+  Vector3d gravity_odom;
+  template <class T>
+  Vector3<T> predict(const Inputs<T>& in) const {
+    return predictSpecificForce(in.state, World<T>{gravity_odom, T(0)}, T_robot_ins, in.effects, t_s);
+  }
+};
+
+struct AttitudeReader {
+  static constexpr Sensor kSensor = Sensor::ins;
+  using Stages = StageList<Mounting<double, Sensor::ins>, ValidityOffset<double, Sensor::ins>>;
+  static std::vector<int> motion() { return triples({kOrientationColumn}); }
+  Pose T_robot_ins;
+  double t_s;
+  Matrix3d R_odom_about;
+  template <class T>
+  Vector3<T> predict(const Inputs<T>& in) const {
+    return logSO3<T>(R_odom_about.transpose().cast<T>() *
+                     predictAttitude(in.state, T_robot_ins, in.effects, t_s));
+  }
+};
+
+struct DvlReader {
+  static constexpr Sensor kSensor = Sensor::dvl;
+  using Stages =
+      StageList<Mounting<double, Sensor::dvl>, ValidityOffset<double, Sensor::dvl>, DvlVelocity<double>>;
+  static std::vector<int> motion() { return triples({kOrientationColumn, kVelocityColumn, kRateColumn}); }
+  Pose T_robot_dvl;
+  double t_s;
+  template <class T>
+  Vector3<T> predict(const Inputs<T>& in) const {
+    return predictDvlVelocity(in.state, T_robot_dvl, in.effects, t_s);
+  }
+};
+
+struct PressureReader {
+  static constexpr Sensor kSensor = Sensor::depth;
+  using Stages = StageList<Mounting<double, Sensor::depth>, ValidityOffset<double, Sensor::depth>,
+                           SeaWater<double>, PressureReading<double>>;
+  static std::vector<int> motion() { return triples({kPositionColumn, kOrientationColumn}); }
+  DepthSheet sheet;
+  Pose T_robot_depth;
+  double t_s;
+  Vector3d gravity_odom;
+  template <class T>
+  Eigen::Matrix<T, 1, 1> predict(const Inputs<T>& in) const {
+    return Eigen::Matrix<T, 1, 1>(
+        predictPressure(in.state, World<T>{gravity_odom, T(0)}, sheet, T_robot_depth, in.effects, t_s));
+  }
+};
+
+struct UsblReader {
+  static constexpr Sensor kSensor = Sensor::depth;
+  using Stages = StageList<>;
+  static std::vector<int> motion() { return triples({kPositionColumn, kOrientationColumn}); }
+  Pose T_robot_usbl;
+  double t_s;
+  template <class T>
+  Vector3<T> predict(const Inputs<T>& in) const {
+    return predictUsbl(in.state, T_robot_usbl);
+  }
+};
+
+struct MarkerReader {
+  static constexpr Sensor kSensor = Sensor::camera;
+  using Stages =
+      StageList<Mounting<double, Sensor::camera>, ValidityOffset<double, Sensor::camera>, FlatPort<double>,
+                Intrinsics<double>, Shutter<double>, MarkerPlacement<double>, PanelPlacement<double>>;
+  static std::vector<int> motion() { return triples({kPositionColumn, kOrientationColumn}); }
+  BatchMarker seen;
+  double t_s;
+  template <class T>
+  Eigen::Matrix<T, 8, 1> predict(const Inputs<T>& in) const {
+    const auto corners = predictCorners(in.state, in.panel, seen.marker, seen.camera, seen.T_robot_camera,
+                                        in.effects, t_s, seen.T_left_right);
+    Eigen::Matrix<T, 8, 1> all;
+    for (Eigen::Index k = 0; k < 4; ++k)
+      all.template segment<2>(2 * k) = corners[static_cast<std::size_t>(k)];
+    return all;
+  }
+};
+
+struct AccelerationReader {
+  static constexpr Sensor kSensor = Sensor::ins;
+  using Stages = StageList<>;
+  static std::vector<int> motion() {
+    return triples({kOrientationColumn, kAccelerationColumn, kRateDerivativeColumn});
+  }
+  double t_s;
+  template <class T>
+  Eigen::Matrix<T, 6, 1> predict(const Inputs<T>& in) const {
+    Eigen::Matrix<T, 6, 1> both;
+    both << in.state.acceleration_robot, in.state.angular_acceleration_robot;
+    return both;
+  }
+};
+
+struct PoseReader {
+  static constexpr Sensor kSensor = Sensor::ins;
+  using Stages = StageList<>;
+  static std::vector<int> motion() { return triples({kPositionColumn, kOrientationColumn}); }
+  Pose T_odom_about;
+  double t_s;
+  template <class T>
+  Eigen::Matrix<T, 6, 1> predict(const Inputs<T>& in) const {
+    Eigen::Matrix<T, 6, 1> both;
+    both << in.state.position_odom,
+        logSO3<T>(in.state.R_odom_robot * T_odom_about.rotation.transpose().template cast<T>());
+    return both;
+  }
+};
+
+template <class Reader>
+class ModelOf final : public ReadingModel {
+ public:
+  explicit ModelOf(Reader reader) : reader_(std::move(reader)) {}
+
+  double validity_s(const ForwardPoint& point) const override {
+    EffectParameters<double> effects;
+    effects.values = point.effects;
+    effects.on = point.on;
+    return kMayBeLate ? validityOffset<Reader::kSensor>(effects, reader_.t_s) : 0.0;
+  }
+
+  Eigen::VectorXd predict(const ForwardPoint& point) const override {
+    return reader_.predict(inputs<double>(point, {}, 0));
+  }
+
+  Eigen::VectorXd differentiate(const ForwardPoint& point, const std::vector<int>& columns,
+                                Eigen::MatrixXd& derivative) const override {
+    constexpr int kStride = 8;  // columns at once
+    using Jet = ceres::Jet<double, kStride>;
+    Eigen::VectorXd prediction;
+    for (std::size_t first = 0; first < columns.size(); first += kStride) {
+      const auto jets = reader_.predict(inputs<Jet>(point, columns, first));
+      if (first == 0) {
+        prediction.resize(jets.size());
+        derivative.resize(jets.size(), static_cast<Eigen::Index>(columns.size()));
+        for (Eigen::Index i = 0; i < jets.size(); ++i) prediction[i] = jets[i].a;
+      }
+      const auto count =
+          std::min<Eigen::Index>(kStride, std::ssize(columns) - static_cast<Eigen::Index>(first));
+      for (Eigen::Index i = 0; i < jets.size(); ++i)
+        derivative.row(i).segment(static_cast<Eigen::Index>(first), count) =
+            jets[i].v.head(count).transpose();
+    }
+    return prediction;
+  }
+
+  const std::vector<int>& motionColumns() const override {
+    static const std::vector<int> columns = Reader::motion();
+    return columns;
+  }
+
+  bool dependsOn(std::size_t effect) const override {
+    static const std::bitset<kEffectCount> mask = [] {
+      std::bitset<kEffectCount> effects;
+      forEachEffect([&]<class Effect>() {
+        if (Reader::Stages::template has<Effect>()) effects.set(kEffectIndex<Effect>);
+      });
+      return effects;
+    }();
+    return mask[effect];
+  }
+
+ private:
+  /// Whether an effect on this reading may say that it is late.
+  static constexpr bool kMayBeLate = !std::is_same_v<typename Reader::Stages, StageList<>>;
+
+  template <class T>
+  Inputs<T> inputs(const ForwardPoint& point, const std::vector<int>& columns, std::size_t first) const {
+    Inputs<T> in = lift<T>(point, reader_.t_s, columns, first);
+    if constexpr (kMayBeLate) carryOn<T, Reader::kSensor>(in, point, reader_.t_s);
+    return in;
+  }
+
+  Reader reader_;
+};
+
+template <class Reader>
+std::unique_ptr<ReadingModel> model(Reader reader) {
+  return std::make_unique<ModelOf<Reader>>(std::move(reader));
+}
+
+}  // namespace
+
+std::unique_ptr<ReadingModel> gyroModel(const InsBin& bin) {
+  return model(GyroReader{bin.T_robot_ins, bin.t_s()});
+}
+std::unique_ptr<ReadingModel> forceModel(const InsBin& bin, const Vehicle& vehicle) {
+  return model(ForceReader{bin.T_robot_ins, bin.t_s(), vehicle.gravityOdom()});
+}
+std::unique_ptr<ReadingModel> attitudeModel(const InsBin& bin) {
+  return model(AttitudeReader{bin.T_robot_ins, bin.t_s(), bin.about});
+}
+std::unique_ptr<ReadingModel> dvlModel(const BatchDvl& reading) {
+  return model(DvlReader{reading.T_robot_dvl, reading.t_s});
+}
+std::unique_ptr<ReadingModel> pressureModel(const BatchPressure& reading, const Vehicle& vehicle) {
+  return model(
+      PressureReader{vehicle.depth.value(), reading.T_robot_depth, reading.t_s, vehicle.gravityOdom()});
+}
+std::unique_ptr<ReadingModel> usblModel(const BatchUsbl& reading, const Vehicle& vehicle) {
+  return model(UsblReader{vehicle.usbl ? vehicle.usbl->T_robot_usbl : Pose{}, reading.t_s});
+}
+std::unique_ptr<ReadingModel> markerModel(const BatchMarker& reading) {
+  return model(MarkerReader{reading, reading.t_s});
+}
+std::unique_ptr<ReadingModel> accelerationModel(double t_s) { return model(AccelerationReader{t_s}); }
+std::unique_ptr<ReadingModel> poseModel(const Pose& T_odom_robot, double t_s) {
+  return model(PoseReader{T_odom_robot, t_s});
+}
+
+}  // namespace fathom

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <bitset>
+#include <memory>
+#include <vector>
+
+#include "effects/registry.h"
+#include "estimation/batch_data.h"
+#include "estimation/motion.h"
+
+/// What each reading of a batch should have been, and how that changes with motion, panel and effects: the
+/// forward model of libs/sensors, differentiated.
+namespace fathom {
+
+inline constexpr std::size_t kEffectScalars = kEffectOffsets[kEffectCount];
+
+/// Columns of a prediction's derivative: the motion's (MotionColumn), the panel's pose (position in odom, m;
+/// rotation vector in panel axes, rad), then the scalars of all effects.
+inline constexpr int kPanelColumn = kMotionSize;
+inline constexpr int kEffectColumn = kPanelColumn + 6;
+
+/// All that a prediction depends on.
+struct ForwardPoint {
+  Motion motion;
+  /// The motion is that at the stamp + so much. Where the effects' validity is another one it is carried on,
+  /// at constant jerk.
+  double validity_s = 0.0;
+  Pose T_odom_panel;
+  std::array<double, kEffectScalars> effects{};
+  std::bitset<kEffectCount> on;  ///< those that act, and those by which is differentiated
+};
+
+/// The model of one reading.
+class ReadingModel {
+ public:
+  virtual ~ReadingModel() = default;
+
+  /// When it was valid, as these effects have it: seconds after its stamp.
+  virtual double validity_s(const ForwardPoint& effects) const = 0;
+  virtual Eigen::VectorXd predict(const ForwardPoint& point) const = 0;
+  /// The same, and its derivative by the columns asked for.
+  virtual Eigen::VectorXd differentiate(const ForwardPoint& point, const std::vector<int>& columns,
+                                        Eigen::MatrixXd& derivative) const = 0;
+  /// The motion's columns that it depends on where no effect carries the motion on (a latency, a shutter).
+  virtual const std::vector<int>& motionColumns() const = 0;
+  /// Whether this effect can change it.
+  virtual bool dependsOn(std::size_t effect) const = 0;
+};
+
+std::unique_ptr<ReadingModel> gyroModel(const InsBin& bin);
+std::unique_ptr<ReadingModel> forceModel(const InsBin& bin, const Vehicle& vehicle);
+/// Rotation vector from `about`.
+std::unique_ptr<ReadingModel> attitudeModel(const InsBin& bin);
+std::unique_ptr<ReadingModel> dvlModel(const BatchDvl& reading);
+std::unique_ptr<ReadingModel> pressureModel(const BatchPressure& reading, const Vehicle& vehicle);
+std::unique_ptr<ReadingModel> usblModel(const BatchUsbl& reading, const Vehicle& vehicle);
+/// x0, y0, x1, …; not finite where a corner is behind the camera.
+std::unique_ptr<ReadingModel> markerModel(const BatchMarker& reading);
+/// Acceleration in odom and angular acceleration, both in robot axes: what a vehicle does little of.
+std::unique_ptr<ReadingModel> accelerationModel(double t_s);
+/// Position, and the rotation vector from a reference attitude in odom axes, of which z is the heading.
+std::unique_ptr<ReadingModel> poseModel(const Pose& T_odom_robot, double t_s);
+
+}  // namespace fathom

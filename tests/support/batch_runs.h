@@ -1,0 +1,124 @@
+#pragma once
+
+#include <memory>
+
+#include "estimation/batch_estimate.h"
+#include "estimation/linearization.h"
+#include "sensors/camera_geometry.h"
+#include "simulation/navigation_simulator.h"
+#include "support/detections.h"
+#include "support/motions.h"
+#include "support/shipped.h"
+#include "support/streams.h"
+
+/// Recordings for the batch estimate: navigation sensors simulated, markers' corners straight from the
+/// camera's forward model, without an image.
+namespace fathom::test {
+
+/// 2 to 4 m before a panel at x = 6 m: turning, sidling, diving; a second a period of the fastest part.
+inline Pose beforePanel(double t) {
+  return {rotationFromYawPitchRoll(0.25 * std::sin(0.43 * t), 0.1 * std::sin(0.61 * t),
+                                   0.12 * std::sin(0.83 * t + 0.4)),
+          Vector3d(3.0 + 0.8 * std::sin(0.29 * t), 0.9 * std::sin(0.37 * t + 1.0),
+                   -4.0 + 0.5 * std::sin(0.47 * t))};
+}
+
+inline Trajectory pathBeforePanel(double duration_s) {
+  const auto times_s = timesBetween(0, duration_s, 0.1);
+  std::vector<Pose> poses(times_s.size());
+  std::transform(times_s.begin(), times_s.end(), poses.begin(), beforePanel);
+  return {times_s, poses};
+}
+
+struct BatchRun {
+  Vehicle vehicle;
+  EffectParameters<double> effects;  ///< what is true
+  double duration_s;
+  bool noise = true;
+  double corner_sigma_px = 0.15;
+  std::uint64_t seed = 1;
+  PanelMap panel;  ///< as the map has it
+
+  explicit BatchRun(double seconds = 40.0);
+
+  std::vector<Sample> samples() const;
+  Detections detections() const;
+  BatchInput input(const EffectParameters<double>& calibration = {}) const;
+  /// The robot's pose t_s after the first entry.
+  Pose truth(double t_s) const {
+    const auto state = path_.at(kBegin_s + t_s);
+    return {state.R_odom_robot, state.position_odom};
+  }
+
+ private:
+  static constexpr double kBegin_s = 4.0;  ///< the path's own beginning has no acceleration
+  SimulationOptions options() const;
+  Trajectory path_;
+};
+
+inline BatchRun::BatchRun(double seconds) : duration_s(seconds), path_(pathBeforePanel(seconds + 10.0)) {
+  vehicle = readVehicle(kRov);
+  panel = gridPanel(4, 3);
+  panel.name = "grid";
+  panel.T_odom_panel = {rotationFromYawPitchRoll(radians(-90), 0, radians(90)), {6.0, 0.0, -4.0}};
+}
+
+inline SimulationOptions BatchRun::options() const {
+  SimulationOptions simulation;
+  simulation.vehicle = vehicle;
+  simulation.effects = effects;
+  simulation.sea_floor_z_m = -9.0;
+  simulation.seed = seed;
+  simulation.noise = noise;
+  simulation.begin_s = kBegin_s;
+  simulation.duration_s = duration_s;
+  simulation.images = true;
+  return simulation;
+}
+
+inline std::vector<Sample> BatchRun::samples() const {
+  std::vector<Sample> samples;
+  simulateNavigation(options(), path_, [&](const Sample& sample) { samples.push_back(sample); });
+  return samples;
+}
+
+inline Detections BatchRun::detections() const {
+  Detections detections;
+  if (!vehicle.camera) return detections;
+  const SimulationOptions simulation = options();
+  const CameraSheet& sheet = *vehicle.camera;
+  Random random = Random::stream(seed, 77);
+  const Matrix8d C = cornerCovariance(corner_sigma_px);
+  const Matrix8d root = C.llt().matrixL();
+  for (std::size_t image = 0;; ++image) {
+    const double t_s = secondsBetween(simulation.start, imageTime(simulation, image));
+    if (t_s > duration_s) return detections;
+    const auto state = path_.at(simulation.begin_s + t_s + validityOffset<Sensor::camera>(effects, t_s));
+    auto& found = detections.by_file["/images/" + imageFiles(sheet, {}, image)[0]];
+    for (const Marker& marker : panel.markers) {
+      const auto corners = predictCorners(state, nominalPlacement<double>(panel.T_odom_panel, t_s), marker,
+                                          sheet.model, sheet.T_robot_camera, effects, t_s);
+      Vector8d error;
+      for (double& e : error) e = noise ? random.normal() : 0.0;
+      error = root * error;
+      const bool visible = std::all_of(corners.begin(), corners.end(),
+                                       [&](const Vector2d& c) { return sheet.model.contains(c); });
+      if (!visible) continue;
+      Detection detection;
+      detection.family = marker.family;
+      detection.id = marker.id;
+      detection.covariance_px2 = C;
+      for (std::size_t k = 0; k < 4; ++k)
+        detection.corners_px[k] = corners[k] + error.segment<2>(static_cast<Eigen::Index>(2 * k));
+      found.push_back(detection);
+    }
+  }
+}
+
+inline BatchInput BatchRun::input(const EffectParameters<double>& calibration) const {
+  const std::vector<Sample> all = samples();
+  return batchInput([&]() -> std::unique_ptr<SampleSource> { return std::make_unique<ListSource>(all); },
+                    detections(), vehicle, {panel}, calibration);
+}
+
+}  // namespace fathom::test

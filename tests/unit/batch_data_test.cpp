@@ -1,0 +1,92 @@
+#include "estimation/batch_data.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "estimation/filter_start.h"
+#include "support/batch_runs.h"
+
+namespace fathom {
+namespace {
+
+using test::at;
+
+Vehicle withAttitude() {
+  Vehicle vehicle = readVehicle(test::kRov);
+  vehicle.ins->attitude_sigma_rad = 0.01;
+  return vehicle;
+}
+
+// Two nodes make the mean of a quadratic exact, whatever the samples' times.
+TEST(BatchData, NodesAverageAQuadraticAsTheSamplesDo) {
+  Random random(1);
+  const auto quadratic = [](double t) { return Vector3d(1 + 2 * t - 3 * t * t, t, t * t); };
+  std::vector<Sample> samples;
+  for (double t = 0.0; t < 1.0; t += random.uniform(0.005, 0.03)) {
+    InsSample ins;
+    const double stamp_s = secondsBetween(at(0), at(t));
+    ins.angular_velocity_ins = quadratic(stamp_s);
+    ins.specific_force_ins = quadratic(stamp_s);
+    ins.R_odom_ins = expSO3<double>(Vector3d(0, 0, 0.3 * stamp_s));
+    samples.push_back({at(t), labels::kIns, ins});
+  }
+  test::ListSource source(samples);
+  const BatchData data = collectBatch(source, {}, withAttitude(), {});
+  ASSERT_EQ(data.gyro.size(), 5u);
+  int total = 0;
+  for (const InsBin& bin : data.gyro) {
+    const Vector3d by_nodes = 0.5 * (quadratic(bin.node_s[0]) + quadratic(bin.node_s[1]));
+    EXPECT_LT((bin.mean - by_nodes).norm(), 1e-12);
+    EXPECT_GE(bin.node_s[0], std::floor(bin.t_s() / 0.2) * 0.2);
+    total += bin.samples;
+  }
+  EXPECT_EQ(total, std::ssize(samples));
+  for (const InsBin& bin : data.attitude) {  // a steady turn: the mean rotation is that at the mean time
+    const Matrix3d mean = bin.about * expSO3<double>(bin.mean);
+    EXPECT_LT(angleBetween(mean, expSO3<double>(Vector3d(0, 0, 0.3 * bin.t_s()))), 1e-7);
+  }
+}
+
+TEST(BatchData, LeavesOutAndCountsWhatIsNone) {
+  InsSample wrong;
+  wrong.angular_velocity_ins = Vector3d(1, 2, std::nan(""));
+  DvlSample good, lost, mad;
+  good.velocity_dvl = Vector3d(1, 0, 0);
+  mad.velocity_dvl = Vector3d(1000, 0, 0);
+  test::ListSource source({{at(0), labels::kIns, wrong},
+                           {at(0.1), labels::kDvl, good},
+                           {at(0.2), labels::kDvl, lost},
+                           {at(0.3), labels::kDvl, mad},
+                           {at(0.1), labels::kDvl, good}});
+  const BatchData data = collectBatch(source, {}, readVehicle(test::kRov), {});
+  EXPECT_TRUE(data.gyro.empty());
+  ASSERT_EQ(data.dvl.size(), 2u);
+  EXPECT_NEAR(data.dvl[0].t_s, 0.1, 1e-9);
+  EXPECT_EQ(data.left_out.at("not-a-number"), 1u);
+  EXPECT_EQ(data.left_out.at("impossible"), 1u);
+  EXPECT_EQ(data.left_out.at("DVL without bottom lock"), 1u);
+}
+
+TEST(BatchData, TakesMarkersThatAMapHas) {
+  test::BatchRun run(3.0);
+  std::vector<Sample> samples = run.samples();
+  Detections detections = run.detections();
+  const std::size_t seen = detections.markerCount();
+  auto& first = detections.by_file.begin()->second;
+  first[0].id = 999;
+  first[1].corners_px[2].x() = std::nan("");
+  first[2].covariance_px2.setZero();
+  test::ListSource source(samples);
+  const BatchData data = collectBatch(source, detections, run.vehicle, {run.panel});
+  EXPECT_EQ(data.markers.size(), seen - 3);
+  EXPECT_EQ(data.left_out.at("marker that no map has"), 1u);
+  EXPECT_EQ(data.left_out.at("marker with corners or a covariance that are none"), 2u);
+  EXPECT_EQ(data.markers.back().image, 3u);
+  EXPECT_NEAR(data.last_s, 3.0, 1e-6);
+
+  test::ListSource nothing({{at(0), labels::kDepth, DepthSample{{}, 1e5, {}}}});
+  EXPECT_THROW(collectBatch(nothing, {}, run.vehicle, {run.panel}), Error);
+}
+
+}  // namespace
+}  // namespace fathom

@@ -1,0 +1,188 @@
+#include "estimation/linearization.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+
+#include "core/random.h"
+#include "effects/catalogue.h"
+#include "estimation/selected_inverse.h"
+#include "support/batch_runs.h"
+
+namespace fathom {
+namespace {
+
+/// Sparse rows, each joining three neighbours and now and then the last column.
+Eigen::SparseMatrix<double> randomRows(int rows, int columns, Random& random) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < rows; ++i) {
+    const int first = static_cast<int>(random.bits() % static_cast<std::uint64_t>(columns - 2));
+    for (int c = 0; c < 3; ++c) entries.emplace_back(i, first + c, random.normal());
+    if (random.uniform() < 0.3) entries.emplace_back(i, columns - 1, random.normal());
+  }
+  for (int c = 0; c < columns; ++c) entries.emplace_back(c, c, 1.0);
+  Eigen::SparseMatrix<double> J(rows, columns);
+  J.setFromTriplets(entries.begin(), entries.end());
+  return J;
+}
+
+TEST(SelectedInverse, IsTheDenseInverseWhereItIsKept) {
+  Random random(1);
+  const Eigen::SparseMatrix<double> J = randomRows(120, 40, random);
+  const Eigen::SparseMatrix<double> normal = J.transpose() * J;
+  const Eigen::MatrixXd dense = Eigen::MatrixXd(normal).inverse();
+  const SelectedInverse selected(normal.triangularView<Eigen::Lower>());
+  int compared = 0;
+  for (int c = 0; c < normal.outerSize(); ++c)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(normal, c); it; ++it, ++compared)
+      EXPECT_NEAR(selected(it.row(), it.col()), dense(it.row(), it.col()), 1e-12);
+  EXPECT_GT(compared, 150);
+  const std::vector<Eigen::Index> some{5, 39, 6};
+  EXPECT_NEAR(selected.block(some)(1, 0), dense(39, 5), 1e-12);
+  EXPECT_THROW(SelectedInverse(Eigen::SparseMatrix<double>(3, 3)), std::runtime_error);
+}
+
+TEST(ProjectOff, IsWhatDenseAlgebraSays) {
+  Random random(2);
+  const Eigen::SparseMatrix<double> J = randomRows(90, 30, random);
+  Eigen::MatrixXd C(90, 4);
+  for (double& c : C.reshaped()) c = random.normal();
+  C.col(3) = J * Eigen::VectorXd::LinSpaced(30, -1, 1);  // what the nuisances can take over wholly
+  Eigen::VectorXd r(90);
+  for (double& e : r) e = random.normal();
+  const Eigen::MatrixXd D(J);
+  const Eigen::MatrixXd P =
+      Eigen::MatrixXd::Identity(90, 90) - D * (D.transpose() * D).inverse() * D.transpose();
+  const Projected projected = projectOff(J, C, r);
+  EXPECT_LT((projected.C_perp - P * C).norm(), 1e-11);
+  EXPECT_LT((projected.gram - C.transpose() * P * C).norm(), 1e-10);
+  EXPECT_LT((projected.score - C.transpose() * P * r).norm(), 1e-10);
+  EXPECT_LT(projected.C_perp.col(3).norm(), 1e-10);
+}
+
+/// A short run with noise, its estimate, and an uncertain panel.
+struct LinearRun {
+  test::BatchRun run{6.0};
+  BatchInput input;
+  BatchOptions options;
+  BatchEstimate estimate;
+
+  LinearRun() {
+    run.panel.position_sigma_m = 0.05;
+    run.panel.angle_sigma_rad = 0.01;
+    input = run.input();
+    options.calibration.on.set(kEffectIndex<DvlScale>).set(kEffectIndex<CameraLatency>);
+    options.problem.estimate = options.calibration.on;
+    estimate = estimateBatch(input.data, input.start, options);
+  }
+};
+
+Eigen::VectorXd residuals(const BatchProblem& problem, const Eigen::VectorXd& x) {
+  std::vector<double> all;
+  for (const auto& cost : problem.costs()) {
+    Eigen::VectorXd r;
+    cost->compute(x, r, nullptr);
+    all.insert(all.end(), r.begin(), r.end());
+  }
+  return Eigen::Map<Eigen::VectorXd>(all.data(), std::ssize(all));
+}
+
+TEST(Linearization, NuisancesDerivativeIsThatOfDifferences) {
+  const LinearRun linear_run;
+  ASSERT_TRUE(linear_run.estimate.succeeded) << linear_run.estimate.failure;
+  const auto problem = problemAt(linear_run.input.data, linear_run.estimate, linear_run.options);
+  const Linearization linear = linearize(linear_run.input.data, *problem);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem->unknowns());
+  EXPECT_LT((residuals(*problem, zero) - linear.residual).norm(), 1e-9);  // Jets round otherwise
+  // Every unknown in turn would take long: directions that mix all of them find a wrong entry as well.
+  Random random(3);
+  for (int k = 0; k < 10; ++k) {
+    Eigen::VectorXd direction(problem->unknowns());
+    for (const UnknownBlock& block : problem->blocks())
+      for (int i = 0; i < block.size; ++i) {
+        const double typical = block.kind == UnknownBlock::Kind::pressure_offset ? 1.0 : 1e-4;
+        direction[block.column + i] = typical * random.normal();
+      }
+    const Eigen::VectorXd change = 0.5 * (residuals(*problem, direction) - residuals(*problem, -direction));
+    const Eigen::VectorXd expected = linear.J * direction;
+    EXPECT_LT((change - expected).norm(), 1e-5 * expected.norm()) << k;
+  }
+}
+
+// A column of C is the change of all residuals where its effect acts: seen by switching the effect on.
+TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
+  const LinearRun linear_run;
+  const BatchData& data = linear_run.input.data;
+  const auto problem = problemAt(data, linear_run.estimate, linear_run.options);
+  const Linearization linear = linearize(data, *problem);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem->unknowns());
+  const int marker_id = data.markers.front().marker.id;
+  std::size_t columns_seen = 0;
+  for (std::size_t c = 0; c < linear.columns.size(); ++c) {
+    const EffectColumn& column = linear.columns[c];
+    const bool of_marker = column.effect == kEffectIndex<MarkerMoved>;
+    const double h = 1e-3 * column.prior_sigma;
+    Eigen::VectorXd ends[2];
+    for (const int sign : {0, 1}) {
+      BatchEstimate moved = linear_run.estimate;
+      EffectParameters<double>& effects = moved.state.effects;
+      if (of_marker) *effects.of<MarkerMoved>() = marker_id;
+      effects.on.set(column.effect);
+      effects.values[column.scalar] += sign == 0 ? -h : h;
+      const auto there = problemAt(data, moved, linear_run.options);
+      ends[sign] = residuals(*there, zero);
+    }
+    Eigen::VectorXd expected = linear.C.col(static_cast<Eigen::Index>(c)),
+                    found = (ends[1] - ends[0]) / (2 * h);
+    for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(i);
+      if (of_marker && linear.rows[i].marker_id != marker_id) expected[at] = 0;
+      if (linear.rows[i].channel == BatchChannel::prior) found[at] = 0;  // its own prior, where estimated
+    }
+    // A latency's derivative at a new base is the motion elsewhere: the spline's next derivative times h. A
+    // port's tilt changes nothing where it has no thickness: differences of rounding.
+    EXPECT_LT((found - expected).norm(), 1e-4 * expected.norm() + 1e-7) << column.name;
+    if (expected.norm() > 1e-3) ++columns_seen;
+  }
+  EXPECT_EQ(columns_seen + 2, linear.columns.size());
+}
+
+TEST(Linearization, RowsSayWhatTheyAre) {
+  const LinearRun linear_run;
+  const BatchData& data = linear_run.input.data;
+  const auto problem = problemAt(data, linear_run.estimate, linear_run.options);
+  const Linearization linear = linearize(data, *problem);
+  std::size_t in_tracks = 0, priors = 0;
+  for (const auto& track : linear.tracks) {
+    in_tracks += track.size();
+    for (std::size_t i = 1; i < track.size(); ++i) {
+      const RowInfo &a = linear.rows[track[i - 1]], &b = linear.rows[track[i]];
+      EXPECT_LT(a.t_s, b.t_s);
+      EXPECT_EQ(a.channel, b.channel);
+      EXPECT_EQ(a.marker_id, b.marker_id);
+      EXPECT_EQ(a.component, b.component);
+    }
+  }
+  for (const RowInfo& row : linear.rows) {
+    if (row.channel == BatchChannel::prior) ++priors;
+    if (row.channel != BatchChannel::markers) continue;
+    const BatchMarker& seen = data.markers[static_cast<std::size_t>(row.marker)];
+    EXPECT_EQ(row.pixel, seen.detection.corners_px[static_cast<std::size_t>(row.component / 2)]);
+    const Pose T_odom_camera = linear_run.run.truth(row.t_s) * seen.T_robot_camera;
+    const Pose T_odom_marker = linear_run.run.panel.T_odom_panel * seen.marker.T_panel_marker;
+    EXPECT_NEAR(row.range_m, (T_odom_camera.position - T_odom_marker.position).norm(), 0.05);
+    const Vector3d sight = (T_odom_camera.position - T_odom_marker.position).normalized();
+    EXPECT_NEAR(std::cos(row.incidence_rad), sight.dot(T_odom_marker.rotation.col(2)), 0.02);
+    EXPECT_NEAR(row.depth_m, -linear_run.run.truth(row.t_s).position.z(), 0.05);
+  }
+  EXPECT_EQ(in_tracks + priors, linear.rows.size());
+  // At a minimum the weighted residual is at right angles to all nuisances: gradient against its terms.
+  Linearization weighted = linear;
+  applyRobustWeights(weighted);
+  const Eigen::VectorXd gradient = weighted.J.transpose() * weighted.residual;
+  const Eigen::VectorXd scale = weighted.J.cwiseAbs().transpose() * weighted.residual.cwiseAbs();
+  EXPECT_LT(gradient.cwiseQuotient(scale.cwiseMax(1e-9)).cwiseAbs().maxCoeff(), 0.05);
+}
+
+}  // namespace
+}  // namespace fathom
