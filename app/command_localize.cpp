@@ -66,7 +66,7 @@ void warnOfLoss(const RecordingStory& story) {
 }
 
 /// One task, in full.
-void print(const RecordingStory& recording, const TaskStory& story) {
+void printStory(const RecordingStory& recording, const TaskStory& story) {
   std::cout << "start: " << story.summary.start_source << "\n\n" << formatTable(channelTable(story.summary));
   for (const auto& [kind, count] : story.summary.event_counts)
     if (kind != "start") std::cout << kind << ": " << count << " times\n";
@@ -86,7 +86,7 @@ void print(const RecordingStory& recording, const TaskStory& story) {
 }
 
 /// Several tasks, side by side.
-void print(const LocalizedRecording& recording) {
+void printStory(const LocalizedRecording& recording) {
   const RecordingStory& story = *recording.story;
   std::cout << story.image_times.size() << " images, markers seen in " << story.marker_poses.size() << "\n\n"
             << formatTable(taskTable(recording)) << "\n";
@@ -100,9 +100,9 @@ void localizeOne(const RecordingJob& job) {
   warnOfLoss(*done.story);
   for (const std::string& remark : done.story->remarks) std::cout << "note: " << remark << "\n";
   if (done.tasks.size() == 1)
-    print(*done.story, done.tasks[0]->story());
+    printStory(*done.story, done.tasks[0]->story());
   else
-    print(done);
+    printStory(done);
   std::cout << "\nwrote " << (job.folder / "report.html").string() << ", result.json, "
             << job.chain.rawlog.stem().string() << "_results.rawlog";
   if (done.tasks.size() == 1)

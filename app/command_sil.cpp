@@ -79,7 +79,7 @@ void sil(const SilCommandOptions& options, const RunContext& context) {
   story.options.detection.families = familiesOf(world.panels);
   if (story.options.detection.families.empty()) throw Error(story.map, "markers", "there are none");
   if (options.backend == nameOf(Backend::apriltag)) story.options.detection.backend = Backend::apriltag;
-  PairMeasurer{options.sil.measures};  // complains of unknown ones before anything takes long
+  const PairMeasurer known(options.sil.measures);  // complains of others before anything takes long
 
   const fs::path folder = options.folder;
   const PosedImages images = posedImages(options.recording, world.panels, story.options.detection);

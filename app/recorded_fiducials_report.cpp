@@ -75,7 +75,7 @@ bool anyTruth(const RecordedFiducialsStory& story) {
   return false;
 }
 
-std::string percent(double share) { return fixed(100.0 * share, 1); }
+std::string perCent(double share) { return fixed(100.0 * share, 1); }
 
 // ---- files
 
@@ -217,8 +217,8 @@ Table readerTable(const RecordedFiducialsStory& story) {
     table.rows.push_back(
         {story.options.readers[i].name(), std::to_string(total.images), std::to_string(total.detections),
          fixed(total.perImage(), 2), story.options.map ? std::to_string(total.not_on_map) : "-",
-         truth ? std::to_string(s.visible()) : "-", percent(s.detectionRate()),
-         truth ? percent(low) + " to " + percent(high) : "-", truth ? std::to_string(s.wrong()) : "-",
+         truth ? std::to_string(s.visible()) : "-", perCent(s.detectionRate()),
+         truth ? perCent(low) + " to " + perCent(high) : "-", truth ? std::to_string(s.wrong()) : "-",
          fixed(s.cornerRms_px(), 3), fixed(1e3 * s.medianPositionError_m(), 2),
          fixed(degrees(s.medianAngleError_rad()), 3), fixed(total.detect_ms(), 2)});
   }
@@ -229,7 +229,7 @@ Table agreementTable(const RecordedFiducialsStory& story) {
   Table table{{"first", "second", "both", "only first", "only second", "both [%]", "corners apart [px]"}, {}};
   for (const PairTotal& t : pairTotals(story))
     table.rows.push_back({t.first, t.second, std::to_string(t.both), std::to_string(t.only_first),
-                          std::to_string(t.only_second), percent(t.share()), fixed(t.cornerRms_px(), 3)});
+                          std::to_string(t.only_second), perCent(t.share()), fixed(t.cornerRms_px(), 3)});
   return table;
 }
 

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
 /// Since the recording's first image, paired or not.
 double seconds(const SilStory& story, const Time& time) {
@@ -64,7 +64,7 @@ std::string regionText(const SilStory& story) {
 // ---- files
 
 /// RFC 4180.
-std::string quoted(const std::string& text) {
+std::string csvField(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string result = "\"";
   for (const char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
@@ -78,7 +78,7 @@ std::string measuresCsv(const SilStory& story) {
   text += "\n";
   for (const auto& [posed, record] : story.results.pairs) {
     text += print("%.6f,%.6f,%zu,", seconds(story, posed.time), toUnixSeconds(posed.time), posed.number) +
-            quoted(posed.image.file.filename().string()) +
+            csvField(posed.image.file.filename().string()) +
             print(",%.5f,%.3f,%.5f", record.range_m, degrees(record.view_angle_rad), record.panel_share);
     for (const auto& value : record.values) text += value ? print(",%.6g", *value) : ",";
     text += "\n";
@@ -90,11 +90,11 @@ std::string unpairedCsv(const SilStory& story) {
   std::string text = "time_s,unix_time_s,number,file,why\n";
   for (const UnposedImage& image : story.results.unpaired)
     text += print("%.6f,%.6f,%zu,", seconds(story, image.time), toUnixSeconds(image.time), image.number) +
-            quoted(image.file.filename().string()) + "," + quoted(image.why) + "\n";
+            csvField(image.file.filename().string()) + "," + csvField(image.why) + "\n";
   return text;
 }
 
-Json jsonOf(const ErrorSummary& summary) {
+Json jsonOfSummary(const ErrorSummary& summary) {
   return {{"count", summary.count},
           {"mean", summary.mean},
           {"sigma", summary.sigma},
@@ -121,7 +121,7 @@ Json jsonOf(const SilStory& story) {
     Json& entry = json["measures"][results.columns[i].name];
     entry["unit"] = results.columns[i].unit;
     entry["better"] = results.columns[i].better == Better::higher ? "higher" : "lower";
-    entry.update(jsonOf(summaryOf(valuesOf(story, i))));
+    entry.update(jsonOfSummary(summaryOf(valuesOf(story, i))));
   }
   for (std::size_t i = 0; i < results.measures.size(); ++i)
     for (const auto& [why, count] : unmeasured(story, i))
@@ -140,7 +140,7 @@ Plot plotOf(const SilStory& story, std::size_t column, bool over_range) {
   Series series{.style = Series::Style::kPoints};
   for (const auto& [posed, record] : story.results.pairs) {
     series.x.push_back(over_range ? record.range_m : seconds(story, posed.time));
-    series.y.push_back(record.values[column].value_or(kNothing));
+    series.y.push_back(record.values[column].value_or(kNoValue));
   }
   plot.height_px = 300;
   plot.series.push_back(std::move(series));
@@ -202,7 +202,7 @@ HtmlReport reportOf(const SilStory& story) {
   return report;
 }
 
-void writeSheet(const fs::path& file, const cv::Mat& sheet) {
+void writeSilSheet(const fs::path& file, const cv::Mat& sheet) {
   std::vector<unsigned char> png;
   if (!cv::imencode(".png", sheet, png)) throw Error(file.string(), "", "cannot be encoded");
   writeTextFile(file, std::string(png.begin(), png.end()));
@@ -216,7 +216,7 @@ Table measureTable(const SilStory& story) {
     const SilColumn& column = story.results.columns[i];
     const std::vector<double> values = valuesOf(story, i);
     const ErrorSummary summary = summaryOf(values);
-    const double smallest = values.empty() ? kNothing : *std::min_element(values.begin(), values.end());
+    const double smallest = values.empty() ? kNoValue : *std::min_element(values.begin(), values.end());
     table.rows.push_back({nameWithUnit(column, " [", "]"),
                           column.better == Better::higher ? "higher" : "lower", std::to_string(summary.count),
                           fixed(summary.mean, 4), fixed(summary.sigma, 4), fixed(summary.median, 4),
@@ -234,7 +234,7 @@ Table unpairedTable(const SilStory& story) {
 void writeOutputs(const SilStory& story, const fs::path& folder) {
   writeTextFile(folder / "measures.csv", measuresCsv(story));
   writeTextFile(folder / "unpaired.csv", unpairedCsv(story));
-  writeSheet(folder / "contact_sheet.png", story.sheet);
+  writeSilSheet(folder / "contact_sheet.png", story.sheet);
   writeJson(folder / "result.json", jsonOf(story));
   reportOf(story).write(folder / "report.html");
 }

@@ -68,7 +68,7 @@ struct PairMaker::Optics {
       : model((sheet.model = camera, sheet), world.environment.water, world.effects) {
     for (int v = 0; v < camera.height_px; ++v)
       for (int u = 0; u < camera.width_px; ++u)
-        rays_camera.push_back(camera.rayAt(Vector2d(u, v)).cast<float>());
+        rays_camera.emplace_back(camera.rayAt(Vector2d(u, v)).cast<float>());
   }
 };
 
@@ -108,7 +108,7 @@ const PairMaker::Optics& PairMaker::opticsOf(const CameraModel& camera) const {
 PairMaker::Tools& PairMaker::toolsFor(const CameraModel& camera) const {
   auto& tools = threads_->tools.local()[fingerprintOf(camera)];
   if (!tools) {
-    tools.reset(new Tools{Renderer(camera), detectorFor(camera, detection_), {}});
+    tools = std::make_unique<Tools>(Tools{Renderer(camera), detectorFor(camera, detection_), {}});
     tools->renderer.setScene(scene_odom_);
   }
   return *tools;

@@ -1,17 +1,28 @@
 #include "sil/pair_video.h"
 
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "core/error.h"
 
 namespace fathom {
 
+PairVideo::PairVideo(std::filesystem::path file) : file_(std::move(file)), part_(file_) {
+  part_.replace_extension(".part.avi");
+}
+
+PairVideo::~PairVideo() {
+  writer_.release();
+  std::error_code absent;
+  std::filesystem::remove(part_, absent);
+}
+
 void PairVideo::write(const cv::Mat& picture_bgr) {
   if (!writer_.isOpened()) {
     size_ = picture_bgr.size();
-    if (!writer_.open(file_.path().string(), cv::CAP_OPENCV_MJPEG,
-                      cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), kPicturesPerSecond, size_))
-      throw Error(file_.target().string(), "", "cannot be written");
+    if (!writer_.open(part_.string(), cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
+                      kPicturesPerSecond, size_))
+      throw Error(file_.string(), "", "cannot be written");
   }
   cv::Mat fitting = picture_bgr;
   if (picture_bgr.size() != size_) cv::resize(picture_bgr, fitting, size_, 0, 0, cv::INTER_AREA);
@@ -21,7 +32,9 @@ void PairVideo::write(const cv::Mat& picture_bgr) {
 void PairVideo::finish() {
   if (!writer_.isOpened()) return;
   writer_.release();
-  file_.commit();
+  std::error_code problem;
+  std::filesystem::rename(part_, file_, problem);
+  if (problem) throw Error(file_.string(), "", "cannot be written: " + problem.message());
 }
 
 }  // namespace fathom

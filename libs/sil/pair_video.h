@@ -4,8 +4,6 @@
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "core/files.h"
-
 namespace fathom {
 
 /// Pictures as a film that every player opens: Motion JPEG in AVI, by OpenCV's own encoder, so no codec is
@@ -14,7 +12,10 @@ class PairVideo {
  public:
   static constexpr double kPicturesPerSecond = 10;
 
-  explicit PairVideo(const std::filesystem::path& file) : file_(file) {}
+  explicit PairVideo(std::filesystem::path file);
+  ~PairVideo();  ///< without finish(): what has been written is removed
+  PairVideo(const PairVideo&) = delete;
+  PairVideo& operator=(const PairVideo&) = delete;
 
   /// All of one size; of another, it is scaled to the first one's. Throws Error where the file cannot be
   /// written.
@@ -23,7 +24,7 @@ class PairVideo {
   void finish();
 
  private:
-  PendingFile file_;
+  std::filesystem::path file_, part_;  ///< not a PendingFile: the encoder wants a name that ends in .avi
   cv::VideoWriter writer_;
   cv::Size size_;
 };

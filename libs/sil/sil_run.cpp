@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kLongestVideo = 3000;  // pictures: five minutes, some 300 MB
-constexpr int kVideoWidth_px = 480;          // of each of the three
+constexpr int kVideoWidth_px = 400;          // of each of the three
 constexpr int kSheetTile_px = 400;
 
 // ---- what all pairs depend on

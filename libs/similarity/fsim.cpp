@@ -109,7 +109,7 @@ std::optional<std::string> FsimComparer::whyNot(const cv::Mat& image) {
 
 std::optional<std::string> FsimComparer::whyNot(const cv::Mat& reference, const cv::Mat& image) {
   for (const auto& one : {reference, image})
-    if (const auto why = whyNot(one)) return why;
+    if (auto why = whyNot(one)) return why;
   if (reference.size() != image.size())
     return "the image is of " + sizeText(image) + " pixels, the reference of " + sizeText(reference);
   return std::nullopt;

@@ -27,7 +27,7 @@ std::string whyUnusable(const cv::Mat& image, const std::string& name) {
   return "";
 }
 
-std::string sizeText(const cv::Mat& image) {
+std::string pixelSize(const cv::Mat& image) {
   return std::to_string(image.cols) + " x " + std::to_string(image.rows);
 }
 
@@ -43,11 +43,11 @@ const RegisteredMeasure& measureNamed(const std::string& id) {
 }  // namespace
 
 std::string whyNotComparable(const ImagePair& pair) {
-  if (const auto why = whyUnusable(pair.recorded, "recorded"); !why.empty()) return why;
-  if (const auto why = whyUnusable(pair.simulated, "simulated"); !why.empty()) return why;
+  if (auto why = whyUnusable(pair.recorded, "recorded"); !why.empty()) return why;
+  if (auto why = whyUnusable(pair.simulated, "simulated"); !why.empty()) return why;
   if (pair.recorded.size() != pair.simulated.size())
-    return "the recorded image is of " + sizeText(pair.recorded) + " pixels, the simulated one of " +
-           sizeText(pair.simulated);
+    return "the recorded image is of " + pixelSize(pair.recorded) + " pixels, the simulated one of " +
+           pixelSize(pair.simulated);
   return "";
 }
 

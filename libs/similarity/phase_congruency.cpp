@@ -4,9 +4,12 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <vector>
+
+#include "similarity/wide_vectors.h"
 
 namespace fathom {
 namespace {
@@ -77,12 +80,14 @@ bool isFlat(const cv::Mat& image) {
 
 /// Scaled so that the inverse transform needs no scale. The mean plays no part; without it single precision
 /// goes further.
-cv::Mat spectrumOf(const cv::Mat& luminance) {
+SplitImage spectrumOf(const cv::Mat& luminance) {
   cv::Mat centred, spectrum;
   luminance.convertTo(centred, CV_32F, 1, -cv::mean(luminance)[0]);
   cv::dft(centred, spectrum, cv::DFT_COMPLEX_OUTPUT);
   spectrum *= 1.0 / static_cast<double>(luminance.total());
-  return spectrum;
+  std::array<cv::Mat, 2> parts;
+  cv::split(spectrum, parts.data());
+  return {parts[0], parts[1]};
 }
 
 /// The mean of the two middle ones of an even count. The order of non-negative floats is that of their bits:
@@ -106,31 +111,35 @@ float median(const std::vector<float>& values) {
   return values.size() % 2 == 1 ? upper : 0.5F * (atRank(values.size() / 2 - 1) + upper);
 }
 
+/// The even (real) and odd (imaginary) answers of an orientation's filters, fine to coarse.
+using Responses = std::array<SplitImage, PhaseCongruency::kScales>;
+
 /// Adds an orientation's energy above the noise, and its amplitudes. The energy is the sum over scales of a
 /// response's part along the mean phase, less its part across.
-void accumulate(const std::array<cv::Mat, PhaseCongruency::kScales>& responses, float noise, cv::Mat& energy,
-                cv::Mat& amplitude) {
-  const auto count = static_cast<std::ptrdiff_t>(energy.total());
-  const auto *a = responses[0].ptr<float>(), *b = responses[1].ptr<float>(), *c = responses[2].ptr<float>(),
-             *d = responses[3].ptr<float>();
+FATHOM_WIDE_VECTORS void accumulate(const Responses& responses, float noise, cv::Mat& energy,
+                                    cv::Mat& amplitude) {
+  const auto *e0 = responses[0].real.ptr<float>(), *o0 = responses[0].imaginary.ptr<float>(),
+             *e1 = responses[1].real.ptr<float>(), *o1 = responses[1].imaginary.ptr<float>(),
+             *e2 = responses[2].real.ptr<float>(), *o2 = responses[2].imaginary.ptr<float>(),
+             *e3 = responses[3].real.ptr<float>(), *o3 = responses[3].imaginary.ptr<float>();
   auto *energies = energy.ptr<float>(), *amplitudes = amplitude.ptr<float>();
+  const auto count = static_cast<std::ptrdiff_t>(energy.total());
+  FATHOM_INDEPENDENT
   for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const float a0 = a[2 * i], a1 = a[2 * i + 1], b0 = b[2 * i], b1 = b[2 * i + 1];
-    const float c0 = c[2 * i], c1 = c[2 * i + 1], d0 = d[2 * i], d1 = d[2 * i + 1];
-    amplitudes[i] += std::sqrt(a0 * a0 + a1 * a1) + std::sqrt(b0 * b0 + b1 * b1) +
-                     std::sqrt(c0 * c0 + c1 * c1) + std::sqrt(d0 * d0 + d1 * d1);
-    const float even = a0 + b0 + c0 + d0, odd = a1 + b1 + c1 + d1;
-    const float squared = even * even + odd * odd;
-    const float across = std::abs(a0 * odd - a1 * even) + std::abs(b0 * odd - b1 * even) +
-                         std::abs(c0 * odd - c1 * even) + std::abs(d0 * odd - d1 * even);
+    amplitudes[i] += std::sqrt(e0[i] * e0[i] + o0[i] * o0[i]) + std::sqrt(e1[i] * e1[i] + o1[i] * o1[i]) +
+                     std::sqrt(e2[i] * e2[i] + o2[i] * o2[i]) + std::sqrt(e3[i] * e3[i] + o3[i] * o3[i]);
+    const float e = e0[i] + e1[i] + e2[i] + e3[i], o = o0[i] + o1[i] + o2[i] + o3[i];
+    const float across = std::abs(e0[i] * o - o0[i] * e) + std::abs(e1[i] * o - o1[i] * e) +
+                         std::abs(e2[i] * o - o2[i] * e) + std::abs(e3[i] * o - o3[i] * e);
+    const float squared = e * e + o * o;
     const float in_phase = (squared - across) / (std::sqrt(squared) + kLeastEnergy);
-    energies[i] += std::max(in_phase - noise, 0.0F);
+    energies[i] += in_phase > noise ? in_phase - noise : 0.0F;
   }
 }
 
 }  // namespace
 
-PhaseCongruency::PhaseCongruency(const cv::Size& size) : size_(size), noise_per_median_{} {
+PhaseCongruency::PhaseCongruency(const cv::Size& size) : size_(size), transform_(size), noise_per_median_{} {
   if (size.width < 2 || size.height < 2) throw std::invalid_argument("too small for phase congruency");
   std::array<cv::Mat, kScales> radial;
   for (int s = 0; s < kScales; ++s) {
@@ -154,44 +163,26 @@ PhaseCongruency::PhaseCongruency(const cv::Size& size) : size_(size), noise_per_
 cv::Mat PhaseCongruency::of(const cv::Mat& luminance) const {
   if (luminance.size() != size_ || luminance.type() != CV_32FC1)
     throw std::invalid_argument("phase congruency: an image of another size or type");
-  cv::Mat energy = cv::Mat::zeros(size_, CV_32FC1);
-  if (isFlat(luminance)) return energy;
-  cv::Mat amplitude = cv::Mat::zeros(size_, CV_32FC1);
-  const cv::Mat spectrum = spectrumOf(luminance);
+  if (isFlat(luminance)) return cv::Mat::zeros(size_, CV_32FC1);
+  const SplitImage spectrum = spectrumOf(luminance);
+  // Transposed, as the transforms leave them.
+  cv::Mat energy = cv::Mat::zeros(size_.width, size_.height, CV_32FC1), amplitude = energy.clone();
+  FilteredTransform::Workspace work = transform_.workspace();
   Responses responses;
   for (int o = 0; o < kOrientations; ++o) {
-    respond(spectrum, o, responses);
+    for (std::size_t s = 0; s < kScales; ++s)
+      transform_.run(spectrum, radial_[s], angular_[static_cast<std::size_t>(o)], work, responses[s]);
     accumulate(responses, noiseEnergy(responses[0], o), energy, amplitude);
   }
-  auto* congruency = energy.ptr<float>();
-  const auto* whole = amplitude.ptr<float>();
-  for (std::size_t i = 0; i < energy.total(); ++i)
-    congruency[i] = whole[i] > 0.0F ? congruency[i] / whole[i] : 0.0F;
-  return energy;
+  // Each response's energy is at most its amplitude: where that is zero, so are both.
+  amplitude = cv::max(amplitude, std::numeric_limits<float>::min());
+  return cv::Mat((energy / amplitude).t());
 }
 
-void PhaseCongruency::respond(const cv::Mat& spectrum, int orientation, Responses& responses) const {
-  const auto* angular = angular_[static_cast<std::size_t>(orientation)].ptr<float>();
-  const auto* from = spectrum.ptr<float>();
-  const auto count = static_cast<std::ptrdiff_t>(spectrum.total());
-  for (std::size_t s = 0; s < kScales; ++s) {
-    responses[s].create(size_, CV_32FC2);
-    const auto* radial = radial_[s].ptr<float>();
-    auto* to = responses[s].ptr<float>();
-    for (std::ptrdiff_t i = 0; i < count; ++i) {
-      const float filter = radial[i] * angular[i];
-      to[2 * i] = filter * from[2 * i];
-      to[2 * i + 1] = filter * from[2 * i + 1];
-    }
-    cv::dft(responses[s], responses[s], cv::DFT_INVERSE);
-  }
-}
-
-float PhaseCongruency::noiseEnergy(const cv::Mat& finest, int orientation) const {
-  std::vector<float> energies(finest.total());
-  const auto* response = finest.ptr<float>();
-  for (std::size_t i = 0; i < energies.size(); ++i)
-    energies[i] = response[2 * i] * response[2 * i] + response[2 * i + 1] * response[2 * i + 1];
+float PhaseCongruency::noiseEnergy(const SplitImage& finest, int orientation) const {
+  std::vector<float> energies(finest.real.total());
+  const auto *even = finest.real.ptr<float>(), *odd = finest.imaginary.ptr<float>();
+  for (std::size_t i = 0; i < energies.size(); ++i) energies[i] = even[i] * even[i] + odd[i] * odd[i];
   return static_cast<float>(noise_per_median_[static_cast<std::size_t>(orientation)]) *
          std::sqrt(median(energies));
 }

@@ -3,6 +3,8 @@
 #include <array>
 #include <opencv2/core.hpp>
 
+#include "similarity/inverse_transform.h"
+
 namespace fathom {
 
 /// Phase congruency: how well the waves that make up an image agree in phase at a pixel, from 0 (nothing
@@ -16,7 +18,8 @@ namespace fathom {
 /// scale. The image counts as periodic.
 ///
 /// Made once for a size. Const and without hidden state, so threads may share one; a map is the same whoever
-/// makes it. Single precision: within 1e-4 of the same in double, see tests/unit/fsim_test.cpp.
+/// makes it. In single precision: within 1e-4 of double's where there is texture; where an image is plain but
+/// for a few pixels, rounding is all there is to see at most places.
 class PhaseCongruency {
  public:
   static constexpr int kScales = 4, kOrientations = 4;
@@ -31,12 +34,10 @@ class PhaseCongruency {
   cv::Mat of(const cv::Mat& luminance) const;
 
  private:
-  using Responses = std::array<cv::Mat, kScales>;  ///< CV_32FC2: even and odd
-
-  void respond(const cv::Mat& spectrum, int orientation, Responses& responses) const;
-  float noiseEnergy(const cv::Mat& finest, int orientation) const;
+  float noiseEnergy(const SplitImage& finest, int orientation) const;
 
   cv::Size size_;
+  FilteredTransform transform_;
   std::array<cv::Mat, kScales> radial_;                 ///< CV_32FC1, of a frequency's length
   std::array<cv::Mat, kOrientations> angular_;          ///< CV_32FC1, of its direction
   std::array<double, kOrientations> noise_per_median_;  ///< T per root of the finest scale's median energy

@@ -39,7 +39,7 @@ inline RecordingFiles simulateForSil(const std::filesystem::path& folder,
   model.height_px /= 2;
   for (double* value : {&model.fx_px, &model.fy_px, &model.cx_px, &model.cy_px}) *value /= 2;
   options.begin_s = 5;
-  options.duration_s = wanted.images - 1;
+  options.duration_s = wanted.images - 0.5;
   options.noise = wanted.noise;
   return simulateRecording(options, readTrajectory(folder / "station.yaml"),
                            {folder, "r", kRov, kDexrovMap, "a test", readEnvironment(kSilWater)});

@@ -66,6 +66,16 @@ TEST(ImageFile, BmpOfAnImpossibleSizeOrCompressedIsRefused) {
   EXPECT_NE(changed(30, 1).find("compressed"), std::string::npos);
 }
 
+TEST(ImageFile, ABmpsChangedHeaderIsRefusedOrRead) {
+  const std::string whole = encoded(".bmp");
+  for (std::size_t at = 0; at < 54; ++at)
+    for (const int change : {0x01, 0x20, 0x80, 0xff}) {
+      std::string damaged = whole;
+      damaged[at] = static_cast<char>(damaged[at] ^ change);
+      whyRefused(damaged);  // throws nothing but Error
+    }
+}
+
 TEST(ImageFile, JpegIsRead) { EXPECT_EQ(whyRefused(encoded(".jpg")), ""); }
 
 TEST(ImageFile, EveryTruncationIsSeen) {

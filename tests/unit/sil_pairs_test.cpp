@@ -24,7 +24,7 @@ PairOptions withoutNoise() {
 }
 
 /// What making this pair complains of.
-std::string complaint(const PairMaker& maker, const PosedImage& posed) {
+std::string pairComplaint(const PairMaker& maker, const PosedImage& posed) {
   try {
     maker.make(posed);
   } catch (const Error& error) {
@@ -124,17 +124,19 @@ TEST(SilPairs, OtherPosesAreRefused) {
   const auto recording = test::simulateForSil(test::scratchFolder(), {.images = 1});
   const PosedImage posed = posedIn(recording).posed.at(0);
   const PairMaker maker(test::silWorld(), {}, test::silDetection());
-  EXPECT_EQ(complaint(maker, posed), "");
+  EXPECT_EQ(pairComplaint(maker, posed), "");
   const auto turned = [&](double yaw_rad, bool markers) {
     PosedImage other = posed;
     other.T_odom_robot.pose.rotation *= rotationFromYawPitchRoll(yaw_rad, 0, 0);
     other.T_odom_camera = other.T_odom_robot.pose * other.T_robot_camera;
     if (!markers) other.detections.clear();
-    return complaint(maker, other);
+    return pairComplaint(maker, other);
   };
-  // 0.2 rad are 0.2 * 278 px and, away from the image's middle, some more.
-  EXPECT_EQ(turned(0.2, true).find("the pose is not this image's: its markers lie 5"), 0U)
-      << turned(0.2, true);
+  // 0.2 rad are 0.2 * 278 px, and the camera, 0.35 m ahead, moves aside by 0.07 m, 1.6 m from the panel: 12
+  // px.
+  const std::string why = turned(0.2, true), before = "the pose is not this image's: its markers lie ";
+  ASSERT_TRUE(why.starts_with(before)) << why;
+  EXPECT_NEAR(std::stod(why.substr(before.size())), 68, 5) << why;
   EXPECT_EQ(turned(3, true), "the pose is not this image's: its markers lie behind the camera");
   EXPECT_EQ(turned(3, false), "no panel is in view from where it was taken");
 }
@@ -144,11 +146,11 @@ TEST(SilPairs, OtherImagesAreRefused) {
   const PosedImage posed = posedIn(recording).posed.at(0);
   const PairMaker maker(test::silWorld(), {}, test::silDetection());
   overwrite(posed.image.file, cv::Mat(480, 640, CV_8UC3, cv::Scalar(40, 50, 60)));
-  EXPECT_EQ(complaint(maker, posed), "is of 640 x 480 pixels, its camera of 320 x 240");
+  EXPECT_EQ(pairComplaint(maker, posed), "is of 640 x 480 pixels, its camera of 320 x 240");
   overwrite(posed.image.file, cv::Mat(240, 320, CV_8UC3, cv::Scalar(255, 255, 255)));
-  EXPECT_NE(complaint(maker, posed).find("saturated"), std::string::npos);
+  EXPECT_NE(pairComplaint(maker, posed).find("saturated"), std::string::npos);
   fs::remove(posed.image.file);
-  EXPECT_NE(complaint(maker, posed), "");
+  EXPECT_NE(pairComplaint(maker, posed), "");
 }
 
 TEST(SilPairs, ResidualPictureShowsWhichIsBrighter) {

@@ -89,7 +89,7 @@ TEST(SilRun, MeasuresARecordingOfItsOwnWorldAsAlike) {
 
   cv::VideoCapture video((folder / "out/r_pairs.avi").string());
   EXPECT_EQ(static_cast<int>(video.get(cv::CAP_PROP_FRAME_COUNT)), 3);
-  EXPECT_EQ(static_cast<int>(video.get(cv::CAP_PROP_FRAME_WIDTH)), 3 * 480);
+  EXPECT_EQ(static_cast<int>(video.get(cv::CAP_PROP_FRAME_WIDTH)), 3 * 400);
 }
 
 TEST(SilRun, LeavesTheSameBytesHoweverOftenItWasCutShortAndOnHoweverManyThreads) {
