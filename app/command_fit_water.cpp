@@ -31,7 +31,7 @@ WaterFitOptions::Gain gainNamed(const std::string& name) {
 }
 
 Environment defaultWater(const std::string& file) {
-  const Environment environment = readEnvironment(file);
+  Environment environment = readEnvironment(file);
   if (environment.lamps_irradiance_1m)
     throw Error(file, "lamps_irradiance_1m",
                 "water is fitted in daylight only; take a default without lamps");

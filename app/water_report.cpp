@@ -360,7 +360,7 @@ Table panelPoseTable(const WaterStory& story) {
 
 fs::path writeOutputs(const WaterStory& story, const fs::path& folder) {
   const fs::path name = fs::path(story.recording).stem();
-  const fs::path water_file = folder / (name.string() + "_water.yaml");
+  fs::path water_file = folder / (name.string() + "_water.yaml");
   const WaterCandidate& water = story.study.recommendedWater();
   const std::string text = formatEnvironment(
       water.environment, "Water and light of " + fs::path(story.recording).filename().string() + " (" +

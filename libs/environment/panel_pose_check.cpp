@@ -40,9 +40,11 @@ std::vector<TruePose> truePoses(const fs::path& rawlog, const std::vector<PosedI
 MeanScore meanError(const std::vector<PanelViewResult>& results, const PanelPoseCheck& check,
                     PanelPoseError PanelViewResult::*method, double PanelPoseError::*measure) {
   std::vector<double> errors;
+  const auto counts = [&](const PanelViewResult& result) {
+    return (result.*method).exists() && !result.ambiguous;
+  };
   for (std::size_t i = 0; i < results.size(); ++i)
-    if ((check.expected[i].*method).exists() && (check.measured[i].*method).exists())
-      errors.push_back(results[i].*method.*measure);
+    if (counts(check.expected[i]) && counts(check.measured[i])) errors.push_back(results[i].*method.*measure);
   return meanOf(errors);
 }
 

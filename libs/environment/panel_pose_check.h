@@ -11,7 +11,8 @@ namespace fathom {
 /// finds at the very views of the recording, and the one that the recording's own images have against its
 /// truth.
 struct PanelPoseCheck {
-  /// Of the same views, in order; those where either has no pose do not count below.
+  /// Of the same views, in order; those where either has no pose, or says that it is
+  /// ambiguous, do not count below.
   std::vector<PanelViewResult> expected, measured;
 
   MeanScore joint(const std::vector<PanelViewResult>& results, double PanelPoseError::*measure) const;

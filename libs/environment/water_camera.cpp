@@ -35,7 +35,7 @@ cv::Mat WaterCamera::image(const View& clean, const Environment& environment, st
   const cv::Mat scene = clean.radiance.mul(cv::Scalar(ambient[0], ambient[1], ambient[2]));
   Random noise = Random::stream(seed_, noiseStream(number));
   const cv::Mat light = model_.in(environment.water).light(scene, clean.range_m) * std::exp(log_gain);
-  const cv::Mat image = model_.expose(light, &noise);
+  cv::Mat image = model_.expose(light, &noise);
   if (!jpeg_quality_) return image;
   std::vector<unsigned char> bytes;
   cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, *jpeg_quality_});
@@ -48,7 +48,7 @@ std::optional<int> jpegQuality(const std::filesystem::path& file) {
   if (bytes.size() < 4 || byte(0) != 0xff || byte(1) != 0xd8) return std::nullopt;
   // Segments, each 0xff, kind, length; that of tables (0xdb) begins with the luminance table's number, 0.
   for (std::size_t at = 2; at + 4 < bytes.size() && byte(at) == 0xff;) {
-    const auto length = static_cast<std::size_t>(256 * byte(at + 2) + byte(at + 3));
+    const auto length = 256 * static_cast<std::size_t>(byte(at + 2)) + static_cast<std::size_t>(byte(at + 3));
     if (byte(at + 1) == 0xdb && byte(at + 4) == 0 && at + 69 <= bytes.size()) {
       int sum = 0;
       for (std::size_t i = 0; i < 64; ++i) sum += byte(at + 5 + i);

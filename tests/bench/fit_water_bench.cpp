@@ -24,7 +24,7 @@ int main() {
   const auto folder = std::filesystem::temp_directory_path() / "fathom-fit-water-bench";
   SimulationOptions options;
   options.vehicle = readVehicle(test::kConfig / "trial_rov.yaml");
-  options.duration_s = 40;
+  options.duration_s = 45;
   const RecordingFiles recording =
       simulateRecording(options, readTrajectory(test::kConfig / "trial_trajectory.yaml"),
                         {folder, "bench", test::kConfig / "trial_rov.yaml", test::kDexrovMap, "a bench",
@@ -35,7 +35,8 @@ int main() {
   world.vehicle = options.vehicle;
   const PairMaker maker(world, {}, test::silDetection());
   std::vector<std::size_t> some;
-  for (std::size_t i = 0; i < 50 && i < images.posed.size(); ++i) some.push_back(i);
+  // The nearest, with the most patches.
+  for (std::size_t i = images.posed.size() - 50; i < images.posed.size(); ++i) some.push_back(i);
   maker.clean(images.posed.front());  // tools are made once
 
   SynchronizedImages pairs;

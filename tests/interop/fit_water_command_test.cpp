@@ -12,12 +12,11 @@ namespace {
 namespace fs = std::filesystem;
 
 test::ProgramResult fitWaterOf(const RecordingFiles& recording, const fs::path& out,
-                               const std::string& more = "") {
-  const fs::path water = test::kConfig / "water_clear.yaml";
+                               const fs::path& water = test::kConfig / "water_clear.yaml") {
   return test::runFathom("fit-water " + test::shellQuoted(recording.rawlog.string()) + " --water " +
                          test::shellQuoted(water.string()) +
                          " --search-steps 6 --images 12 --held-out 4 --out " +
-                         test::shellQuoted(out.string()) + " " + more);
+                         test::shellQuoted(out.string()));
 }
 
 TEST(FitWaterCommand, WritesAWaterThatSimulateTakes) {
@@ -60,8 +59,7 @@ TEST(FitWaterCommand, WhatCannotBeFittedIsOneLine) {
   test::expectBadInput(fitWaterOf(near, folder / "out"), "only ");
   const fs::path lamps = folder / "lamps.yaml";
   writeTextFile(lamps, readTextFile(test::kSilWater) + "lamps_irradiance_1m: [1, 1, 1]\n");
-  test::expectBadInput(fitWaterOf(near, folder / "out", "--water " + test::shellQuoted(lamps.string())),
-                       "water is fitted in daylight only");
+  test::expectBadInput(fitWaterOf(near, folder / "out", lamps), "water is fitted in daylight only");
   for (int i = 0; i < 2; ++i) {
     const fs::path image = near.images / ("CAMERA_000" + std::to_string(i) + ".png");
     cv::imwrite(image.string(), cv::Mat(100, 100, CV_8UC3, cv::Scalar(9, 9, 9)));

@@ -144,7 +144,7 @@ TEST(ViewStudio, ShowsMarkersWhereTheViewHasThem) {
   EXPECT_THROW(ViewStudio(dexrov(), blind, water), std::invalid_argument);
 }
 
-TEST(Views, AViewIsFoundFromItsPose) {
+TEST(CameraView, AViewIsFoundFromItsPose) {
   for (std::uint64_t k = 0; k < 20; ++k) {
     const CameraView view = drawView({}, 3, k);
     const Pose pose = viewOf(view.T_panel_camera()).T_panel_camera();
