@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
+#include "core/text.h"
 #include "fiducials/detector.h"
 #include "fiducials/image_file.h"
 #include "panel/marker_family.h"
@@ -83,14 +84,6 @@ void checkSize(const std::string& file, const cv::Mat& image, const std::optiona
                   size(camera->width_px, camera->height_px));
 }
 
-/// As RFC 4180 has it, where a name needs it.
-std::string csvField(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
-
 void writeRow(const std::string& image, const Detection& detection, std::ostream& csv) {
   csv << csvField(image) << ',' << detection.id << std::fixed << std::setprecision(4);
   for (const Vector2d& corner : detection.corners_px) csv << ',' << corner.x() << ',' << corner.y();
@@ -140,7 +133,9 @@ void addDetect(const RunContext& context) {
       "markers.csv\n"
       "  fathom detect turbid.png --family DICT_ARUCO_ORIGINAL --preprocess clahe --fallback");
   const auto options = std::make_shared<DetectOptions>();
-  command->add_option("IMAGE", options->images, "PNG, JPEG or BMP images")->required()->type_name(values::kFile);
+  command->add_option("IMAGE", options->images, "PNG, JPEG or BMP images")
+      ->required()
+      ->type_name(values::kFile);
   command->add_option("--family", options->families, "Marker families, separated by commas")
       ->required()
       ->delimiter(',')

@@ -18,13 +18,6 @@ struct FitWaterOptions {
   WaterStudyOptions study;
 };
 
-std::string found(const std::optional<fs::path>& file, const std::string& recording, const char* what,
-                  const char* option) {
-  if (file) return file->string();
-  throw Error(recording, "",
-              std::string("names no ") + what + " in its first comment; give one with " + option);
-}
-
 WaterFitOptions::Gain gainNamed(const std::string& name) {
   if (name == "on") return WaterFitOptions::Gain::fitted;
   return name == "off" ? WaterFitOptions::Gain::fixed : WaterFitOptions::Gain::detected;
@@ -38,7 +31,7 @@ Environment defaultWater(const std::string& file) {
   return environment;
 }
 
-void print(const WaterStory& story, const fs::path& water, const fs::path& folder) {
+void printStory(const WaterStory& story, const fs::path& water, const fs::path& folder) {
   const WaterStudy& study = story.study;
   for (const std::string& remark : story.remarks) std::cout << remark << "\n";
   std::cout << study.fit.images << " images fitted, " << study.fit.patches << " patches, "
@@ -60,10 +53,8 @@ void fitWaterTo(const FitWaterOptions& options, const RunContext& context) {
                    .study = {},
                    .remarks = {}};
   const RecordingHeader header = RawlogReader(options.recording).header();
-  story.vehicle = found(vehicleFile(options.vehicle, options.recording, header), options.recording,
-                        "vehicle file", "--vehicle");
-  story.map =
-      found(panelMapFile(options.map, options.recording, header), options.recording, "panel map", "--map");
+  story.vehicle = neededVehicleFile(options.vehicle, options.recording, header);
+  story.map = neededPanelMapFile(options.map, options.recording, header);
   SilWorld world{readVehicle(story.vehicle),
                  readPanelMaps(story.map),
                  defaultWater(options.water),
@@ -85,7 +76,7 @@ void fitWaterTo(const FitWaterOptions& options, const RunContext& context) {
   story.study = studyWater(options.recording, images, maker, how);
   const auto& more = story.study.remarks;
   story.remarks.insert(story.remarks.end(), more.begin(), more.end());
-  print(story, writeOutputs(story, options.folder), options.folder);
+  printStory(story, writeOutputs(story, options.folder), options.folder);
 }
 
 }  // namespace

@@ -24,13 +24,6 @@ struct SilCommandOptions {
   SilOptions sil;
 };
 
-fs::path found(const std::optional<fs::path>& file, const std::string& recording, const char* what,
-               const char* option) {
-  if (file) return *file;
-  throw Error(recording, "",
-              std::string("names no ") + what + " in its first comment; give one with " + option);
-}
-
 std::optional<KnownSeaFloor> seaFloor(const SilCommandOptions& options) {
   if (options.sea_floor_z_m) return KnownSeaFloor{*options.sea_floor_z_m, options.sand_seed};
   return seaFloorOf(options.recording);
@@ -62,10 +55,8 @@ void sil(const SilCommandOptions& options, const RunContext& context) {
                  .remarks = {},
                  .sheet = {}};
   const RecordingHeader header = RawlogReader(options.recording).header();
-  story.vehicle = found(vehicleFile(options.vehicle, options.recording, header), options.recording,
-                        "vehicle file", "--vehicle");
-  story.map =
-      found(panelMapFile(options.map, options.recording, header), options.recording, "panel map", "--map");
+  story.vehicle = neededVehicleFile(options.vehicle, options.recording, header);
+  story.map = neededPanelMapFile(options.map, options.recording, header);
   story.options.pairs.noise = !options.no_noise;
   story.options.video = !options.no_video;
 

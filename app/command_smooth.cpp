@@ -70,16 +70,13 @@ void smooth(const SmoothOptions& options, const RunContext& context) {
     return std::make_unique<RecordingSource>(options.rawlog);
   };
   const RecordingHeader header = open()->header();
-  const auto vehicle = vehicleFile(options.vehicle, options.rawlog, header);
-  if (!vehicle)
-    throw Error(options.rawlog.string(), "",
-                "names no vehicle file in its first comment; give one with --vehicle");
+  const fs::path vehicle = neededVehicleFile(options.vehicle, options.rawlog, header);
   const auto map = panelMapFile(options.map, options.rawlog, header);
   const std::vector<PanelMap> panels = map ? readPanelMaps(*map) : std::vector<PanelMap>{};
   BatchOptions batch;
   readEffects(options, batch);
   const Detections detections = findMarkers(options.rawlog, panels, recording.remarks);
-  recording.input = batchInput(open, detections, readVehicle(*vehicle), panels, batch.calibration,
+  recording.input = batchInput(open, detections, readVehicle(vehicle), panels, batch.calibration,
                                startPose(options.start, options.rawlog, {}));
   recording.estimate = estimateBatch(recording.input.data, recording.input.start, batch);
   if (!recording.estimate.succeeded) throw Error(options.rawlog.string(), "", recording.estimate.failure);

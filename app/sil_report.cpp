@@ -63,14 +63,6 @@ std::string regionText(const SilStory& story) {
 
 // ---- files
 
-/// RFC 4180.
-std::string csvField(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
-  return result + "\"";
-}
-
 std::string measuresCsv(const SilStory& story) {
   std::string text = "time_s,unix_time_s,number,file,range_m,view_angle_deg,panel_share";
   for (const SilColumn& column : story.results.columns)

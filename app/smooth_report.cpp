@@ -18,8 +18,6 @@ std::string nameOfScalar(const EffectEstimate& estimate) {
   return {};
 }
 
-nlohmann::ordered_json toJson(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
 nlohmann::ordered_json effectsJson(const BatchEstimate& estimate) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const EffectEstimate& e : estimate.effects)
@@ -54,10 +52,10 @@ nlohmann::ordered_json toJson(const SmoothedRecording& recording) {
                                  {"down_weighted_rows", r.down_weighted}};
   if (!e.state.bias.empty()) {
     const Vector6d &bias = e.state.bias.back(), &sigma = e.bias_sigma.back();
-    json["final_bias"] = {{"gyro_rad_s", toJson(bias.head<3>())},
-                          {"gyro_sigma_rad_s", toJson(sigma.head<3>())},
-                          {"accelerometer_m_s2", toJson(bias.tail<3>())},
-                          {"accelerometer_sigma_m_s2", toJson(sigma.tail<3>())}};
+    json["final_bias"] = {{"gyro_rad_s", vectorJson(bias.head<3>())},
+                          {"gyro_sigma_rad_s", vectorJson(sigma.head<3>())},
+                          {"accelerometer_m_s2", vectorJson(bias.tail<3>())},
+                          {"accelerometer_sigma_m_s2", vectorJson(sigma.tail<3>())}};
   }
   json["pressure_offset_pa"] = e.state.pressure_offset_pa;
   json["pressure_offset_sigma_pa"] = e.pressure_offset_sigma_pa;

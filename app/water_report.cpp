@@ -233,12 +233,10 @@ HtmlReport reportOf(const WaterStory& story, const std::string& sheet_png, const
 
 // ---- result.json
 
-Json toJson(const Vector3d& v) { return {v[0], v[1], v[2]}; }
-
 Json toJson(const Environment& environment) {
-  return {{"attenuation_per_m", toJson(environment.water.attenuation_per_m)},
-          {"veil", toJson(environment.water.veil)},
-          {"ambient", toJson(environment.ambient)}};
+  return {{"attenuation_per_m", vectorJson(environment.water.attenuation_per_m)},
+          {"veil", vectorJson(environment.water.veil)},
+          {"ambient", vectorJson(environment.ambient)}};
 }
 
 Json toJson(const MeanScore& score, double unit = 1) {
@@ -257,8 +255,8 @@ Json fitJson(const WaterFit& fit) {
     covariance.push_back(row);
   }
   json["covariance"] = covariance;
-  json["chi_square_per_dof"] = toJson(fit.chi_square_per_dof);
-  json["excess_sigma"] = toJson(fit.excess_sigma);
+  json["chi_square_per_dof"] = vectorJson(fit.chi_square_per_dof);
+  json["excess_sigma"] = vectorJson(fit.excess_sigma);
   json["nearest_m"] = fit.nearest_z_m;
   json["farthest_m"] = fit.farthest_z_m;
   json["exposure_gain_fitted"] = fit.gain_fitted;

@@ -10,4 +10,7 @@ __attribute__((format(printf, 1, 2))) std::string print(const char* format, ...)
 /// The shortest text that reads back to the same number; no "-0".
 std::string shortest(double value);
 
+/// As a field of a CSV table: quoted where it has to be (RFC 4180).
+std::string csvField(const std::string& text);
+
 }  // namespace fathom

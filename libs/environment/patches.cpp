@@ -12,7 +12,7 @@ namespace {
 constexpr double kLeastCorrelation = 0.5;   // of albedo and reading within an image
 constexpr double kSaturatedShare = 0.5;     // of patches, from which on the image counts as overexposed
 constexpr double kDarkSigmas = 3;           // a mean nearer to 0 is biased by clipping there
-constexpr std::size_t kFewestPatches = 10;  // of an image
+constexpr std::size_t kFewestOfAnImage = 10;  // of an image
 
 /// Not 0 where all within the margin is one trusted surface of one albedo.
 cv::Mat interior(const View& clean, const cv::Mat& mask, const PatchOptions& options) {
@@ -93,7 +93,7 @@ double correlation(const std::vector<Patch>& patches) {
 
 std::string whyUnusable(const PatchSet& set) {
   const std::size_t count = set.patches.size();
-  if (count < kFewestPatches)
+  if (count < kFewestOfAnImage)
     return "no part of a panel that is large enough is in view of its pose (" + std::to_string(count) +
            " patches)";
   if (static_cast<double>(set.saturated) > kSaturatedShare * static_cast<double>(count))

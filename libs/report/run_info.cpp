@@ -4,6 +4,8 @@
 
 namespace fathom {
 
+nlohmann::ordered_json vectorJson(const Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
 nlohmann::ordered_json toJson(const RunInfo& run) {
   nlohmann::ordered_json json;
   json["program"] = "fathom";

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "core/geometry.h"
+
 namespace fathom {
 
 /// What it takes to repeat a run; stands in every result.json and at the foot of every report.
@@ -17,6 +19,9 @@ struct RunInfo {
 
 /// {"program": "fathom", "version": …, "command_line": …, "seed": … or null}
 nlohmann::ordered_json toJson(const RunInfo& run);
+
+/// [x, y, z]
+nlohmann::ordered_json vectorJson(const Vector3d& vector);
 
 /// Two spaces an indent, keys in the order given, NaN and infinity as null, broken UTF-8 replaced; written by
 /// way of PendingFile. The same value gives the same bytes. Throws Error.

@@ -93,6 +93,13 @@ struct Comparison {
   }
 };
 
+fs::path needed(const std::optional<fs::path>& file, const fs::path& rawlog, const char* what,
+                const char* option) {
+  if (file) return *file;
+  throw Error(rawlog.string(), "",
+              std::string("names no ") + what + " in its first comment; give one with " + option);
+}
+
 }  // namespace
 
 std::optional<fs::path> vehicleFile(const std::string& option, const fs::path& rawlog,
@@ -103,6 +110,15 @@ std::optional<fs::path> vehicleFile(const std::string& option, const fs::path& r
 std::optional<fs::path> panelMapFile(const std::string& option, const fs::path& rawlog,
                                      const RecordingHeader& header) {
   return companion(option, header.panel_map, "panel_map", rawlog);
+}
+
+fs::path neededVehicleFile(const std::string& option, const fs::path& rawlog, const RecordingHeader& header) {
+  return needed(vehicleFile(option, rawlog, header), rawlog, "vehicle file", "--vehicle");
+}
+
+fs::path neededPanelMapFile(const std::string& option, const fs::path& rawlog,
+                            const RecordingHeader& header) {
+  return needed(panelMapFile(option, rawlog, header), rawlog, "panel map", "--map");
 }
 
 std::vector<std::string> disagreements(const RecordingInfo& recording, const Vehicle& vehicle) {

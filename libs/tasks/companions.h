@@ -22,6 +22,12 @@ std::optional<std::filesystem::path> panelMapFile(const std::string& option,
                                                   const std::filesystem::path& rawlog,
                                                   const RecordingHeader& header);
 
+/// The same, where there must be one. Throw Error that names the option too.
+std::filesystem::path neededVehicleFile(const std::string& option, const std::filesystem::path& rawlog,
+                                        const RecordingHeader& header);
+std::filesystem::path neededPanelMapFile(const std::string& option, const std::filesystem::path& rawlog,
+                                         const RecordingHeader& header);
+
 /// Where mountings and camera intrinsics in a recording and in the vehicle file differ, and sensors that the
 /// vehicle file lacks; one line each. The recording's values are the nominal ones of that recording.
 std::vector<std::string> disagreements(const RecordingInfo& recording, const Vehicle& vehicle);

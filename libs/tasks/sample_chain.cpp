@@ -31,11 +31,7 @@ DetectionSettings settingsFor(const std::vector<PanelMap>& panels, const std::st
 
 SampleChain::SampleChain(const ChainOptions& options, bool landmarks) : options_(options) {
   auto source = openBare();
-  const auto vehicle = vehicleFile(options.vehicle, options.rawlog, source->header());
-  if (!vehicle)
-    throw Error(options.rawlog.string(), "",
-                "names no vehicle file in its first comment; give one with --vehicle");
-  setup_.vehicle = readVehicle(*vehicle);
+  setup_.vehicle = readVehicle(neededVehicleFile(options.vehicle, options.rawlog, source->header()));
   if (!options.calibration.empty()) setup_.calibration = readCalibration(options.calibration);
   setup_.time_zero = source->next()->time;
   std::vector<std::string> lacking;
