@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/files.h"
+#include "core/text.h"
 #include "support/shared_data.h"
 
 namespace fathom {
@@ -138,8 +139,8 @@ TEST(Yaml, AliasesCannotBlowUp) {
   errorIn("a: &x [*x]\n");
   std::string laughs = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n";
   for (int i = 1; i < 12; ++i) {
-    const std::string name = "a" + std::to_string(i), before = "*a" + std::to_string(i - 1);
-    laughs.append(name).append(": &").append(name).append(" [").append(before);
+    const std::string before = print("*a%d", i - 1);
+    laughs += print("a%d: &a%d [", i, i) + before;
     for (int j = 0; j < 9; ++j) laughs.append(", ").append(before);
     laughs += "]\n";
   }
