@@ -202,7 +202,8 @@ TYPED_TEST(AttachedPosesTest, EqualADenseFilterOverAllStates) {
     const auto m = SensorMeasurements<N>::dvl(filter.x, velocity, Pose{Matrix3d::Identity(), {0.1, 0.2, 0.3}},
                                               Vector3d::Constant(0.05), {});
     Eigen::MatrixXd H = Eigen::MatrixXd::Zero(3, dense.size());
-    H.middleCols(kVelocity, 6) = m.H;
+    for (int i = 0; i < m.H.cols(); ++i)
+      H.col(decltype(m)::Columns::list[static_cast<std::size_t>(i)]) = m.H.col(i);
     const Eigen::VectorXd residual = m.residual;
     const Eigen::MatrixXd R = m.R;
     EXPECT_NEAR(filter.update(m), dense.update(residual, H, R), 1e-6);

@@ -196,7 +196,7 @@ TEST_F(Completion, ScriptIsSound) {
 }
 
 TEST_F(Completion, CommandsAndOptions) {
-  EXPECT_EQ(offered("fathom si"), "simulate\n");
+  EXPECT_EQ(offered("fathom si"), "sil\nsimulate\n");
   EXPECT_EQ(offered("fathom simulate --se"), "--sea-floor-z\n--seed\n");
   EXPECT_EQ(offered("fathom completion z"), "zsh\n");
   EXPECT_EQ(offered("fathom simulate --without d"), "depth\ndvl\n");
