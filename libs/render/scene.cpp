@@ -10,7 +10,7 @@ Surface seaFloorBelow(const std::vector<PanelMap>& panels, double sea_floor_z_m,
   const Vector3d middle = sum / static_cast<double>(panels.size());
   SeaFloor floor;
   floor.centre_odom = {middle.x(), middle.y(), sea_floor_z_m};
-  return seaFloor(floor, std::move(sand));
+  return seaFloor(floor, sand);
 }
 
 Surface sceneOf(const std::vector<PanelMap>& panels, const Surface& sea_floor_odom) {
@@ -21,7 +21,7 @@ Surface sceneOf(const std::vector<PanelMap>& panels, const Surface& sea_floor_od
 }
 
 Surface sceneOf(const std::vector<PanelMap>& panels, double sea_floor_z_m, Random sand) {
-  return sceneOf(panels, seaFloorBelow(panels, sea_floor_z_m, std::move(sand)));
+  return sceneOf(panels, seaFloorBelow(panels, sea_floor_z_m, sand));
 }
 
 }  // namespace fathom
