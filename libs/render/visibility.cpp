@@ -13,6 +13,8 @@
 // reported as a leak, in any program that this file is linked into; what we allocate is.
 extern "C" const char* __lsan_default_suppressions();                                   // NOLINT
 extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa.so\n"; }  // NOLINT
+extern "C" const char* __lsan_default_options();                                        // NOLINT
+extern "C" const char* __lsan_default_options() { return "print_suppressions=0"; }      // NOLINT
 #endif
 
 namespace fathom {
