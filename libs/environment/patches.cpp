@@ -9,9 +9,9 @@
 namespace fathom {
 namespace {
 
-constexpr double kLeastCorrelation = 0.5;   // of albedo and reading within an image
-constexpr double kSaturatedShare = 0.5;     // of patches, from which on the image counts as overexposed
-constexpr double kDarkSigmas = 3;           // a mean nearer to 0 is biased by clipping there
+constexpr double kLeastCorrelation = 0.5;     // of albedo and reading within an image
+constexpr double kSaturatedShare = 0.5;       // of patches, from which on the image counts as overexposed
+constexpr double kDarkSigmas = 3;             // a mean nearer to 0 is biased by clipping there
 constexpr std::size_t kFewestOfAnImage = 10;  // of an image
 
 /// Not 0 where all within the margin is one trusted surface of one albedo.
