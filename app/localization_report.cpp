@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "localization/chi_square.h"
+#include "core/chi_square.h"
 #include "report/html_report.h"
 
 namespace fathom {

@@ -5,11 +5,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <map>
 #include <numeric>
 
+#include "core/chi_square.h"
 #include "environment/range_advice.h"
 #include "sensors/image_model.h"
 
@@ -346,7 +346,7 @@ Vector3d excessOf(const std::vector<Patch>& patches, const std::vector<bool>& co
 }
 
 std::vector<bool> inliersOf(const std::vector<Patch>& patches, const State& state, double probability) {
-  const double largest = boost::math::quantile(boost::math::chi_squared(3), probability);
+  const double largest = chiSquareQuantile(3, probability);
   std::vector<bool> inlier(patches.size());
   for (std::size_t i = 0; i < patches.size(); ++i)
     inlier[i] =

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/chi_square.h"
 #include "effects/catalogue.h"
-#include "localization/chi_square.h"
 
 namespace fathom {
 namespace {

@@ -5,9 +5,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
+#include "core/chi_square.h"
 #include "fiducials/single_marker_pose.h"
 
 namespace fathom {
@@ -21,10 +21,6 @@ constexpr double kNearest_m = 0.01;
 constexpr std::size_t kRefinedStarts = 6;
 constexpr double kSamePose_rad = radians(0.5);
 constexpr double kPlanar_m = 0.005;
-
-double chiSquareQuantile(double degrees_of_freedom, double probability) {
-  return boost::math::quantile(boost::math::chi_squared(degrees_of_freedom), probability);
-}
 
 /// A marker of the map as a camera saw it.
 struct Sighting {

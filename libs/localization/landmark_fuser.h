@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 #include <memory>
 
+#include "core/chi_square.h"
 #include "core/text.h"
-#include "localization/chi_square.h"
 #include "localization/landmark_monitor.h"
 #include "localization/localizer.h"
 #include "localization/measurements.h"

@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
-#include "localization/chi_square.h"
+#include "core/chi_square.h"
 
 namespace fathom {
 namespace {

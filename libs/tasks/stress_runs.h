@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "localization/chi_square.h"
+#include "core/chi_square.h"
 #include "localization/evaluation.h"
 #include "localization/localizer.h"
 #include "recording/sample_source.h"

@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "localization/chi_square.h"
+#include "core/chi_square.h"
 #include "support/batch_runs.h"
 
 namespace fathom {

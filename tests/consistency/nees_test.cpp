@@ -4,7 +4,7 @@
 // assumed noise is wrong by 2.
 #include <gtest/gtest.h>
 
-#include "localization/chi_square.h"
+#include "core/chi_square.h"
 #include "localization/measurements.h"
 #include "sensors/models.h"
 #include "support/random_state.h"

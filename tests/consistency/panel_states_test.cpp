@@ -4,7 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "localization/chi_square.h"
+#include "core/chi_square.h"
 #include "localization/measurements.h"
 #include "support/landmark_runs.h"
 #include "support/random_state.h"

@@ -1,0 +1,38 @@
+#include "core/chi_square.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace fathom {
+namespace {
+
+TEST(ChiSquare, QuantilesAreThoseOfTheTables) {
+  // Abramowitz & Stegun, table 26.8, to its last digit.
+  EXPECT_NEAR(chiSquareQuantile(1, 0.95), 3.84146, 5e-6);
+  EXPECT_NEAR(chiSquareQuantile(10, 0.99), 23.2093, 5e-5);
+}
+
+TEST(ChiSquare, TailOfTwoDegreesIsExponential) {
+  // Q(1, x) = exp(-x), also where that is no double any more.
+  for (const double value : {0.1, 5.0, 100.0, 1400.0, 3000.0, 1e6})
+    EXPECT_NEAR(chiSquareLogTail(2, value), -0.5 * value, 1e-10 * value) << value;
+}
+
+TEST(ChiSquare, TailHasNoStepWhereTheExpansionBegins) {
+  for (const double dof : {1.0, 3.0, 7.0, 40.0})
+    for (double value = 1200; value < 1500; value += 7) {
+      // The slope of ln Q lies between -1/2 and 0.
+      const double step = chiSquareLogTail(dof, value + 7) - chiSquareLogTail(dof, value);
+      EXPECT_LT(step, -3.2) << dof << ' ' << value;
+      EXPECT_GT(step, -3.5 - 1e-9) << dof << ' ' << value;
+    }
+}
+
+TEST(ChiSquare, NothingExceedsZeroLess) {
+  EXPECT_EQ(chiSquareLogTail(3, 0), 0);
+  EXPECT_EQ(chiSquareLogTail(3, -1), 0);
+}
+
+}  // namespace
+}  // namespace fathom
