@@ -8,8 +8,8 @@ namespace fathom {
 /// The value that a chi-square variable stays below with the given probability (0 to 1).
 double chiSquareQuantile(double degrees_of_freedom, double probability);
 
-/// Natural logarithm of the probability that a chi-square variable exceeds `value`. Beyond where the probability
-/// itself is no longer a double: the leading terms of its asymptotic expansion (DLMF 8.11.2).
+/// Natural logarithm of the probability that a chi-square variable exceeds `value`. Beyond where the
+/// probability itself is no longer a double: the leading terms of its asymptotic expansion (DLMF 8.11.2).
 double chiSquareLogTail(double degrees_of_freedom, double value);
 
 /// Central 95 % band of the mean of `count` independent chi-square variables.
