@@ -39,7 +39,14 @@ struct BatchRun {
   std::uint64_t seed = 1;
   PanelMap panel;  ///< as the map has it
 
-  explicit BatchRun(double seconds = 40.0);
+  // What no effect describes.
+  std::optional<PanelMap> true_panel;  ///< where it is not as the map has it
+  double corner_tail_dof = 0;          ///< of Student's t instead of a normal, of the same sigma; 0: normal
+  double camera_shake_rad = 0;         ///< the mounting turns anew with every image; one axis
+
+  explicit BatchRun(double seconds = 40.0) : BatchRun(seconds, pathBeforePanel(seconds + 10.0)) {}
+  /// The path begins 4 s before the recording and goes on for 4 s or more after it.
+  BatchRun(double seconds, Trajectory path);
 
   std::vector<Sample> samples() const;
   Detections detections() const;
@@ -53,10 +60,11 @@ struct BatchRun {
  private:
   static constexpr double kBegin_s = 4.0;  ///< the path's own beginning has no acceleration
   SimulationOptions options() const;
+  Vector8d cornerErrors(Random& random) const;
   Trajectory path_;
 };
 
-inline BatchRun::BatchRun(double seconds) : duration_s(seconds), path_(pathBeforePanel(seconds + 10.0)) {
+inline BatchRun::BatchRun(double seconds, Trajectory path) : duration_s(seconds), path_(std::move(path)) {
   vehicle = readVehicle(kRov);
   panel = gridPanel(4, 3);
   panel.name = "grid";
@@ -82,12 +90,26 @@ inline std::vector<Sample> BatchRun::samples() const {
   return samples;
 }
 
+/// Of sigma 1, not correlated. The tails are a corner's, not a coordinate's.
+inline Vector8d BatchRun::cornerErrors(Random& random) const {
+  Vector8d error;
+  for (double& e : error) e = noise ? random.normal() : 0.0;
+  if (corner_tail_dof <= 0) return error;
+  for (Eigen::Index k = 0; k < 8; k += 2) {
+    double chi_square = 0;
+    for (int i = 0; i < static_cast<int>(corner_tail_dof); ++i) chi_square += std::pow(random.normal(), 2);
+    error.segment<2>(k) *= std::sqrt((corner_tail_dof - 2.0) / chi_square);
+  }
+  return error;
+}
+
 inline Detections BatchRun::detections() const {
   Detections detections;
   if (!vehicle.camera) return detections;
   const SimulationOptions simulation = options();
   const CameraSheet& sheet = *vehicle.camera;
-  Random random = Random::stream(seed, 77);
+  Random random = Random::stream(seed, 77), shaking = Random::stream(seed, 78);
+  const std::vector<Marker>& markers = true_panel ? true_panel->markers : panel.markers;
   const Matrix8d C = cornerCovariance(corner_sigma_px);
   const Matrix8d root = C.llt().matrixL();
   for (std::size_t image = 0;; ++image) {
@@ -95,12 +117,12 @@ inline Detections BatchRun::detections() const {
     if (t_s > duration_s) return detections;
     const auto state = path_.at(simulation.begin_s + t_s + validityOffset<Sensor::camera>(effects, t_s));
     auto& found = detections.by_file["/images/" + imageFiles(sheet, {}, image)[0]];
-    for (const Marker& marker : panel.markers) {
+    Pose T_robot_camera = sheet.T_robot_camera;
+    T_robot_camera.rotation *= expSO3<double>(camera_shake_rad * shaking.normal3());
+    for (const Marker& marker : markers) {
       const auto corners = predictCorners(state, nominalPlacement<double>(panel.T_odom_panel, t_s), marker,
-                                          sheet.model, sheet.T_robot_camera, effects, t_s);
-      Vector8d error;
-      for (double& e : error) e = noise ? random.normal() : 0.0;
-      error = root * error;
+                                          sheet.model, T_robot_camera, effects, t_s);
+      const Vector8d error = root * cornerErrors(random);
       const bool visible = std::all_of(corners.begin(), corners.end(),
                                        [&](const Vector2d& c) { return sheet.model.contains(c); });
       if (!visible) continue;
