@@ -202,8 +202,7 @@ inline DiagnosisRun effectOfSize(const BatchRun& nominal, const Excitation& exci
       double& value = direction.values[scalar];
       if (parameter.kind == ParameterKind::continuous) value = parameter.prior_sigma * random.normal();
       if (parameter.kind == ParameterKind::marker_id)
-        value = *(truth.marker_id =
-                      nominal.panel.markers[random.bits() % nominal.panel.markers.size()].id);
+        value = *(truth.marker_id = nominal.panel.markers[random.bits() % nominal.panel.markers.size()].id);
       if (parameter.kind == ParameterKind::time)
         value = *(truth.time_s = nominal.duration_s * random.uniform(0.25, 0.75));
     }
@@ -217,7 +216,8 @@ inline DiagnosisRun effectOfSize(const BatchRun& nominal, const Excitation& exci
   for (int i = 0; i < 8; ++i) {
     while (!detail::withinLimits(detail::scaled(direction, factor))) factor *= 0.9;
     hidden.sqrt_lambda = excitation.sqrtLambda(detail::scaled(direction, factor));
-    factor *= std::clamp(sqrt_lambda / hidden.sqrt_lambda, 0.2, 5.0);
+    factor *=
+        std::pow(std::clamp(sqrt_lambda / hidden.sqrt_lambda, 0.2, 5.0), 0.7);  // signals of order 1 to 2
   }
   while (!detail::withinLimits(detail::scaled(direction, factor))) factor *= 0.9;
   hidden.run.effects = detail::scaled(direction, factor);
@@ -314,11 +314,11 @@ inline DiagnosisRun outsideCatalogue(const BatchRun& nominal, std::size_t number
     run.name = std::string(what) + " " + std::to_string(amount).substr(0, 7) + " " + unit;
   };
   if (number % 4 == 0) {
-    const double angle_deg = std::array{0.05, 0.1, 0.2}[size];
+    const double angle_deg = std::array{0.02, 0.05, 0.2}[size];
     named("camera mount shakes", angle_deg, "deg");
     run.run.camera_shake_rad = radians(angle_deg);
   } else if (number % 4 == 1) {
-    const double angle_deg = std::array{1.0, 2.0, 4.0}[size];
+    const double angle_deg = std::array{0.5, 1.0, 2.0}[size];
     named("panel folded", angle_deg, "deg");
     run.run.true_panel = folded(nominal.panel, radians(angle_deg));
   } else if (number % 4 == 2) {
