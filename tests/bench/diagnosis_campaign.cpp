@@ -241,7 +241,7 @@ nlohmann::json toJson(const Case& c) {
                       {"good", isGood(c)},
                       {"named", c.answer.named},
                       {"alarm_p", c.answer.alarm_p},
-                      {"log_interaction_p", c.answer.log_interaction_p},
+                      {"nearest", c.answer.nearest},
                       {"why", c.answer.why}};
   if (c.kind != Kind::effect) return json;
   json["sqrt_lambda"] = {{"asked", c.asked}, {"reached", c.run.sqrt_lambda}};

@@ -30,9 +30,10 @@ inline std::string nameOf(Outcome outcome) { return kOutcomes[static_cast<std::s
 
 struct Answer {
   Outcome outcome = Outcome::insufficient;
-  std::vector<std::string> named;  ///< effects stated, each with what it cannot be told from
-  int scalars = 0, covered = 0;    ///< of the hidden effect's parameters: those in their 95 % interval
-  double log_interaction_p = 0;    ///< the smallest of all effects' interaction tests
+  std::vector<std::string> named;    ///< effects stated, each with what it cannot be told from
+  int scalars = 0, covered = 0;      ///< of the hidden effect's parameters: those in their 95 % interval
+  bool interaction_failed = false;   ///< of any effect stated
+  std::vector<std::string> nearest;  ///< effects that failed a test
   double alarm_p = 1;
   std::size_t rank = 0;  ///< of the hidden effect among all tested: 1 is the best; 0: none
   std::string why;
@@ -98,8 +99,10 @@ inline Answer score(const Diagnosis& diagnosis, const DiagnosisRun& run, const E
   for (const FoundEffect& found : diagnosis.effects) {
     answer.named.push_back(detail::described(diagnosis, found));
     for (const InteractionTest& test : found.interactions)
-      answer.log_interaction_p = std::min(answer.log_interaction_p, test.log_p);
+      answer.interaction_failed = answer.interaction_failed || test.failed;
   }
+  for (const FoundEffect& found : diagnosis.nearest)
+    answer.nearest.push_back(detail::described(diagnosis, found));
   if (run.truth)
     for (std::size_t i = 0; i < diagnosis.tested.size() && answer.rank == 0; ++i)
       if (detail::sameName(diagnosis.tested[i].candidate, *run.truth)) answer.rank = i + 1;
@@ -136,8 +139,7 @@ inline Answer answerOf(const DiagnosisRun& run, const Excitation& excitation,
 inline bool namesTheEffect(const Answer& answer) {
   return answer.outcome == Outcome::right || answer.outcome == Outcome::right_set;
 }
-/// What is asked of something outside the catalogue: "unexplained", or a set with an interaction that was
-/// found (5 % with some six tests).
+/// What is asked of something outside the catalogue: "unexplained", or a set with a failed interaction test.
 inline bool ownsUp(const Answer& answer) {
   const bool a_set = std::any_of(answer.named.begin(), answer.named.end(),
                                  [](const std::string& name) { return name.find('|') != std::string::npos; });
