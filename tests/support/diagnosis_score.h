@@ -143,7 +143,7 @@ inline bool namesTheEffect(const Answer& answer) {
 inline bool ownsUp(const Answer& answer) {
   const bool a_set = std::any_of(answer.named.begin(), answer.named.end(),
                                  [](const std::string& name) { return name.find('|') != std::string::npos; });
-  return answer.outcome == Outcome::unexplained || (a_set && answer.log_interaction_p < std::log(0.05 / 6));
+  return answer.outcome == Outcome::unexplained || (a_set && answer.interaction_failed);
 }
 /// What is asked of wrong input: never a confident name.
 inline bool isCautious(const Answer& answer) {
