@@ -119,8 +119,10 @@ void diagnoseAll(std::vector<Case>& cases, const test::BatchRun& nominal, const 
       c.answer = test::answerOf(c.run, excitation);
       c.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
       if (verbose)
-        std::fprintf(stderr, "%s: %s; %s; %.1f s; %s\n", c.label().c_str(), nameOf(c.answer.outcome).c_str(),
-                     joined(c.answer.named, ", ").c_str(), c.seconds, c.answer.why.c_str());
+        std::fprintf(stderr, "%s: %s; %s; best tested %s, alarm p %.2g; %.1f s; %s\n", c.label().c_str(),
+                     nameOf(c.answer.outcome).c_str(),
+                     joined(c.answer.named.empty() ? c.answer.nearest : c.answer.named, ", ").c_str(),
+                     c.answer.best_tested.c_str(), c.answer.alarm_p, c.seconds, c.answer.why.c_str());
     });
   });
 }
@@ -242,6 +244,7 @@ nlohmann::json toJson(const Case& c) {
                       {"named", c.answer.named},
                       {"alarm_p", c.answer.alarm_p},
                       {"nearest", c.answer.nearest},
+                      {"best_tested", c.answer.best_tested},
                       {"why", c.answer.why}};
   if (c.kind != Kind::effect) return json;
   json["sqrt_lambda"] = {{"asked", c.asked}, {"reached", c.run.sqrt_lambda}};

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "diagnosis/diagnosis.h"
 #include "support/diagnosis_runs.h"
 
@@ -35,7 +36,8 @@ struct Answer {
   bool interaction_failed = false;   ///< of any effect stated
   std::vector<std::string> nearest;  ///< effects that failed a test
   double alarm_p = 1;
-  std::size_t rank = 0;  ///< of the hidden effect among all tested: 1 is the best; 0: none
+  std::size_t rank = 0;     ///< of the hidden effect among all tested: 1 is the best; 0: none
+  std::string best_tested;  ///< at the nominal model
   std::string why;
 };
 
@@ -103,6 +105,11 @@ inline Answer score(const Diagnosis& diagnosis, const DiagnosisRun& run, const E
   }
   for (const FoundEffect& found : diagnosis.nearest)
     answer.nearest.push_back(detail::described(diagnosis, found));
+  if (!diagnosis.tested.empty()) {
+    const TestedCandidate& best = diagnosis.tested.front();
+    answer.best_tested =
+        print("%s: chi-square %.0f of %d", nameOf(best.candidate).c_str(), best.statistic, best.dof);
+  }
   if (run.truth)
     for (std::size_t i = 0; i < diagnosis.tested.size() && answer.rank == 0; ++i)
       if (detail::sameName(diagnosis.tested[i].candidate, *run.truth)) answer.rank = i + 1;
