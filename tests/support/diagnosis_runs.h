@@ -233,15 +233,27 @@ inline DiagnosisRun plainNull(const BatchRun& nominal, std::uint64_t seed) {
   return run;
 }
 
-/// The map's markers moved out of its plane by a wave of this amplitude, about a period across the panel.
-inline PanelMap rippled(PanelMap panel, double amplitude_m, Random& random) {
+/// The map's markers moved out of its plane by a wave, about a period across the panel, at most by so much.
+/// What of it is a plane is taken out: that would be a panel which is elsewhere than the map says.
+inline PanelMap rippled(PanelMap panel, double largest_m, Random& random) {
   const double angle = random.uniform(0, std::numbers::pi), phase = random.uniform(0, 2 * std::numbers::pi);
   const Vector2d wave = 2 * std::numbers::pi / 1.6 * Vector2d(std::cos(angle), std::sin(angle));
-  for (Marker& marker : panel.markers) {
-    Pose& T = marker.T_panel_marker;
-    const double at = wave.dot(T.position.head<2>()) + phase;
-    const Vector2d slope = amplitude_m * std::cos(at) * wave;
-    T.position.z() += amplitude_m * std::sin(at);
+  const auto count = std::ssize(panel.markers);
+  Eigen::MatrixX3d plane(count, 3);
+  Eigen::VectorXd height(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Vector3d& position = panel.markers[static_cast<std::size_t>(i)].T_panel_marker.position;
+    plane.row(i) << position.x(), position.y(), 1;
+    height[i] = std::sin(wave.dot(position.head<2>()) + phase);
+  }
+  const Vector3d fitted = plane.colPivHouseholderQr().solve(height);
+  height -= plane * fitted;
+  const double scale_m = largest_m / height.cwiseAbs().maxCoeff();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    Pose& T = panel.markers[static_cast<std::size_t>(i)].T_panel_marker;
+    const Vector2d slope =
+        scale_m * (std::cos(wave.dot(T.position.head<2>()) + phase) * wave - fitted.head<2>());
+    T.position.z() += scale_m * height[i];
     T.rotation = expSO3<double>(Vector3d(slope.y(), -slope.x(), 0)) * T.rotation;
   }
   return panel;
