@@ -144,7 +144,7 @@ bool isGood(const Case& c) {
 }
 
 struct Count {
-  std::size_t runs = 0, good = 0, first = 0, alarms = 0;
+  std::size_t runs = 0, good = 0, first = 0, alarms = 0, intervals_off = 0;
   int scalars = 0, covered = 0;
   double seconds = 0;
   std::map<Outcome, std::size_t> outcomes;
@@ -154,6 +154,7 @@ struct Count {
     good += isGood(c) ? 1 : 0;
     first += c.answer.rank == 1 ? 1 : 0;
     alarms += c.answer.alarm_p < 0.05 ? 1 : 0;
+    intervals_off += c.answer.interval_off ? 1 : 0;
     scalars += c.answer.scalars;
     covered += c.answer.covered;
     seconds += c.seconds;
@@ -183,6 +184,7 @@ std::vector<std::string> effectRow(const std::string& name, double asked, const 
           n.of(Outcome::none),
           n.of(Outcome::insufficient),
           percent(static_cast<double>(n.first), static_cast<double>(n.runs)),
+          n.intervals_off > 0 ? std::to_string(n.intervals_off) : "",
           print("%d/%d", n.covered, n.scalars)};
 }
 
@@ -195,7 +197,7 @@ Table effectTable(const std::vector<Case>& cases) {
       all[c.asked].add(c);
     }
   Table table{{"effect", "sqrt lambda", "runs", "right", "set", "good", "needless set", "also others",
-               "wrong", "unexplained", "none", "insufficient", "first of all", "95 % cover"}};
+               "wrong", "unexplained", "none", "insufficient", "first of all", "interval off", "95 % cover"}};
   for (const auto& [key, count] : single)
     table.rows.push_back(effectRow(std::string(allEffects()[key.first].id), key.second, count));
   for (const auto& [asked, count] : all) table.rows.push_back(effectRow("all", asked, count));
@@ -249,6 +251,7 @@ nlohmann::json toJson(const Case& c) {
   if (c.kind != Kind::effect) return json;
   json["sqrt_lambda"] = {{"asked", c.asked}, {"reached", c.run.sqrt_lambda}};
   json["rank"] = c.answer.rank;
+  json["interval_off"] = c.answer.interval_off;
   json["scalars"] = c.answer.scalars;
   json["covered"] = c.answer.covered;
   const EffectInfo& effect = allEffects()[c.number];

@@ -17,7 +17,7 @@ constexpr bool kFew = false;
 #endif
 
 const test::BatchRun& dive() {
-  static const test::BatchRun run = test::richRun(1, 60.0);
+  static const test::BatchRun run = test::richRun(1, 30.0);
   return run;
 }
 const test::Excitation& excitation() {
@@ -83,7 +83,7 @@ TEST_P(OutsideCatalogue, IsNotTakenForAnEffect) {
 INSTANTIATE_TEST_SUITE_P(Diagnosis, OutsideCatalogue, testing::Values(4, 5, 6, 7));
 
 TEST(Diagnosis, NamesNothingWithConfidenceFromWrongInput) {
-  for (const auto& run : test::wrongInputs(test::richRun(1, 20.0))) {
+  for (const auto& run : test::wrongInputs(test::richRun(1, 12.0))) {
     const test::Answer answer = test::answerOf(run, excitation());
     EXPECT_TRUE(test::isCautious(answer)) << run.name << ", " << told(answer);
   }

@@ -31,9 +31,10 @@ inline std::string nameOf(Outcome outcome) { return kOutcomes[static_cast<std::s
 
 struct Answer {
   Outcome outcome = Outcome::insufficient;
-  std::vector<std::string> named;    ///< effects stated, each with what it cannot be told from
-  int scalars = 0, covered = 0;      ///< of the hidden effect's parameters: those in their 95 % interval
-  bool interaction_failed = false;   ///< of any effect stated
+  std::vector<std::string> named;   ///< effects stated, each with what it cannot be told from
+  int scalars = 0, covered = 0;     ///< of the hidden effect's parameters: those in their 95 % interval
+  bool interval_off = false;        ///< on, or moved, at other times than the hidden effect, by more than 5 s
+  bool interaction_failed = false;  ///< of any effect stated
   std::vector<std::string> nearest;  ///< effects that failed a test
   double alarm_p = 1;
   std::size_t rank = 0;     ///< of the hidden effect among all tested: 1 is the best; 0: none
@@ -61,6 +62,16 @@ inline std::string described(const Diagnosis& diagnosis, const FoundEffect& foun
   return text;
 }
 
+/// Whether from when to when, within the recording, is stated more than 5 s off.
+inline bool isIntervalOff(const Candidate& stated, const Candidate& truth, double duration_s) {
+  const auto differs = [&](double a_s, double b_s) {
+    return std::abs(std::clamp(a_s, 0.0, duration_s) - std::clamp(b_s, 0.0, duration_s)) > 5.0;
+  };
+  return differs(stated.active_s.from_s, truth.active_s.from_s) ||
+         differs(stated.active_s.to_s, truth.active_s.to_s) ||
+         differs(stated.time_s.value_or(0), truth.time_s.value_or(0));
+}
+
 inline void countCovered(const FoundEffect& found, const EffectParameters<double>& truth, Answer& answer) {
   for (const EffectEstimate& estimate : found.estimates) {
     ++answer.scalars;
@@ -79,7 +90,10 @@ inline Outcome ofHidden(const Diagnosis& diagnosis, const DiagnosisRun& run, con
                                              [&](const Candidate& c) { return sameName(c, truth); });
       });
   if (hit == diagnosis.effects.end()) return Outcome::wrong;
-  if (sameName(hit->candidate, truth)) countCovered(*hit, run.run.effects, answer);
+  if (sameName(hit->candidate, truth)) {
+    countCovered(*hit, run.run.effects, answer);
+    answer.interval_off = isIntervalOff(hit->candidate, truth, run.run.duration_s);
+  }
   if (diagnosis.effects.size() > 1) return Outcome::also_others;
   const Alternatives* set = setOf(diagnosis, hit->candidate);
   if (set == nullptr || set->candidates.size() < 2) return Outcome::right;
