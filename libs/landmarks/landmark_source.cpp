@@ -33,8 +33,7 @@ class TrueEntry {
   }
 
   /// With the markers where they truly are, in the frame in which T_odom_panel holds.
-  std::vector<PanelMap> panels(const std::vector<PanelMap>& maps) const {
-    if (!movesPanels(effects_)) return maps;
+  std::vector<PanelMap> moved(const std::vector<PanelMap>& maps) const {
     std::vector<PanelMap> there;
     for (const PanelMap& map : maps) {
       PanelMap panel = truePanel(map, effects_, t_s_);
@@ -78,11 +77,15 @@ Sightings solveSightings(const std::vector<ImageEntry>& entries, const Detection
   Sightings sightings;
   sightings.by_entry.resize(entries.size());
   std::atomic<std::size_t> without_file = 0;
+  const bool as_mapped = !movesPanels(calibration.effects);
   forEachIndex(entries.size(), "solving for the panels", [&](std::size_t i) {
     const TrueEntry entry(entries[i], calibration);
     const auto cameras = entry.seen(detections);
     if (cameras.size() < entries[i].eyes.size()) ++without_file;
-    sightings.by_entry[i] = sightingOf(cameras, entry.T_robot_camera(), entry.panels(panels), options);
+    const auto solve = [&](const std::vector<PanelMap>& there) {
+      return sightingOf(cameras, entry.T_robot_camera(), there, options);
+    };
+    sightings.by_entry[i] = as_mapped ? solve(panels) : solve(entry.moved(panels));
   });
   sightings.without_file = without_file;
   count(sightings);
