@@ -8,7 +8,6 @@
 #include "core/files.h"
 #include "core/fingerprint.h"
 #include "core/for_each.h"
-#include "core/text.h"
 #include "fiducials/image_file.h"
 #include "fiducials/one_opencv_thread.h"
 #include "landmarks/kept_detections.h"
@@ -48,12 +47,7 @@ std::vector<Detection> search(const CameraImage& image, const DetectionSettings&
                               Detectors& detectors) {
   auto& detector = detectors[fingerprintOf(image.camera)];
   if (!detector) detector = detectorFor(image.camera, settings);
-  const cv::Mat pixels = readImage(image.file);
-  if (pixels.cols != image.camera.width_px || pixels.rows != image.camera.height_px)
-    throw Error(image.file.string(), "",
-                print("is of %d x %d pixels, its camera of %d x %d", pixels.cols, pixels.rows,
-                      image.camera.width_px, image.camera.height_px));
-  return detector->detect(pixels);
+  return detector->detect(readImage(image.file, image.camera));
 }
 
 /// What becomes of one image.

@@ -13,6 +13,7 @@
 #include "core/text.h"
 #include "evaluation/input_fingerprints.h"
 #include "fiducials/image_file.h"
+#include "fiducials/single_marker_pose.h"
 #include "render/scene.h"
 #include "sensors/image_model.h"
 #include "similarity/measures.h"
@@ -34,13 +35,6 @@ Surface sceneOf(const SilWorld& world) {
   Surface scene;
   for (const PanelMap& panel : world.panels) scene.add(surfaceOf(panel), panel.T_odom_panel);
   return scene;
-}
-
-const Marker* markerOf(const Detection& detection, const PanelMap& map) {
-  const auto marker = std::find_if(map.markers.begin(), map.markers.end(), [&](const Marker& candidate) {
-    return candidate.family == detection.family && candidate.id == detection.id;
-  });
-  return marker == map.markers.end() ? nullptr : &*marker;
 }
 
 /// Root mean square distance of a detection's corners from where the pose puts the marker's; infinite behind
@@ -160,7 +154,7 @@ void PairMaker::requireOwnPose(const PosedImage& posed) const {
 }
 
 SilPair PairMaker::make(const PosedImage& posed) const {
-  const cv::Mat recorded = readRecorded(posed.image);
+  const cv::Mat recorded = readImage(posed.image.file, posed.image.camera);
   requireOwnPose(posed);
   Tools& tools = toolsFor(posed.image.camera);
   tools.renderer.render(posed.T_odom_camera, lighting(posed.T_odom_robot.pose), tools.view);
@@ -190,7 +184,7 @@ SilPair PairMaker::make(const PosedImage& posed) const {
 }
 
 CleanPair PairMaker::clean(const PosedImage& posed) const {
-  CleanPair pair{inColour(readRecorded(posed.image)), {}, {}};
+  CleanPair pair{inColour(readImage(posed.image.file, posed.image.camera)), {}, {}};
   requireOwnPose(posed);
   toolsFor(posed.image.camera).renderer.render(posed.T_odom_camera, Lighting{}, pair.clean);
   pair.panel_mask = panelMask(pair.clean, posed);
@@ -210,15 +204,6 @@ ImagePair PairMaker::compared(const ImagePair& images) const {
 cv::Mat PairMaker::comparedRegion(const ImagePair& images) const {
   if (!world_.sea_floor) return images.panel_mask;
   return {images.panel_mask.size(), CV_8UC1, cv::Scalar(255)};
-}
-
-cv::Mat readRecorded(const CameraImage& image) {
-  cv::Mat pixels = readImage(image.file);
-  if (pixels.cols != image.camera.width_px || pixels.rows != image.camera.height_px)
-    throw Error(image.file.string(), "",
-                print("is of %d x %d pixels, its camera of %d x %d", pixels.cols, pixels.rows,
-                      image.camera.width_px, image.camera.height_px));
-  return pixels;
 }
 
 cv::Mat inColour(const cv::Mat& image) {

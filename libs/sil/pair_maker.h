@@ -80,8 +80,6 @@ class PairMaker {
   std::unique_ptr<Threads> threads_;
 };
 
-/// Of an image file, readImage() and its size checked against its camera's. Throws Error.
-cv::Mat readRecorded(const CameraImage& image);
 /// As measures want it: CV_8UC3, whatever the file's channels.
 cv::Mat inColour(const cv::Mat& image);
 

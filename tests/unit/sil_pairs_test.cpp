@@ -4,6 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/error.h"
+#include "fiducials/image_file.h"
 #include "sensors/image_model.h"
 #include "sil/pair_maker.h"
 #include "sil/pair_picture.h"
@@ -98,7 +99,7 @@ TEST(SilPairs, NoiseIsTheOptionsAndNotTheRecordings) {
   EXPECT_GT(cv::norm(one, simulated({true, 2}), cv::NORM_INF), 2);
   EXPECT_GT(cv::norm(one, simulated(withoutNoise()), cv::NORM_INF), 2);
   // Where the recording's noise came out again, the two would be equal.
-  EXPECT_GT(cv::norm(one, inColour(readRecorded(posed.image)), cv::NORM_INF), 2);
+  EXPECT_GT(cv::norm(one, inColour(readImage(posed.image.file)), cv::NORM_INF), 2);
 }
 
 // Without a sea floor the mask is what has been rendered; with it, the same pixels but for those at the rim.
