@@ -15,8 +15,8 @@
 #include "core/for_each.h"
 #include "core/text.h"
 #include "evaluation/contact_sheet.h"
-#include "evaluation/input_fingerprints.h"
 #include "fiducials/one_opencv_thread.h"
+#include "sensors/fingerprints.h"
 #include "sil/pair_picture.h"
 
 namespace fathom {

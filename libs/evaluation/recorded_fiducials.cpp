@@ -11,13 +11,13 @@
 #include "core/for_each.h"
 #include "core/text.h"
 #include "evaluation/chunk_store.h"
-#include "evaluation/input_fingerprints.h"
 #include "evaluation/timed_detection.h"
 #include "fiducials/image_file.h"
 #include "fiducials/one_opencv_thread.h"
 #include "fiducials/single_marker_pose.h"
 #include "recording/recorded_camera.h"
 #include "render/renderer.h"
+#include "sensors/fingerprints.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -125,10 +125,6 @@ std::optional<RecordedResult> parse(const std::string& text, const std::string& 
     words >> a.both >> a.only_first >> a.only_second >> a.squares_px2;
   if (!words) return std::nullopt;
   return result;
-}
-
-void add(Fingerprint& fingerprint, const Pose& pose) {
-  fingerprint.add(pose.rotation.data(), sizeof(double) * 9).add(pose.position.data(), sizeof(double) * 3);
 }
 
 std::string inputsOf(const std::vector<RecordedImage>& images, const RecordedFiducialsOptions& options) {

@@ -11,22 +11,11 @@
 #include "fiducials/image_file.h"
 #include "fiducials/one_opencv_thread.h"
 #include "landmarks/kept_detections.h"
+#include "sensors/fingerprints.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
 namespace {
-
-void add(Fingerprint& fingerprint, const CameraModel& m) {
-  for (const double number : {1.0 * m.width_px, 1.0 * m.height_px, m.fx_px, m.fy_px, m.cx_px, m.cy_px, m.k1,
-                              m.k2, m.p1, m.p2, m.k3})
-    fingerprint.add(number);
-}
-
-std::string fingerprintOf(const CameraModel& camera) {
-  Fingerprint fingerprint;
-  add(fingerprint, camera);
-  return fingerprint.hex();
-}
 
 /// All that detections depend on besides image and camera.
 std::string inputsOf(const DetectionSettings& s) {

@@ -11,10 +11,10 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "evaluation/input_fingerprints.h"
 #include "fiducials/image_file.h"
 #include "fiducials/single_marker_pose.h"
 #include "render/scene.h"
+#include "sensors/fingerprints.h"
 #include "sensors/image_model.h"
 #include "similarity/measures.h"
 #include "simulation/simulate_recording.h"

@@ -9,17 +9,13 @@
 #include "core/files.h"
 #include "core/fingerprint.h"
 #include "core/text.h"
-#include "evaluation/input_fingerprints.h"
 #include "fiducials/image_file.h"
+#include "sensors/fingerprints.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
 namespace {
 using Json = nlohmann::ordered_json;
-
-void add(Fingerprint& fingerprint, const Pose& pose) {
-  fingerprint.add(pose.rotation.data(), sizeof(double) * 9).add(pose.position.data(), sizeof(double) * 3);
-}
 
 /// All that a pair depends on beside the inputs that all have in common.
 std::string fingerprintOf(const PosedImage& posed) {

@@ -6,12 +6,12 @@
 #include <optional>
 #include <stdexcept>
 
-#include "core/fingerprint.h"
 #include "core/for_each.h"
 #include "effects/calibration.h"
 #include "render/renderer.h"
 #include "render/scene.h"
 #include "sensors/camera_geometry.h"
+#include "sensors/fingerprints.h"
 #include "sensors/image_model.h"
 #include "sensors/true_panel.h"
 #include "simulation/apparent_scene.h"
@@ -94,42 +94,10 @@ struct Studio {
   }
 };
 
-void add(Fingerprint& fingerprint, const Pose& pose) {
-  fingerprint.add(pose.rotation.data(), sizeof(double) * 9).add(pose.position.data(), sizeof(double) * 3);
-}
-
-std::string cameraFingerprint(const Vehicle& vehicle) {
-  const CameraSheet& sheet = *vehicle.camera;
-  const CameraModel& m = sheet.model;
+std::string mountingFingerprint(const CameraSheet& sheet) {
   Fingerprint fingerprint;
-  for (const double number :
-       {1.0 * m.width_px, 1.0 * m.height_px, m.fx_px, m.fy_px, m.cx_px, m.cy_px, m.k1, m.k2, m.p1, m.p2, m.k3,
-        sheet.exposure_s, sheet.response_gamma, 1.0 * sheet.bits, sheet.full_well_e, sheet.read_noise_e})
-    fingerprint.add(number);
   add(fingerprint, sheet.T_robot_camera);
   if (sheet.T_left_right) add(fingerprint, *sheet.T_left_right);
-  for (const LampSheet& lamp : vehicle.lamps) {
-    fingerprint.add(lamp.half_angle_rad);
-    add(fingerprint, lamp.T_robot_lamp);
-  }
-  return fingerprint.hex();
-}
-
-std::string environmentFingerprint(const Environment& environment) {
-  Fingerprint fingerprint;
-  for (const Vector3d& colour :
-       {environment.water.attenuation_per_m, environment.water.veil, environment.ambient,
-        environment.lamps_irradiance_1m.value_or(Vector3d(-1, -1, -1))})
-    fingerprint.add(colour.data(), sizeof(double) * 3);
-  return fingerprint.hex();
-}
-
-std::string sceneFingerprint(const Surface& scene) {
-  Fingerprint fingerprint;
-  for (const Surface::Vertex& vertex : scene.vertices)
-    for (const Eigen::Vector3f& vector : {vertex.position, vertex.normal, vertex.albedo})
-      fingerprint.add(vector.data(), sizeof(float) * 3);
-  for (const auto& triangle : scene.triangles) fingerprint.add(triangle.data(), sizeof triangle);
   return fingerprint.hex();
 }
 
@@ -150,10 +118,11 @@ std::string formatText(const ImageFormat& format) {
 std::string inputsOf(const Studio& studio, std::size_t count) {
   const SimulationOptions& options = studio.options;
   return "What these images were simulated from; a run with other inputs removes them.\n"
-         "version " FATHOM_VERSION "\ncamera and lamps " +
-         cameraFingerprint(options.vehicle) + "\nwater and light " +
-         environmentFingerprint(studio.world.environment) + "\nscene " +
-         sceneFingerprint(studio.nominal_scene) + "\nposes " + posesFingerprint(studio, count) + "\n" +
+         "version " FATHOM_VERSION "\ncamera " +
+         fingerprintOf(studio.sheet) + "\nmounting " + mountingFingerprint(studio.sheet) + "\nlamps " +
+         fingerprintOf(options.vehicle.lamps) + "\nwater and light " +
+         fingerprintOf(studio.world.environment) + "\nscene " + fingerprintOf(studio.nominal_scene) +
+         "\nposes " + posesFingerprint(studio, count) + "\n" +
          (options.noise ? "noise of seed " + std::to_string(options.seed) : "no noise") + "\n" +
          formatText(options.image_format) + formatCalibration(options.effects);
 }
