@@ -15,6 +15,7 @@
 #include "evaluation/timed_detection.h"
 #include "fiducials/one_opencv_thread.h"
 #include "sensors/fingerprints.h"
+#include "sensors/image_model.h"
 
 namespace fathom {
 namespace {

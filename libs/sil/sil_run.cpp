@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 
 #include "core/error.h"
@@ -19,6 +18,7 @@
 #include "fiducials/one_opencv_thread.h"
 #include "recording/rawlog.h"
 #include "recording/recorded_camera.h"
+#include "render/images.h"
 #include "sensors/fingerprints.h"
 #include "sil/pair_video.h"
 
@@ -154,12 +154,9 @@ struct Workshop {
     const std::string caption = print("%s  %.2f m  %.0f deg  ", posed.image.file.filename().c_str(),
                                       finished.record.range_m, degrees(finished.record.view_angle_rad)) +
                                 legendOf(options.residual);
-    if (frame) {
-      std::vector<unsigned char> jpeg;
-      cv::imencode(".jpg", pairPicture(images, region, options.residual, caption), jpeg,
-                   {cv::IMWRITE_JPEG_QUALITY, 95});
-      writeTextFile(frames / frameName(posed), std::string(jpeg.begin(), jpeg.end()));
-    }
+    if (frame)
+      writeTextFile(frames / frameName(posed),
+                    jpegBytes(pairPicture(images, region, options.residual, caption), 95));
     if (isInVideo(finished))
       finished.video_picture = pairPicture(images, region, options.residual, caption, kVideoWidth_px);
   }
