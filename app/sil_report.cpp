@@ -169,7 +169,8 @@ HtmlReport reportOf(const SilStory& story) {
       "Each recorded image beside what the forward model makes of the same moment: the robot's pose from "
       "the panel's markers, the panel of " +
       story.map + " rendered from there, seen through the water of " + story.water + ", " +
-      (story.options.pairs.noise ? "with" : "without") + " the camera's noise. Compared is " +
+      (story.options.pairs.noise ? "with" : "without") +
+      " the camera's noise, and through JPEG where the recorded image is one. Compared is " +
       regionText(story) + ".");
   addMeasures(story, report);
   report.heading("Pairs");
