@@ -24,16 +24,20 @@ struct TestedCandidate {
   Candidate candidate;
   double statistic = 0;  ///< score statistic: chi-square of `dof` where the effect is not there
   int dof = 0;
-  double log_p = 0;         ///< ln of its probability where nothing is missing, for this candidate alone
-  double log_evidence = 0;  ///< ln of the Bayes factor against "not there", with its parameters' priors
-  double kept = 0;          ///< |P C| / |C|: what the nuisances leave of it
+  double log_p = 0;    ///< ln of its probability where nothing is missing, for this candidate alone
+  double support = 0;  ///< -ln p, prior and looking elsewhere accounted for
+  double kept = 0;     ///< |P C| / |C|: what the nuisances leave of it
   std::vector<EffectEstimate> one_step;  ///< its parameters so
 };
+
+/// ln of a candidate's odds against one that lasts for good, before looking: a part of the recording, or a
+/// time, is one of the many between so many segments.
+double logPriorOf(const Candidate& candidate, int segments);
 
 /// Candidates that are on together.
 struct TestedSet {
   std::vector<std::size_t> members;  ///< in Screening::candidates()
-  double log_evidence = 0;
+  double support = 0;
 };
 
 class Screening {
@@ -79,25 +83,31 @@ class Screening {
   Information informationOf(const Run& run) const;
   std::vector<Run> runsOf(std::size_t family) const;
   Candidate candidateOf(const Run& run) const;
-  Eigen::MatrixXd gramOf(const Run& a, const Run& b) const;
+  Eigen::MatrixXd gramOf(const Run& run) const;
+  Eigen::MatrixXd gramOf(std::size_t a, std::size_t b) const;
+  void combine();
   Eigen::VectorXd scoreOf(const Run& run, const Eigen::VectorXd& score) const;
   Eigen::VectorXd priorOf(const Run& run) const;
   TestedCandidate test(const Test& test) const;
-  double logEvidence(const std::vector<std::size_t>& members) const;
+  double supportOf(const std::vector<std::size_t>& members) const;
 
   const WhitenedModel& model_;
   Eigen::SparseMatrix<double> columns_;  // of all families, whitened
   double first_s_ = 0, segment_s_ = 0;
   std::vector<Family> families_;
   std::vector<double> prior_sigma_;  // of EffectParameters::values
-  Reduced reduced_;
-  std::vector<Test> all_;  // that were tried
+  Reduced reduced_;                  // of all segments, gram within each family only
+  Reduced combined_;                 // of the tested ones, side by side
+  std::vector<Eigen::Index> place_;  // of the tested ones' columns there
+  std::vector<Test> all_;            // that were tried
   std::vector<TestedCandidate> tested_;
   std::vector<Run> runs_;          // of the tested ones
   std::vector<double> log_prior_;  // of the tested ones: an interval is one of many
 };
 
-/// ln of the Bayes factor of parameters with a normal prior against zero: information A, score g.
-double logBayesFactor(const Eigen::MatrixXd& A, const Eigen::VectorXd& g, const Eigen::VectorXd& prior_sigma);
+/// -ln of the probability that parameters of no effect raise the likelihood so much: information A, score g.
+/// With a normal prior, which keeps sizes that nobody would expect from counting, and of parameters that the
+/// readings do not determine, the freedom.
+double support(const Eigen::MatrixXd& A, const Eigen::VectorXd& g, const Eigen::VectorXd& prior_sigma);
 
 }  // namespace fathom
