@@ -1,0 +1,311 @@
+#include "diagnosis_report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/files.h"
+#include "core/text.h"
+#include "diagnosis_json.h"
+#include "diagnosis_plots.h"
+#include "effects/calibration.h"
+#include "effects/catalogue.h"
+#include "report/html_report.h"
+
+namespace fathom {
+namespace {
+
+/// exp(log_p) for a reader, however small.
+std::string probabilityText(double log_p) {
+  if (!std::isfinite(log_p)) return log_p < 0 ? "0" : "-";
+  const double log10_p = log_p / std::log(10.0);
+  if (log10_p > -4) return fixed(std::exp(log_p), 4);
+  return print("1e%.0f", std::ceil(log10_p));
+}
+
+// ---- where: the mismatch map
+
+const Mismatch* find(const std::vector<Mismatch>& all, const Mismatch& like) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Mismatch& m) {
+    return m.channel == like.channel && m.component == like.component && m.statistic == like.statistic &&
+           m.against == like.against;
+  });
+  return found == all.end() ? nullptr : &*found;
+}
+
+/// All values of a text field, in the order of their first appearance.
+template <class Text>
+std::vector<std::string> distinct(const std::vector<Mismatch>& all, Text text) {
+  std::vector<std::string> values;
+  for (const Mismatch& mismatch : all)
+    if (std::find(values.begin(), values.end(), text(mismatch)) == values.end())
+      values.push_back(text(mismatch));
+  return values;
+}
+
+std::string covariateOf(const Mismatch& mismatch) {
+  return mismatch.against.empty() ? mismatch.statistic : mismatch.against;
+}
+
+/// Sensors down, covariates across: the largest size, coloured where it is not chance.
+Table heatTable(const std::vector<Mismatch>& all, double false_alarm) {
+  constexpr double kDarkest_sigma = 8.0;
+  Table table{{"sensor"}, {}};
+  const auto covariates = distinct(all, covariateOf);
+  table.header.insert(table.header.end(), covariates.begin(), covariates.end());
+  for (const std::string& sensor : distinct(all, sensorOf)) {
+    table.rows.push_back({sensor});
+    table.shades.push_back({0});
+    for (const std::string& covariate : covariates) {
+      const Mismatch* worst = nullptr;
+      for (const Mismatch& m : all)
+        if (sensorOf(m) == sensor && covariateOf(m) == covariate &&
+            (worst == nullptr || m.size_sigma > worst->size_sigma))
+          worst = &m;
+      table.rows.back().push_back(worst != nullptr ? fixed(worst->size_sigma, 1) : "-");
+      table.shades.back().push_back(worst != nullptr && isSignificant(*worst, false_alarm)
+                                        ? 0.1 + worst->size_sigma / kDarkest_sigma
+                                        : 0.0);
+    }
+  }
+  return table;
+}
+
+Table mismatchTable(const DiagnosisStory& story) {
+  constexpr std::size_t kMostRows = 20;
+  const BatchData& data = story.read.input.data;
+  Table table{{"sensor", "statistic", "against", "size [sigma]", "size", "p", "where", "when", "matters",
+               "left after [sigma]"},
+              {}};
+  for (const Mismatch& m : story.diagnosis.mismatch) {
+    if (table.rows.size() == kMostRows || !isSignificant(m, story.false_alarm)) continue;
+    const Mismatch* left = find(story.diagnosis.remaining, m);
+    table.rows.push_back({sensorOf(m), m.statistic, m.against, fixed(m.size_sigma, 1),
+                          print("%.3g %s", m.size_raw, m.raw_unit.c_str()), probabilityText(m.log_p), m.where,
+                          textOf(within(m.when_s, data)), m.material ? "yes" : "no",
+                          left != nullptr ? fixed(left->size_sigma, 1) : "-"});
+  }
+  return table;
+}
+
+void addMismatch(const DiagnosisStory& story, HtmlReport& report) {
+  const Diagnosis& d = story.diagnosis;
+  report.heading("Where the nominal model and the recording differ");
+  if (d.mismatch.empty()) return report.paragraph("No residuals were tested.");
+  report.table(
+      heatTable(d.mismatch, story.false_alarm),
+      print("Size of the structure in each sensor's residuals against each covariate, in sigma: 1 is "
+            "what noise makes. Coloured: more than chance explains at %g %%, having looked at all.",
+            100 * story.false_alarm));
+  const Table table = mismatchTable(story);
+  if (!table.rows.empty())
+    report.table(table,
+                 "The worst, with the probability of as much by chance. Matters: large enough in pixels, "
+                 "millimetres, millimetres per second.");
+  if (d.effects.empty()) return;
+  report.table(heatTable(d.remaining, story.false_alarm), "The same, with what was found in the model.");
+}
+
+// ---- what: effects, candidates, alternatives
+
+void addEffects(const DiagnosisStory& story, HtmlReport& report) {
+  const Diagnosis& d = story.diagnosis;
+  if (d.effects.empty()) return;
+  report.heading("What is missing");
+  report.table(effectTable(story),
+               "One sigma each. sqrt lambda: size in units of what this recording could resolve at best.");
+  Table evidence{{"effect", "what it is", "log likelihood gained", "held out", "BIC gained"}, {}};
+  for (const FoundEffect& effect : d.effects)
+    evidence.rows.push_back({nameOf(effect.candidate),
+                             std::string(allEffects()[effect.candidate.effect].text.title),
+                             fixed(effect.log_likelihood_gain, 1),
+                             fixed(effect.heldout_log_likelihood_gain, 1), fixed(effect.bic_gain, 1)});
+  report.table(evidence, "Against the model without it, all else estimated again.");
+}
+
+void addInteractions(const DiagnosisStory& story, HtmlReport& report) {
+  Table table{{"effect", "against", "chi-square", "dof", "p", "change [%]"}, {}};
+  for (const FoundEffect& effect : story.diagnosis.effects)
+    for (const InteractionTest& test : effect.interactions)
+      table.rows.push_back({nameOf(effect.candidate), test.against, fixed(test.statistic, 1),
+                            std::to_string(test.dof), probabilityText(test.log_p),
+                            fixed(100 * test.relative_change, 1)});
+  if (table.rows.empty()) return;
+  report.subheading("Is it the same everywhere?");
+  report.table(
+      table,
+      "An effect that is really there has the same parameters all over the recording; a stand-in for "
+      "another one has not. Change: of its size over one standard deviation of the covariate.");
+}
+
+void addCandidates(const DiagnosisStory& story, HtmlReport& report) {
+  constexpr std::size_t kMostRows = 25;
+  const Diagnosis& d = story.diagnosis;
+  if (d.tested.empty()) return;
+  report.heading("What else was tried");
+  Table table{
+      {"candidate", "log evidence", "chi-square", "dof", "p", "kept [%]", "2 log likelihood, refitted"}, {}};
+  for (const TestedCandidate& t : d.tested) {
+    if (table.rows.size() == kMostRows) break;
+    table.rows.push_back({nameOf(t.candidate), fixed(t.log_evidence, 1), fixed(t.statistic, 1),
+                          std::to_string(t.dof), probabilityText(t.log_p), fixed(100 * t.kept, 1),
+                          t.refitted_gain ? fixed(*t.refitted_gain, 1) : "-"});
+  }
+  std::string caption =
+      "Each alone against the nominal model, best evidence first. Kept: what of it the path, biases and "
+      "offsets that are estimated anyway cannot imitate. p: for this candidate alone.";
+  if (d.tested.size() > table.rows.size())
+    caption += print(" %zu more are in result.json.", d.tested.size() - table.rows.size());
+  report.table(table, caption);
+  report.paragraph("Probability of so good a best one where nothing is missing, having tried them all: " +
+                   fixed(d.alarm_p, 4) + ".");
+}
+
+void addAlternatives(const DiagnosisStory& story, HtmlReport& report) {
+  if (story.diagnosis.alternatives.empty()) return;
+  report.heading("What this recording cannot tell apart");
+  for (const Alternatives& set : story.diagnosis.alternatives) {
+    Table table{{"effect", "log evidence", "alignment", "what tells it apart"}, {}};
+    for (std::size_t i = 0; i < set.candidates.size(); ++i)
+      table.rows.push_back({nameOf(set.candidates[i]),
+                            i < set.log_evidence.size() ? fixed(set.log_evidence[i], 1) : "-",
+                            i < set.alignment.size() ? fixed(set.alignment[i], 3) : "-",
+                            std::string(allEffects()[set.candidates[i].effect].text.told_apart)});
+    report.table(table, "Alignment: 1 is the same to this recording.");
+  }
+}
+
+// ---- does it fit
+
+void addHeldOut(const DiagnosisStory& story, HtmlReport& report) {
+  const Diagnosis& d = story.diagnosis;
+  if (d.heldout.empty()) return;
+  report.heading("Does it fit what the fit did not see?");
+  report.table(
+      heldOutTable(d),
+      "Root mean square on held-out stretches, on which only the path is estimated again. Black box: "
+      "splines over the covariates in place of physics. Placebo: what the best of all candidates "
+      "gains where nothing is missing, in 95 of 100 cases at most.");
+  for (const HeldOut& heldout : d.heldout)
+    if (!heldout.blocks.empty()) report.plot(heldOutPlot(heldout));
+}
+
+/// The worst first; where nothing stands out, a few that show so.
+std::vector<const Mismatch*> worthPlotting(const DiagnosisStory& story) {
+  constexpr std::size_t kMost = 12, kFew = 3;
+  std::vector<const Mismatch*> chosen;
+  for (const Mismatch& m : story.diagnosis.mismatch) {
+    if (m.bins.size() < 2) continue;
+    if (chosen.size() < kFew || (chosen.size() < kMost && isSignificant(m, story.false_alarm)))
+      chosen.push_back(&m);
+  }
+  return chosen;
+}
+
+void addResiduals(const DiagnosisStory& story, HtmlReport& report) {
+  const Diagnosis& d = story.diagnosis;
+  report.heading(d.effects.empty() ? "Residuals" : "Residuals before and after");
+  for (const Mismatch* mismatch : worthPlotting(story))
+    report.plot(covariatePlot(*mismatch, d.effects.empty() ? nullptr : find(d.remaining, *mismatch)),
+                print("Means of whitened residuals and what they scatter by. Structure of %.3g %s (%.1f "
+                      "sigma) before.",
+                      mismatch->size_raw, mismatch->raw_unit.c_str(), mismatch->size_sigma));
+  for (const Plot& plot : residualPlots(story)) report.plot(plot);
+}
+
+void addNoise(const DiagnosisStory& story, HtmlReport& report) {
+  const NoiseModel& noise = story.diagnosis.noise;
+  Table table{{"channel", "sigma / stated", "correlation of neighbours", "sigma", "excess kurtosis"}, {}};
+  for (const BatchChannel channel : kBatchChannels) {
+    const ChannelNoise& c = noise.channels[static_cast<std::size_t>(channel)];
+    if (c.present)
+      table.rows.push_back({nameOf(channel), fixed(c.scale, 3), fixed(c.correlation, 3),
+                            fixed(c.correlation_error, 3), fixed(c.tail, 2)});
+  }
+  if (table.rows.empty()) return;
+  report.heading("The noise that the recording shows");
+  report.table(table, print("Markers scatter by %.2g mm about where the map has them.",
+                            1e3 * noise.panel_tolerance_m));
+}
+
+// ---- with it
+
+void addRerun(const DiagnosisStory& story, HtmlReport& report) {
+  if (!story.diagnosis.calibration.on.any() && !story.rerun) return;
+  report.heading("With what was found");
+  report.paragraph(
+      "calibration.yaml, beside this report, is taken by `simulate`, `localize`, `smooth` and `diagnose`.");
+  report.preformatted(formatCalibration(story.diagnosis.calibration));
+  if (const std::string command = simulateCommand(story); !command.empty()) {
+    report.paragraph("The dive simulated again with it:");
+    report.preformatted(command);
+  }
+  if (!story.rerun) return;
+  report.table(story.rerun->table,
+               "Task TL5, improved, without and with what was found. Mean ± sigma over the sightings; M: the "
+               "markers' mean pose; S: truth; m_A: lag-one autocorrelation of the path's increments.");
+  for (const std::string& remark : story.rerun->remarks) report.paragraph(remark);
+}
+
+void addInputs(const DiagnosisStory& story, HtmlReport& report) {
+  const BatchData& data = story.read.input.data;
+  report.heading("From what");
+  report.paragraph(
+      print("%.1f s; %zu intervals of the gyro, %zu DVL and %zu pressure readings, %zu markers in "
+            "images. Started from: ",
+            data.last_s - data.first_s, data.gyro.size(), data.dvl.size(), data.pressure.size(),
+            data.markers.size()) +
+      story.read.input.start.source + ".");
+  Table files{{"input", "fingerprint"}, {}};
+  for (const InputFile& input : story.read.files)
+    files.rows.push_back({input.file.string(), input.fingerprint});
+  report.table(files);
+  if (data.left_out.empty()) return;
+  Table left{{"readings left out because", "how many"}, {}};
+  for (const auto& [why, count] : data.left_out) left.rows.push_back({why, std::to_string(count)});
+  report.table(left);
+}
+
+void addHeadline(const DiagnosisStory& story, HtmlReport& report) {
+  const Diagnosis& d = story.diagnosis;
+  report.paragraph(headlineOf(d) + " " + d.why);
+  std::vector<std::pair<std::string, std::string>> keys{{"verdict", nameOf(d.verdict)}};
+  for (const FoundEffect& effect : d.effects)
+    keys.emplace_back(nameOf(effect.candidate) + ", sqrt lambda", fixed(effect.sqrt_lambda, 1));
+  if (!d.heldout.empty())
+    keys.emplace_back("held out, " + d.heldout[0].metric,
+                      d.effects.empty() ? print("%.3g", d.heldout[0].before)
+                                        : print("%.3g → %.3g", d.heldout[0].before, d.heldout[0].after));
+  report.keyValues(keys);
+  for (const std::string& remark : d.remarks) report.warning(remark);
+  for (const std::string& remark : story.read.remarks) report.warning(remark);
+}
+
+HtmlReport reportOf(const DiagnosisStory& story) {
+  HtmlReport report("Diagnosis of " + story.recording.filename().string());
+  addHeadline(story, report);
+  addEffects(story, report);
+  addInteractions(story, report);
+  addAlternatives(story, report);
+  addMismatch(story, report);
+  addCandidates(story, report);
+  addHeldOut(story, report);
+  addResiduals(story, report);
+  addNoise(story, report);
+  addRerun(story, report);
+  addInputs(story, report);
+  report.footer(story.run);
+  return report;
+}
+
+}  // namespace
+
+void writeDiagnosis(const DiagnosisStory& story) {
+  const HtmlReport report = reportOf(story);
+  const Diagnosis& d = story.diagnosis;
+  writePath(story.folder / "trajectory.tum", story.read.input.data, d.after);
+  writeTextFile(story.folder / "calibration.yaml", formatCalibration(d.calibration));
+  report.write(story.folder / "report.html");
+  writeJson(story.folder / "result.json", toJson(story));
+}
+
+}  // namespace fathom
