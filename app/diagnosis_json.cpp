@@ -92,7 +92,7 @@ Json interactionsJson(const std::vector<InteractionTest>& tests) {
 
 Json effectJson(const FoundEffect& effect, const DiagnosisStory& story) {
   Json json{{"id", idOf(effect.candidate)}, {"name", nameOf(effect.candidate)}};
-  json["parameters"] = json["sigma"] = json["unit"] = Json::object();
+  for (const char* key : {"parameters", "sigma", "unit"}) json[key] = Json::object();
   for (const FoundParameter& parameter : parametersOf(effect, story.diagnosis.calibration)) {
     json["parameters"][parameter.name] = numbersJson(parameter.value);
     json["unit"][parameter.name] = parameter.unit;

@@ -68,7 +68,7 @@ std::vector<Series> clouds(BatchChannel channel, const Linearization& linear) {
 Plot cloudPlot(BatchChannel channel, const Linearization& linear, const char* when) {
   Plot plot{.title = "Residuals of " + nameOf(channel) + when,
             .x_label = "time [s]",
-            .y_label = std::string("reading - prediction [") + unitOf(channel) + "]",
+            .y_label = std::string("residual [") + unitOf(channel) + "]",
             .series = clouds(channel, linear)};
   plot.height_px = 300;
   return plot;
@@ -114,6 +114,9 @@ Plot heldOutPlot(const HeldOut& heldout) {
     noise.y = {heldout.noise_floor, heldout.noise_floor};
   }
   plot.series.push_back(noise);
+  double most = heldout.noise_floor;
+  for (const Block& block : heldout.blocks) most = std::max({most, block.before, block.after});
+  if (most > 0) plot.y_range = {0, 1.1 * most};
   return plot;
 }
 

@@ -14,12 +14,13 @@
 namespace fathom {
 namespace {
 
-/// exp(log_p) for a reader, however small.
+/// exp(log_p) for a reader, however small: "0.0312", "4.5e-173".
 std::string probabilityText(double log_p) {
   if (!std::isfinite(log_p)) return log_p < 0 ? "0" : "-";
   const double log10_p = log_p / std::log(10.0);
   if (log10_p > -4) return fixed(std::exp(log_p), 4);
-  return print("1e%.0f", std::ceil(log10_p));
+  const double exponent = std::floor(log10_p);
+  return print("%.1fe%.0f", std::pow(10.0, log10_p - exponent), exponent);
 }
 
 // ---- where: the mismatch map
@@ -70,16 +71,20 @@ Table heatTable(const std::vector<Mismatch>& all, double false_alarm) {
   return table;
 }
 
+/// "mean residual against speed".
+std::string structureOf(const Mismatch& m) {
+  return m.against.empty() ? m.statistic : m.statistic + " against " + m.against;
+}
+
 Table mismatchTable(const DiagnosisStory& story) {
   constexpr std::size_t kMostRows = 20;
   const BatchData& data = story.read.input.data;
-  Table table{{"sensor", "statistic", "against", "size [sigma]", "size", "p", "where", "when", "matters",
-               "left after [sigma]"},
-              {}};
+  Table table{
+      {"sensor", "structure", "size [sigma]", "size", "p", "where", "when", "matters", "after [sigma]"}, {}};
   for (const Mismatch& m : story.diagnosis.mismatch) {
     if (table.rows.size() == kMostRows || !isSignificant(m, story.false_alarm)) continue;
     const Mismatch* left = find(story.diagnosis.remaining, m);
-    table.rows.push_back({sensorOf(m), m.statistic, m.against, fixed(m.size_sigma, 1),
+    table.rows.push_back({sensorOf(m), structureOf(m), fixed(m.size_sigma, 1),
                           print("%.3g %s", m.size_raw, m.raw_unit.c_str()), probabilityText(m.log_p), m.where,
                           textOf(within(m.when_s, data)), m.material ? "yes" : "no",
                           left != nullptr ? fixed(left->size_sigma, 1) : "-"});
@@ -91,18 +96,20 @@ void addMismatch(const DiagnosisStory& story, HtmlReport& report) {
   const Diagnosis& d = story.diagnosis;
   report.heading("Where the nominal model and the recording differ");
   if (d.mismatch.empty()) return report.paragraph("No residuals were tested.");
-  report.table(
-      heatTable(d.mismatch, story.false_alarm),
-      print("Size of the structure in each sensor's residuals against each covariate, in sigma: 1 is "
-            "what noise makes. Coloured: more than chance explains at %g %%, having looked at all.",
+  report.paragraph(
+      print("Size of the structure in each sensor's residuals against each covariate, in sigma: 1 is what "
+            "noise makes. Coloured: more than chance explains at %g %%, having looked at all.",
             100 * story.false_alarm));
-  const Table table = mismatchTable(story);
-  if (!table.rows.empty())
-    report.table(table,
-                 "The worst, with the probability of as much by chance. Matters: large enough in pixels, "
-                 "millimetres, millimetres per second.");
+  report.table(heatTable(d.mismatch, story.false_alarm));
+  if (const Table table = mismatchTable(story); !table.rows.empty()) {
+    report.paragraph(
+        "The worst, with the probability of as much by chance. Matters: large enough in pixels, millimetres, "
+        "millimetres per second.");
+    report.table(table);
+  }
   if (d.effects.empty()) return;
-  report.table(heatTable(d.remaining, story.false_alarm), "The same, with what was found in the model.");
+  report.paragraph("The same, with what was found in the model:");
+  report.table(heatTable(d.remaining, story.false_alarm));
 }
 
 // ---- what: effects, candidates, alternatives
@@ -111,15 +118,18 @@ void addEffects(const DiagnosisStory& story, HtmlReport& report) {
   const Diagnosis& d = story.diagnosis;
   if (d.effects.empty()) return;
   report.heading("What is missing");
-  report.table(effectTable(story),
-               "One sigma each. sqrt lambda: size in units of what this recording could resolve at best.");
-  Table evidence{{"effect", "what it is", "log likelihood gained", "held out", "BIC gained"}, {}};
   for (const FoundEffect& effect : d.effects)
-    evidence.rows.push_back({nameOf(effect.candidate),
-                             std::string(allEffects()[effect.candidate.effect].text.title),
-                             fixed(effect.log_likelihood_gain, 1),
+    report.paragraph(nameOf(effect.candidate) + ": " +
+                     std::string(allEffects()[effect.candidate.effect].text.title) + ".");
+  report.table(effectTable(story));
+  Table evidence{{"effect", "log likelihood gained", "held out", "BIC gained"}, {}};
+  for (const FoundEffect& effect : d.effects)
+    evidence.rows.push_back({nameOf(effect.candidate), fixed(effect.log_likelihood_gain, 1),
                              fixed(effect.heldout_log_likelihood_gain, 1), fixed(effect.bic_gain, 1)});
-  report.table(evidence, "Against the model without it, all else estimated again.");
+  report.table(evidence);
+  report.paragraph(
+      "One sigma each. Sqrt lambda: size in units of what this recording could resolve at best. Gains are "
+      "against the model without the effect, all else estimated again.");
 }
 
 void addInteractions(const DiagnosisStory& story, HtmlReport& report) {
@@ -131,10 +141,10 @@ void addInteractions(const DiagnosisStory& story, HtmlReport& report) {
                             fixed(100 * test.relative_change, 1)});
   if (table.rows.empty()) return;
   report.subheading("Is it the same everywhere?");
-  report.table(
-      table,
-      "An effect that is really there has the same parameters all over the recording; a stand-in for "
-      "another one has not. Change: of its size over one standard deviation of the covariate.");
+  report.paragraph(
+      "An effect that is really there has the same parameters all over the recording; a stand-in for another "
+      "one has not. Change: of its size over one standard deviation of the covariate.");
+  report.table(table);
 }
 
 void addCandidates(const DiagnosisStory& story, HtmlReport& report) {
@@ -180,11 +190,12 @@ void addHeldOut(const DiagnosisStory& story, HtmlReport& report) {
   const Diagnosis& d = story.diagnosis;
   if (d.heldout.empty()) return;
   report.heading("Does it fit what the fit did not see?");
-  report.table(
-      heldOutTable(d),
-      "Root mean square on held-out stretches, on which only the path is estimated again. Black box: "
-      "splines over the covariates in place of physics. Placebo: what the best of all candidates "
-      "gains where nothing is missing, in 95 of 100 cases at most.");
+  report.paragraph(
+      "Root mean square on stretches that were held out, where only the path is estimated again. Black box: "
+      "splines over the covariates in place of physics. Placebo: what the best of all candidates gains where "
+      "nothing is missing, in 95 of 100 cases at most.");
+  report.table(heldOutTable(d));
+  report.table(heldOutGainTable(d), "Log likelihood gained there, of all channels.");
   for (const HeldOut& heldout : d.heldout)
     if (!heldout.blocks.empty()) report.plot(heldOutPlot(heldout));
 }
@@ -229,6 +240,14 @@ void addNoise(const DiagnosisStory& story, HtmlReport& report) {
 
 // ---- with it
 
+/// An option a line, still one command to a shell.
+std::string onSeveralLines(std::string command) {
+  const std::string before = " --", after = " \\\n    --";
+  for (auto at = command.find(before); at != std::string::npos; at = command.find(before, at + after.size()))
+    command.replace(at, before.size(), after);
+  return command;
+}
+
 void addRerun(const DiagnosisStory& story, HtmlReport& report) {
   if (!story.diagnosis.calibration.on.any() && !story.rerun) return;
   report.heading("With what was found");
@@ -237,12 +256,14 @@ void addRerun(const DiagnosisStory& story, HtmlReport& report) {
   report.preformatted(formatCalibration(story.diagnosis.calibration));
   if (const std::string command = simulateCommand(story); !command.empty()) {
     report.paragraph("The dive simulated again with it:");
-    report.preformatted(command);
+    report.preformatted(onSeveralLines(command));
   }
   if (!story.rerun) return;
-  report.table(story.rerun->table,
-               "Task TL5, improved, without and with what was found. Mean ± sigma over the sightings; M: the "
-               "markers' mean pose; S: truth; m_A: lag-one autocorrelation of the path's increments.");
+  report.paragraph(
+      "Task TL5, improved, without and with it. Mean ± sigma over the sightings; M: the markers' mean pose; "
+      "S: "
+      "truth; m_A: lag-one autocorrelation of the path's increments.");
+  report.table(story.rerun->table);
   for (const std::string& remark : story.rerun->remarks) report.paragraph(remark);
 }
 
@@ -270,7 +291,7 @@ void addHeadline(const DiagnosisStory& story, HtmlReport& report) {
   report.paragraph(headlineOf(d) + " " + d.why);
   std::vector<std::pair<std::string, std::string>> keys{{"verdict", nameOf(d.verdict)}};
   for (const FoundEffect& effect : d.effects)
-    keys.emplace_back(nameOf(effect.candidate) + ", sqrt lambda", fixed(effect.sqrt_lambda, 1));
+    keys.emplace_back("sqrt lambda of " + nameOf(effect.candidate), fixed(effect.sqrt_lambda, 1));
   if (!d.heldout.empty())
     keys.emplace_back("held out, " + d.heldout[0].metric,
                       d.effects.empty() ? print("%.3g", d.heldout[0].before)

@@ -1,19 +1,23 @@
 #include "diagnosis_rerun.h"
 
+#include <algorithm>
+
 #include "tasks_report.h"
 
 namespace fathom {
 namespace {
 
-/// The paper's rows of one job, told apart by what is written before them.
+/// The paper's columns of one job, errors and m_A, told apart by what is written before them.
 void addRows(const LocalizedRecording& done, const std::string& calibration, DiagnosisRerun& rerun) {
   const Table table = taskTable(done);
-  rerun.table.header = table.header;
-  rerun.table.header.insert(rerun.table.header.begin(), "calibration");
-  for (std::vector<std::string> row : table.rows) {
-    row.insert(row.begin(), calibration);
-    rerun.table.rows.push_back(std::move(row));
-  }
+  const auto columns = std::find(table.header.begin(), table.header.end(), "m_A") + 1 - table.header.begin();
+  const auto withName = [&](const std::vector<std::string>& row, const std::string& name) {
+    std::vector<std::string> result{name};
+    result.insert(result.end(), row.begin(), row.begin() + columns);
+    return result;
+  };
+  rerun.table.header = withName(table.header, "calibration");
+  for (const auto& row : table.rows) rerun.table.rows.push_back(withName(row, calibration));
 }
 
 }  // namespace

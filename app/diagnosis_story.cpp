@@ -148,13 +148,17 @@ Table effectTable(const DiagnosisStory& story) {
 }
 
 Table heldOutTable(const Diagnosis& diagnosis) {
-  Table table{{"metric", "before", "after", "95 %", "black box", "noise alone", "log likelihood gained",
-               "95 %", "black box", "placebo"},
-              {}};
+  Table table{{"metric", "before", "after", "95 % of it", "black box", "noise alone"}, {}};
   for (const HeldOut& h : diagnosis.heldout)
     table.rows.push_back({h.metric, print("%.4g", h.before), print("%.4g", h.after), bandText(h.after_ci95),
-                          print("%.4g", h.black_box), print("%.4g", h.noise_floor),
-                          fixed(h.log_likelihood_gain, 1), bandText(h.gain_ci95),
+                          print("%.4g", h.black_box), print("%.4g", h.noise_floor)});
+  return table;
+}
+
+Table heldOutGainTable(const Diagnosis& diagnosis) {
+  Table table{{"metric", "effects", "95 % of it", "black box", "placebo"}, {}};
+  for (const HeldOut& h : diagnosis.heldout)
+    table.rows.push_back({h.metric, fixed(h.log_likelihood_gain, 1), bandText(h.gain_ci95),
                           fixed(h.black_box_log_likelihood_gain, 1),
                           fixed(h.placebo_log_likelihood_gain, 1)});
   return table;

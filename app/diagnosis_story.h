@@ -55,8 +55,9 @@ std::string sensorOf(const Mismatch& mismatch);
 std::string headlineOf(const Diagnosis& diagnosis);
 /// A row for each parameter of each effect found.
 Table effectTable(const DiagnosisStory& story);
-/// A row for each metric on held-out stretches.
+/// A row for each metric on held-out stretches: root mean squares; log likelihood gained.
 Table heldOutTable(const Diagnosis& diagnosis);
+Table heldOutGainTable(const Diagnosis& diagnosis);
 /// The command that simulates the dive with what was found; empty where images alone tell of the path.
 std::string simulateCommand(const DiagnosisStory& story);
 

@@ -91,7 +91,9 @@ std::string drawing(const std::string& data, const Series& series, const std::st
     case Series::Style::kPoints:
       return data + " using 1:2 with points pt 7 ps 0.4" + paint + title;
     case Series::Style::kErrorBars:
-      return data + " using 1:2:3:4 with yerrorbars pt 7 ps 0.6 lw 1.4" + paint + title;
+      // Not "with yerrorbars": to an SVG it paints a white ring about each point, over the bar.
+      return data + " using 1:3:(0):($4-$3) with vectors nohead lw 1.4" + paint + " notitle, " + data +
+             " using 1:2 with points pt 7 ps 0.6" + paint + title;
     case Series::Style::kBand:
       return data + " using 1:2:3 with filledcurves fs transparent solid 0.22 noborder" + paint + title;
   }
