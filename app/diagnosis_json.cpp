@@ -83,17 +83,17 @@ Json interactionsJson(const std::vector<InteractionTest>& tests) {
   for (const InteractionTest& test : tests)
     list.push_back({{"against", test.against},
                     {"chi_square", test.statistic},
-                    {"dof", test.dof},
                     {"p_value", std::exp(test.log_p)},
                     {"log_p", test.log_p},
-                    {"relative_change", test.relative_change}});
+                    {"relative_change", test.relative_change},
+                    {"failed", test.failed}});
   return list;
 }
 
 Json effectJson(const FoundEffect& effect, const DiagnosisStory& story) {
   Json json{{"id", idOf(effect.candidate)}, {"name", nameOf(effect.candidate)}};
   for (const char* key : {"parameters", "sigma", "unit"}) json[key] = Json::object();
-  for (const FoundParameter& parameter : parametersOf(effect, story.diagnosis.calibration)) {
+  for (const FoundParameter& parameter : parametersOf(effect, story.diagnosis.after.state.effects)) {
     json["parameters"][parameter.name] = numbersJson(parameter.value);
     json["unit"][parameter.name] = parameter.unit;
     if (!parameter.sigma.empty()) json["sigma"][parameter.name] = numbersJson(parameter.sigma);
@@ -103,14 +103,15 @@ Json effectJson(const FoundEffect& effect, const DiagnosisStory& story) {
   json["sqrt_lambda"] = effect.sqrt_lambda;
   json["evidence"] = {{"heldout_log_likelihood_gain", effect.heldout_log_likelihood_gain},
                       {"bic_gain", effect.bic_gain},
+                      {"log_evidence", effect.log_evidence},
                       {"log_likelihood_gain", effect.log_likelihood_gain}};
   json["interactions"] = interactionsJson(effect.interactions);
   return json;
 }
 
-Json effectsJson(const DiagnosisStory& story) {
+Json effectsJson(const std::vector<FoundEffect>& effects, const DiagnosisStory& story) {
   Json list = Json::array();
-  for (const FoundEffect& effect : story.diagnosis.effects) list.push_back(effectJson(effect, story));
+  for (const FoundEffect& effect : effects) list.push_back(effectJson(effect, story));
   return list;
 }
 
@@ -156,14 +157,18 @@ Json heldOutJson(const std::vector<HeldOut>& heldout) {
   for (const HeldOut& h : heldout) {
     Json json = headlineJson({h});
     json["channel"] = labelOf(h.channel);
-    json["log_likelihood_gain"] = h.log_likelihood_gain;
-    json["log_likelihood_gain_ci95"] = h.gain_ci95;
-    json["black_box_log_likelihood_gain"] = h.black_box_log_likelihood_gain;
-    json["placebo_log_likelihood_gain"] = h.placebo_log_likelihood_gain;
     json["blocks"] = blocksJson(h);
     list.push_back(json);
   }
   return list;
+}
+
+Json gainJson(const HeldOutGain& gain) {
+  return {{"physics", gain.physics},
+          {"physics_ci95", gain.physics_ci95},
+          {"black_box", gain.black_box},
+          {"over_black_box_ci95", gain.over_black_box_ci95},
+          {"placebo", gain.placebo}};
 }
 
 Json testedJson(const DiagnosisStory& story) {
@@ -176,7 +181,6 @@ Json testedJson(const DiagnosisStory& story) {
     json["log_p"] = tested.log_p;
     json["log_evidence"] = tested.log_evidence;
     json["kept"] = tested.kept;
-    json["refitted_gain"] = optionalJson(tested.refitted_gain);
     json["one_step"] = Json::object();
     for (const EffectEstimate& e : tested.one_step)
       json["one_step"][nameOfScalar(e)] = {{"value", e.value}, {"sigma", e.sigma}};
@@ -189,11 +193,8 @@ Json noiseJson(const NoiseModel& noise) {
   Json json = Json::object();
   for (const BatchChannel channel : kBatchChannels) {
     const ChannelNoise& c = noise.channels[static_cast<std::size_t>(channel)];
-    if (c.present)
-      json[nameOf(channel)] = {{"scale", c.scale},
-                               {"correlation", c.correlation},
-                               {"correlation_sigma", c.correlation_error},
-                               {"excess_kurtosis", c.tail}};
+    if (c.rows > 0)
+      json[nameOf(channel)] = {{"rows", c.rows}, {"scale", c.scale}, {"correlation", c.correlation}};
   }
   json["panel_tolerance_m"] = noise.panel_tolerance_m;
   return json;
@@ -207,10 +208,12 @@ Json diagnosisJson(const DiagnosisStory& story) {
   return {{"verdict", nameOf(d.verdict)},
           {"why", d.why},
           {"mismatch", mismatchesJson(d.mismatch, data, significant)},
-          {"effects", effectsJson(story)},
+          {"effects", effectsJson(d.effects, story)},
           {"alternatives", alternativesJson(story)},
-          {"heldout", headlineJson(d.heldout)},
-          {"heldout_metrics", heldOutJson(d.heldout)},
+          {"heldout", headlineJson(d.heldout.channels)},
+          {"heldout_metrics", heldOutJson(d.heldout.channels)},
+          {"heldout_log_likelihood_gain", gainJson(d.heldout.gain)},
+          {"nearest", effectsJson(d.nearest, story)},
           {"alarm_p", d.alarm_p},
           {"false_alarm", story.false_alarm},
           {"tested", testedJson(story)},

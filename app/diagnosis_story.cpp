@@ -45,24 +45,6 @@ std::vector<double> valuesOf(const FoundEffect& effect, const Parameter& paramet
   return values;
 }
 
-std::string listed(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
-  return text;
-}
-
-/// "dvl-scale", or "dvl-scale or marker-size" where the recording cannot choose.
-std::string namesOf(const FoundEffect& effect, const std::vector<Alternatives>& alternatives) {
-  std::string text = nameOf(effect.candidate);
-  for (const Alternatives& set : alternatives)
-    if (!set.candidates.empty() && set.candidates[0] == effect.candidate)
-      for (std::size_t i = 1; i < set.candidates.size(); ++i) text += " or " + nameOf(set.candidates[i]);
-  return text;
-}
-
-std::string bandText(const std::array<double, 2>& band) { return print("%.4g to %.4g", band[0], band[1]); }
-
 }  // namespace
 
 std::vector<FoundParameter> parametersOf(const FoundEffect& effect,
@@ -101,41 +83,19 @@ bool isSignificant(const Mismatch& mismatch, double false_alarm) { return mismat
 
 std::string sensorOf(const Mismatch& mismatch) {
   const std::string channel = nameOf(mismatch.channel);
-  if (mismatch.component < 0) return channel;
-  if (mismatch.channel == BatchChannel::markers)
-    return channel + (mismatch.component == 0   ? ", radial"
-                      : mismatch.component == 1 ? ", tangential"
-                                                : print(", component %d", mismatch.component));
-  if (mismatch.channel == BatchChannel::depth) return channel;
-  return channel + " " + std::string(1, "xyz"[mismatch.component % 3]);
+  if (mismatch.direction.empty() || mismatch.channel == BatchChannel::depth) return channel;
+  return channel + (mismatch.channel == BatchChannel::markers ? ", " : " ") + mismatch.direction;
 }
 
-std::string headlineOf(const Diagnosis& diagnosis) {
-  switch (diagnosis.verdict) {
-    case Verdict::none:
-      return "Nothing that matters is missing from the model.";
-    case Verdict::insufficient:
-      return "This recording cannot show it either way.";
-    case Verdict::explained:
-    case Verdict::unexplained:
-      break;
-  }
-  std::vector<std::string> names;
-  for (const FoundEffect& effect : diagnosis.effects)
-    names.push_back(namesOf(effect, diagnosis.alternatives));
-  std::string missing = "Missing from the model: " + listed(names);
-  if (!diagnosis.alternatives.empty()) missing += " (this recording cannot choose)";
-  if (diagnosis.verdict == Verdict::explained) return missing + ".";
-  const std::string none_of_these = "none of the effects that are known here";
-  if (names.empty()) return "Something is missing from the model, and it is " + none_of_these + ".";
-  return missing + "; and something else that is " + none_of_these + ".";
+const std::vector<FoundEffect>& modelledEffects(const Diagnosis& diagnosis) {
+  return diagnosis.effects.empty() ? diagnosis.nearest : diagnosis.effects;
 }
 
 Table effectTable(const DiagnosisStory& story) {
   Table table{{"effect", "parameter", "value ± sigma", "when", "size [sqrt lambda]"}, {}};
-  for (const FoundEffect& effect : story.diagnosis.effects) {
+  for (const FoundEffect& effect : modelledEffects(story.diagnosis)) {
     bool first = true;
-    for (const FoundParameter& parameter : parametersOf(effect, story.diagnosis.calibration)) {
+    for (const FoundParameter& parameter : parametersOf(effect, story.diagnosis.after.state.effects)) {
       table.rows.push_back({first ? nameOf(effect.candidate) : "", parameter.name, textOf(parameter)});
       if (first)
         table.rows.back().insert(
@@ -147,20 +107,12 @@ Table effectTable(const DiagnosisStory& story) {
   return table;
 }
 
-Table heldOutTable(const Diagnosis& diagnosis) {
+Table heldOutTable(const HeldOutResult& heldout) {
   Table table{{"metric", "before", "after", "95 % of it", "black box", "noise alone"}, {}};
-  for (const HeldOut& h : diagnosis.heldout)
-    table.rows.push_back({h.metric, print("%.4g", h.before), print("%.4g", h.after), bandText(h.after_ci95),
-                          print("%.4g", h.black_box), print("%.4g", h.noise_floor)});
-  return table;
-}
-
-Table heldOutGainTable(const Diagnosis& diagnosis) {
-  Table table{{"metric", "effects", "95 % of it", "black box", "placebo"}, {}};
-  for (const HeldOut& h : diagnosis.heldout)
-    table.rows.push_back({h.metric, fixed(h.log_likelihood_gain, 1), bandText(h.gain_ci95),
-                          fixed(h.black_box_log_likelihood_gain, 1),
-                          fixed(h.placebo_log_likelihood_gain, 1)});
+  for (const HeldOut& h : heldout.channels)
+    table.rows.push_back({h.metric, print("%.4g", h.before), print("%.4g", h.after),
+                          print("%.4g to %.4g", h.after_ci95[0], h.after_ci95[1]), print("%.4g", h.black_box),
+                          print("%.4g", h.noise_floor)});
   return table;
 }
 

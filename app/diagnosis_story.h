@@ -48,16 +48,15 @@ std::string textOf(const std::optional<Interval>& interval);
 
 /// Whether a mismatch is more than chance leaves of no mismatch.
 bool isSignificant(const Mismatch& mismatch, double false_alarm);
-/// "markers, radial", "dvl y", "gyro".
+/// "markers, right", "dvl y", "depth".
 std::string sensorOf(const Mismatch& mismatch);
 
-/// "Missing: dvl-scale and marker-moved 14."
-std::string headlineOf(const Diagnosis& diagnosis);
-/// A row for each parameter of each effect found.
+/// Effects in the final model: those found, or those that come nearest to what is unexplained.
+const std::vector<FoundEffect>& modelledEffects(const Diagnosis& diagnosis);
+/// A row for each parameter of each of them.
 Table effectTable(const DiagnosisStory& story);
-/// A row for each metric on held-out stretches: root mean squares; log likelihood gained.
-Table heldOutTable(const Diagnosis& diagnosis);
-Table heldOutGainTable(const Diagnosis& diagnosis);
+/// Root mean squares on held-out stretches, a row for each channel.
+Table heldOutTable(const HeldOutResult& heldout);
 /// The command that simulates the dive with what was found; empty where images alone tell of the path.
 std::string simulateCommand(const DiagnosisStory& story);
 
