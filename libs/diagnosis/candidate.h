@@ -8,12 +8,12 @@
 
 namespace fathom {
 
-/// An effect that may be missing: of a registered effect, what a fit cannot differentiate by.
+/// An effect that may be missing: a registered effect, and what a fit cannot differentiate by.
 struct Candidate {
   std::size_t effect = 0;        ///< in the registry
   std::optional<int> marker_id;  ///< where the effect has one
   std::optional<double> time_s;  ///< of a step, where the effect has one
-  Interval active_s;             ///< forever: not an interval
+  Interval active_s;             ///< the default: for good
 
   bool isForGood() const { return active_s == Interval{}; }
   friend bool operator==(const Candidate&, const Candidate&) = default;
@@ -22,10 +22,17 @@ struct Candidate {
 /// "marker-moved 14", "panel-moved at 73.2 s", "water-current from 30.0 to 80.0 s".
 std::string nameOf(const Candidate& candidate);
 
-/// Sets the effect on in a calibration, at neutral where it is not on yet.
+/// Switches the effect on; its continuous parameters stay as they are.
 void switchOn(EffectParameters<double>& calibration, const Candidate& candidate);
 
-/// Whether a row feels the candidate.
-bool feels(const RowInfo& row, const Candidate& candidate);
+/// Whether the candidate acts on a reading.
+bool actsOn(const Candidate& candidate, const RowInfo& row);
+
+/// Scalars that a fit estimates: so many columns has the candidate.
+std::vector<std::size_t> columnsOf(const Linearization& linear, std::size_t effect);
+
+/// Columns of the candidates, one behind the other, over the linearization's rows: zero where a candidate
+/// does not act.
+Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::vector<Candidate>& candidates);
 
 }  // namespace fathom

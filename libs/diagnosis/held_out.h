@@ -1,31 +1,53 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "estimation/batch_data.h"
+#include "diagnosis/whitened_model.h"
 
+/// Does it fit on data that the fit had not seen?
 namespace fathom {
 
-/// Root mean square of one channel's residuals on stretches that the fit did not see; there only poses are
-/// estimated again.
+/// Root mean square of one channel's residuals on stretches that the fit did not see. Only the effects'
+/// parameters are carried over: all that is estimated in any case is estimated again there.
 struct HeldOut {
   BatchChannel channel = BatchChannel::prior;
-  std::string metric;  ///< "reprojection_rms_px", "dvl_rms_m_s", …
+  std::string metric;  ///< "reprojection_rms_px", "dvl_rms_mm_s", …
   double before = 0, after = 0;
-  std::array<double, 2> after_ci95{};
-  double black_box = 0;               ///< with splines over the covariates instead of physics
-  double noise_floor = 0;             ///< what noise alone makes of it
-  double log_likelihood_gain = 0;     ///< of all channels, after over before
-  std::array<double, 2> gain_ci95{};  ///< block bootstrap
-  double black_box_log_likelihood_gain = 0;
-  double placebo_log_likelihood_gain = 0;  ///< 95th percentile of the best of all on simulated nulls
+  std::array<double, 2> after_ci95{};  ///< by block bootstrap
+  double black_box = 0;                ///< with splines over the covariates instead of physics
+  double noise_floor = 0;              ///< what noise alone makes of it
   struct Block {
     double from_s = 0, to_s = 0;
     double before = 0, after = 0, black_box = 0;  ///< rms
   };
   std::vector<Block> blocks;
 };
+
+/// ln of the held-out predictive density over that of the model with nothing added, all channels.
+struct HeldOutGain {
+  double physics = 0, black_box = 0;
+  std::array<double, 2> physics_ci95{};     ///< by block bootstrap
+  std::array<double, 2> over_black_box_ci95{};
+  double placebo = 0;  ///< 95th percentile of what the best of all effects gains where nothing is missing
+};
+
+struct HeldOutResult {
+  std::vector<HeldOut> channels;  ///< those that the effects act on most first
+  HeldOutGain gain;
+};
+
+struct HeldOutOptions {
+  int folds = 5;
+  std::uint64_t seed = 1;
+};
+
+/// `linear`: at the final estimate, not weighted; `values`: the effects' there. Each fold's stretch is one
+/// part in time; effects are trained on all others.
+HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>& effects,
+                      const EffectParameters<double>& values, const NoiseModel& noise, const BatchData& data,
+                      const HeldOutOptions& options);
 
 }  // namespace fathom

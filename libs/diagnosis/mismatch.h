@@ -3,35 +3,46 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/noise.h"
+#include "diagnosis/covariate.h"
+#include "diagnosis/whitened_model.h"
 
+/// Where a model and a recording differ, whatever the cause: residuals against everything that a mismatch may
+/// depend on.
 namespace fathom {
 
-/// A mean of residuals in one bin of a covariate.
+/// How far readings are off in one bin of a covariate.
 struct MismatchBin {
-  double low = 0, high = 0;  ///< of the covariate
+  double low = 0, high = 0;  ///< of the covariate, in its unit
+  std::string label;         ///< "id 14", "2.1 to 2.4 m"
   std::size_t rows = 0;
-  double mean_sigma = 0, mean_error_sigma = 0;  ///< whitened residual, and what it scatters by
-  double mean_raw = 0;                          ///< in the reading's unit (px, m/s, rad/s, m/s², Pa, m)
+  double mean_raw = 0;    ///< in the reading's unit as people read it (ReadingUnit)
+  double sigma = 0;       ///< of it, by noise alone
+  double size_sigma = 0;  ///< root of its score statistic, nuisances projected off
 };
 
-/// How a channel's residuals depend on one covariate: what the model leaves out shows here.
+/// How a channel's residuals depend on one covariate.
 struct Mismatch {
   BatchChannel channel = BatchChannel::prior;
-  int component = -1;     ///< axis; of markers 0 radial, 1 tangential in the image …; -1: all
-  std::string statistic;  ///< "mean residual", "excess scatter", "spectrum"
-  std::string against;    ///< "marker id", "time", "range", "image radius", "speed", …
+  std::string statistic;  ///< "mean residual", "mean in an image", "spectrum"
+  std::string direction;  ///< axis, or way in the image; empty: all
+  std::string against;    ///< "marker id", "time", "range", …
   std::string unit;       ///< of the covariate
-  double size_sigma = 0;  ///< sqrt of the score statistic over its degrees of freedom
-  double size_raw = 0;    ///< rms of the structure, in raw_unit
+  double size_sigma = 0;  ///< the worst bin's
+  double size_raw = 0;    ///< what of the residuals it makes up, root mean square beyond chance
   std::string raw_unit;
-  double statistic_value = 0;
+  double statistic_value = 0;  ///< chi-square of dof where nothing is missing
   int dof = 0;
-  double p_value = 1, log_p = 0;  ///< for having looked at all maps: by Bonferroni
-  Interval when_s;                ///< where most of it sits
-  std::string where;              ///< the worst bin, e.g. "id 14"
-  bool material = false;          ///< large enough to matter, in px, mm, mm/s
+  double log_p = 0, p_value = 1;  ///< of the statistic, times the number of maps looked at
+  Interval when_s;                ///< the worst bin's readings
+  std::string where;              ///< the worst bin
+  bool material = false;          ///< large enough to matter: see materialSize()
   std::vector<MismatchBin> bins;
 };
+
+/// A structure below these root mean squares matters to nobody: reading's own unit.
+double materialSize(BatchChannel channel);
+
+/// All maps, the most improbable first.
+std::vector<Mismatch> mismatchMaps(const WhitenedModel& model, std::uint64_t seed);
 
 }  // namespace fathom

@@ -1,25 +1,47 @@
 #pragma once
 
 #include <array>
-#include <vector>
+#include <cstdint>
+#include <set>
 
-#include "estimation/linearization.h"
+#include "diagnosis/candidate.h"
 
 namespace fathom {
 
-/// The noise that one channel shows, in its axes together.
+/// The noise that one channel shows.
 struct ChannelNoise {
-  bool present = false;
-  double scale = 1;        ///< sigma in units of the one stated
+  std::size_t rows = 0;
+  double scale = 1;        ///< sigma in units of the one stated (data sheet, or a corner's own covariance)
   double correlation = 0;  ///< of neighbours in a track: a first-order autoregression
-  double correlation_error = 0;
-  double tail = 0;  ///< excess kurtosis
+
+  /// What the sigma is multiplied by where readings are taken as independent: a mean over many then scatters
+  /// as it truly does.
+  double independentScale() const;
 };
 
 struct NoiseModel {
   std::array<ChannelNoise, kBatchChannels.size()> channels;  ///< by BatchChannel
-  /// What the panel's markers scatter by about where the map has them, one axis; 0: the map is exact.
+  /// What the panel's markers scatter by about where the map has them, each axis; 0: nothing is to be seen.
   double panel_tolerance_m = 0;
+
+  const ChannelNoise& of(BatchChannel channel) const { return channels[static_cast<std::size_t>(channel)]; }
+  /// For ProblemOptions::noise_scale.
+  std::array<double, kBatchChannels.size()> noiseScale() const;
 };
+
+/// The noise that an estimate's residuals show once every effect of the catalogue may explain its share: what
+/// is left out of the model is not taken for noise. Scale and correlation are those with which simulated noise
+/// leaves the residuals seen, so what the estimate follows is accounted for. `linear`: weighted (see
+/// applyRobustWeights()), at an estimate with the noise `assumed`.
+NoiseModel shownNoise(const Linearization& linear, const NoiseModel& assumed, std::uint64_t seed);
+
+/// Rows of a track that follow one another without a gap: pairs of neighbours, by row.
+std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, BatchChannel channel);
+
+/// Ids of all markers seen.
+std::set<int> markersOf(const Linearization& linear);
+
+/// Every effect not yet estimated that a fit can differentiate by, for good; those with a marker's id once for each id.
+std::vector<Candidate> lastingCandidates(const Linearization& linear);
 
 }  // namespace fathom

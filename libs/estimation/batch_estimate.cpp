@@ -102,8 +102,7 @@ class Uncertainty {
   Matrix6d ofPose(const MotionNode& node) const {
     const PosePath& path = problem_.reference().path;
     std::vector<const UnknownBlock*> poses;
-    for (int k = 0; k < node.count; ++k)
-      poses.push_back(problem_.find(Kind::pose, static_cast<std::size_t>(node.first + k)));
+    for (int k = 0; k < node.count; ++k) poses.push_back(problem_.find(Kind::pose, node.pose(k)));
     const auto own = std::span(path.poses)
                          .subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
     const Eigen::MatrixXd slope = motionJacobian(own, node, path.knot_s).topRows<6>();
@@ -167,7 +166,7 @@ void addParameters(BatchEstimate& estimate, const BatchProblem& problem, const U
   std::vector<const UnknownBlock*> effect_blocks;
   for (const UnknownBlock& block : problem.blocks()) {
     if (block.kind == Kind::bias)
-      estimate.bias_sigma.push_back(uncertainty.of(block.kind, block.index).diagonal().cwiseSqrt());
+      estimate.bias_sigma.emplace_back(uncertainty.of(block.kind, block.index).diagonal().cwiseSqrt());
     if (block.kind == Kind::pressure_offset)
       estimate.pressure_offset_sigma_pa = std::sqrt(uncertainty.of(block.kind, 0)(0, 0));
     if (block.kind == Kind::effect) effect_blocks.push_back(&block);

@@ -186,8 +186,9 @@ class ReadingCost final : public BatchCost {
   std::vector<Pose> posesAt(const Eigen::VectorXd& x) const {
     std::vector<Pose> poses;
     for (int k = 0; k < pose_count; ++k)
-      poses.push_back(retracted(reference_.path.poses[static_cast<std::size_t>(first_pose + k)],
-                                x.segment<6>(blockAt(static_cast<std::size_t>(k)).column)));
+      poses.push_back(
+          retracted(reference_.path.poses[static_cast<std::size_t>(first_pose) + static_cast<std::size_t>(k)],
+                    x.segment<6>(blockAt(static_cast<std::size_t>(k)).column)));
     return poses;
   }
 
@@ -414,7 +415,7 @@ double BatchProblem::thresholdOf(BatchChannel channel, Eigen::Index rows) const 
 }
 
 void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, std::vector<double> node_s,
-                       Eigen::VectorXd reading, Eigen::MatrixXd whitening) {
+                       Eigen::VectorXd reading, const Eigen::MatrixXd& whitening) {
   auto cost = std::make_unique<ReadingCost>(reference_, blocks_);
   const BatchMarker* marker =
       source.marker < 0 ? nullptr : &data_.markers[static_cast<std::size_t>(source.marker)];

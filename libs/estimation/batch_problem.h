@@ -123,7 +123,7 @@ class BatchProblem {
   void addPriors();
   MotionNode nodeOf(double t_s, std::size_t image) const;
   void add(std::unique_ptr<ReadingModel> model, RowSource source, std::vector<double> node_s,
-           Eigen::VectorXd reading, Eigen::MatrixXd whitener);
+           Eigen::VectorXd reading, const Eigen::MatrixXd& whitening);
   void addLinear(const UnknownBlock& block, const Eigen::VectorXd& value, const Eigen::MatrixXd& slope);
   std::bitset<kEffectCount> actingOn(const ReadingModel& model, const RowSource& source) const;
   double thresholdOf(BatchChannel channel, Eigen::Index rows) const;

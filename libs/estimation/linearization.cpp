@@ -43,6 +43,9 @@ RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const Row
   info.speed_m_s = motion.velocity_odom.norm();
   info.turn_rate_rad_s = motion.rate_robot.norm();
   info.depth_m = -motion.T_odom_robot.position.z();
+  const Matrix3d R_robot_odom = motion.T_odom_robot.rotation.transpose();
+  info.velocity_robot = R_robot_odom * motion.velocity_odom;
+  info.force_robot = R_robot_odom * (motion.acceleration_odom - data.vehicle.gravityOdom());
   if (seen == nullptr) return info;
   info.marker_id = seen->marker.id;
   info.panel = static_cast<std::ptrdiff_t>(seen->panel);

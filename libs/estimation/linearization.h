@@ -21,6 +21,8 @@ struct RowInfo {
 
   // The motion of the robot then.
   double speed_m_s = 0, turn_rate_rad_s = 0, depth_m = 0;
+  Vector3d velocity_robot = Vector3d::Zero();
+  Vector3d force_robot = Vector3d::Zero();  ///< specific force, m/s²
 
   // Of markers.
   std::ptrdiff_t marker = -1;  ///< index in BatchData::markers

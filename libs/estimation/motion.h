@@ -37,6 +37,9 @@ struct Motion {
 struct MotionNode {
   int first = 0, count = 1;  ///< of the poses
   double u = 0.0;
+
+  /// Number of its k-th pose.
+  std::size_t pose(int k) const { return static_cast<std::size_t>(first) + static_cast<std::size_t>(k); }
 };
 
 /// The poses that are estimated.

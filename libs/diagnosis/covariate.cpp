@@ -1,0 +1,164 @@
+#include "diagnosis/covariate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/registry.h"
+
+namespace fathom {
+namespace {
+
+constexpr double kLeastSpread = 1e-6;  // below, a covariate is constant
+
+Covariate component(std::string name, std::string unit, Vector3d RowInfo::*member, int axis) {
+  return {std::move(name), std::move(unit), [member, axis](const RowInfo& row) { return (row.*member)[axis]; },
+          1, 6};
+}
+
+std::vector<Covariate> allOf(BatchChannel channel) {
+  std::vector<Covariate> all{
+      {"time", "s", [](const RowInfo& row) { return row.t_s; }, 1, 10},
+      {"speed", "m/s", [](const RowInfo& row) { return row.speed_m_s; }, 1, 6},
+      {"turn rate", "deg/s", [](const RowInfo& row) { return row.turn_rate_rad_s; }, degrees(1.0), 6},
+      {"depth", "m", [](const RowInfo& row) { return row.depth_m; }, 1, 6}};
+  if (channel == BatchChannel::markers) {
+    all.push_back({"range", "m", [](const RowInfo& row) { return row.range_m; }, 1, 6});
+    all.push_back({"image radius", "1", [](const RowInfo& row) { return row.image_radius; }, 1, 6});
+    all.push_back({"image x", "px", [](const RowInfo& row) { return row.pixel.x(); }, 1, 6});
+    all.push_back({"image y", "px", [](const RowInfo& row) { return row.pixel.y(); }, 1, 6});
+    all.push_back({"incidence", "deg", [](const RowInfo& row) { return row.incidence_rad; }, degrees(1.0), 6});
+    return all;
+  }
+  for (const int axis : {0, 1, 2}) {
+    const std::string name(1, "xyz"[axis]);
+    all.push_back(component("velocity " + name, "m/s", &RowInfo::velocity_robot, axis));
+    all.push_back(component("specific force " + name, "m/s²", &RowInfo::force_robot, axis));
+  }
+  return all;
+}
+
+/// 1/sigma of each row of a channel: its residual over its raw one.
+double perUnit(const RowInfo& row, double residual, double typical) {
+  return std::abs(row.raw) > 1e-12 && std::abs(residual) > 1e-12 ? residual / row.raw : typical;
+}
+
+}  // namespace
+
+std::vector<Covariate> covariatesOf(const Linearization& linear, BatchChannel channel) {
+  std::vector<Covariate> varying;
+  for (Covariate& covariate : allOf(channel)) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const RowInfo& row : linear.rows)
+      if (row.channel == channel) {
+        low = std::min(low, covariate.of(row));
+        high = std::max(high, covariate.of(row));
+      }
+    if (high - low > kLeastSpread) varying.push_back(std::move(covariate));
+  }
+  return varying;
+}
+
+std::vector<Direction> directionsOf(const Linearization& linear, BatchChannel channel) {
+  const std::size_t rows = linear.rows.size();
+  std::vector<Direction> directions;
+  if (channel == BatchChannel::markers) {
+    // A camera turned about its y axis sees all shifted to the side, about x up or down: by f per radian.
+    const auto shift = [&](std::string name, std::size_t axis, double sign) {
+      Direction direction{std::move(name), std::vector<double>(rows, 0)};
+      for (std::size_t c = 0; c < linear.columns.size(); ++c) {
+        if (linear.columns[c].scalar != kEffectOffsets[kEffectIndex<CameraMisalignment>] + axis) continue;
+        for (std::size_t i = 0; i < rows; ++i)
+          if (linear.rows[i].channel == channel)
+            direction.values[i] = sign * linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c));
+      }
+      directions.push_back(std::move(direction));
+    };
+    shift("sideways", 1, 1);
+    shift("up and down", 0, 1);
+    // A pixel's worth: the columns are of a degree.
+    const double noise_px = noiseUnit(linear, channel);
+    for (Direction& direction : directions) {
+      double square = 0, count = 0;
+      for (const double value : direction.values)
+        if (value != 0) square += value * value, ++count;
+      // Half of the coordinates move.
+      const double px = std::sqrt(2 * square / std::max(1.0, count)) * noise_px;
+      for (double& value : direction.values) value /= px;
+    }
+    return directions;
+  }
+  double typical = 1 / std::max(1e-300, noiseUnit(linear, channel));
+  for (int axis = 0; axis < 3; ++axis) {
+    Direction direction{std::string(1, "xyz"[axis]), std::vector<double>(rows, 0)};
+    bool any = false;
+    for (std::size_t i = 0; i < rows; ++i)
+      if (linear.rows[i].channel == channel && linear.rows[i].component == axis) {
+        direction.values[i] =
+            std::sqrt(linear.rows[i].robust_weight) *
+            std::abs(perUnit(linear.rows[i],
+                             linear.residual[static_cast<Eigen::Index>(i)] /
+                                 std::sqrt(linear.rows[i].robust_weight),
+                             typical));
+        any = true;
+      }
+    if (any) directions.push_back(std::move(direction));
+  }
+  return directions;
+}
+
+ReadingUnit unitOf(BatchChannel channel) {
+  switch (channel) {
+    case BatchChannel::gyro:
+      return {"deg/s", degrees(1.0)};
+    case BatchChannel::accelerometer:
+      return {"mm/s²", 1000};
+    case BatchChannel::attitude:
+      return {"deg", degrees(1.0)};
+    case BatchChannel::dvl:
+      return {"mm/s", 1000};
+    case BatchChannel::depth:
+      return {"mm of water", 1000 / 9806.65};
+    case BatchChannel::usbl:
+      return {"m", 1};
+    case BatchChannel::markers:
+      return {"px", 1};
+    case BatchChannel::prior:
+      break;
+  }
+  return {"1", 1};
+}
+
+double noiseUnit(const Linearization& linear, BatchChannel channel) {
+  double raw = 0, residual = 0;
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+    const RowInfo& row = linear.rows[i];
+    if (row.channel != channel) continue;
+    raw += row.raw * row.raw;
+    residual += linear.residual[static_cast<Eigen::Index>(i)] *
+                linear.residual[static_cast<Eigen::Index>(i)] / row.robust_weight;
+  }
+  return residual > 0 ? std::sqrt(raw / residual) : 0;
+}
+
+std::vector<double> binLimits(const Linearization& linear, BatchChannel channel, const Covariate& covariate) {
+  std::vector<double> values;
+  for (const RowInfo& row : linear.rows)
+    if (row.channel == channel) values.push_back(covariate.of(row));
+  std::sort(values.begin(), values.end());
+  std::vector<double> limits;
+  for (int bin = 0; bin <= covariate.bins; ++bin) {
+    const double limit =
+        values[std::min(values.size() - 1, values.size() * static_cast<std::size_t>(bin) /
+                                               static_cast<std::size_t>(covariate.bins))];
+    if (limits.empty() || limit > limits.back()) limits.push_back(limit);
+  }
+  if (limits.size() == 1) limits.push_back(limits[0]);
+  return limits;
+}
+
+std::size_t binOf(const std::vector<double>& limits, double value) {
+  const auto above = std::upper_bound(limits.begin() + 1, limits.end() - 1, value);
+  return static_cast<std::size_t>(above - limits.begin()) - 1;
+}
+
+}  // namespace fathom

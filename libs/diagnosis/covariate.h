@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "estimation/linearization.h"
+
+/// What a mismatch may depend on, and how a reading may be off: the physics-free language in which a mismatch
+/// is located, whatever its cause.
+namespace fathom {
+
+/// A number that each reading has.
+struct Covariate {
+  std::string name, unit;
+  std::function<double(const RowInfo&)> of;
+  double scale = 1;  ///< of the unit: what is printed is of(row) * scale
+  int bins = 6;
+};
+
+/// Those that a channel's readings have, where they vary at all.
+std::vector<Covariate> covariatesOf(const Linearization& linear, BatchChannel channel);
+
+/// A way in which a channel's readings may be off, one unit's worth: an axis's own unit; of markers' corners a
+/// shift of the image by a pixel, to the right or down.
+struct Direction {
+  std::string name;            ///< "x", "right", …
+  std::vector<double> values;  ///< by row of the linearization: d residual
+};
+
+std::vector<Direction> directionsOf(const Linearization& linear, BatchChannel channel);
+/// Unit of a channel's readings, as people read them, and what a reading's own unit is multiplied by.
+struct ReadingUnit {
+  std::string name;  ///< "px", "mm/s", …
+  double scale = 1;
+};
+ReadingUnit unitOf(BatchChannel channel);
+/// What one unit of noise is in the reading's own unit: root mean square over the channel.
+double noiseUnit(const Linearization& linear, BatchChannel channel);
+
+/// Readings by equal shares of a covariate: each bin's limits, from the first's lower one.
+std::vector<double> binLimits(const Linearization& linear, BatchChannel channel, const Covariate& covariate);
+/// The number of a value's bin.
+std::size_t binOf(const std::vector<double>& limits, double value);
+
+}  // namespace fathom

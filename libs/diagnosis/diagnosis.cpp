@@ -1,0 +1,389 @@
+#include "diagnosis/diagnosis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "core/progress.h"
+#include "core/text.h"
+#include "diagnosis/onset.h"
+#include "effects/catalogue.h"
+
+namespace fathom {
+namespace {
+
+constexpr int kNoisePasses = 2;
+constexpr double kLogOdds = 4.0;        // ln of the odds against one more effect, before looking
+constexpr double kSameEvidence = 2.7;   // half of the 5.4 by which the right one loses once in a hundred
+constexpr double kContenderMargin = 8;  // ln evidence to first order, plus a share of the best's:
+constexpr double kContenderShare = 0.1;
+constexpr std::size_t kContenders = 5, kRivals = 4;
+constexpr double kUnexplained_p = 0.01;
+constexpr double kDetectable = 18;      // information times prior variance: 5 % over the catalogue, power 90 %
+constexpr double kLeastShare = 0.2;     // of the catalogue to be within reach, for "none" to mean something
+constexpr double kMaterialTolerance_m = 0.002;
+
+/// The course of a diagnosis.
+class Course {
+ public:
+  Course(const BatchInput& input, const DiagnosisOptions& options)
+      : data_(input.data), start_(input.start), options_(options) {
+    base_.calibration = options.calibration;
+  }
+
+  Diagnosis run() {
+    if (!estimateNominal()) return std::move(diagnosis_);
+    locate();
+    attribute();
+    verify();
+    judge();
+    return std::move(diagnosis_);
+  }
+
+ private:
+  bool estimateNominal();
+  void locate();
+  void attribute();
+  void verify();
+  void judge();
+
+  bool insufficient(const std::string& why);
+  Refit fit(const Refit& from, const std::vector<Candidate>& effects) const {
+    return refit(data_, from.estimate, base_, effects, diagnosis_.noise);
+  }
+  /// Worth of a fit against the nominal one, with the odds against so many effects.
+  double worth(const Refit& fit) const {
+    return fit.succeeded ? logEvidence(fit, nominal_) - kLogOdds * static_cast<double>(fit.effects.size())
+                         : -1e300;
+  }
+  double segment_s() const { return (data_.last_s - data_.first_s) / options_.segments; }
+  std::optional<Refit> bestOf(const Refit& from, const Screening& screening, std::size_t size) const;
+  Refit settled(Refit fit) const;
+  Refit without(const Refit& fit, std::size_t effect) const;
+  Refit onlyNeeded(Refit fit) const;
+  void addAlternatives(std::size_t effect);
+  FoundEffect describe(std::size_t effect) const;
+  std::string sentence(const FoundEffect& found) const;
+
+  const BatchData& data_;
+  const StartPath& start_;
+  DiagnosisOptions options_;
+  BatchOptions base_;
+  Refit nominal_, final_;
+  Diagnosis diagnosis_;
+};
+
+bool Course::insufficient(const std::string& why) {
+  diagnosis_.verdict = Verdict::insufficient;
+  diagnosis_.why = why;
+  return false;
+}
+
+bool Course::estimateNominal() {
+  BatchEstimate estimate = estimateBatch(data_, start_, base_);
+  if (!estimate.succeeded)
+    return insufficient("The nominal model could not be fitted: " + estimate.failure + ".");
+  try {
+    for (int pass = 0; pass < kNoisePasses; ++pass) {
+      Linearization linear = linearize(data_, *problemAt(data_, estimate, base_));
+      applyRobustWeights(linear);
+      diagnosis_.noise = shownNoise(linear, diagnosis_.noise, options_.seed);
+      base_.problem.noise_scale = diagnosis_.noise.noiseScale();
+      estimate = reestimate(data_, estimate, base_);
+      if (!estimate.succeeded)
+        return insufficient("The nominal model could not be fitted with the noise shown: " + estimate.failure + ".");
+    }
+  } catch (const std::runtime_error& e) {
+    return insufficient(print("The recording does not determine what the nominal model estimates (%s).", e.what()));
+  }
+  nominal_ = refit(data_, estimate, base_, {}, diagnosis_.noise);
+  if (!nominal_.succeeded) return insufficient("The nominal model could not be fitted: " + nominal_.estimate.failure + ".");
+  final_ = nominal_;
+  return true;
+}
+
+void Course::locate() { diagnosis_.mismatch = mismatchMaps(*nominal_.model, options_.seed); }
+
+/// Intervals and times to a fraction of a segment, and whether what seems lasting was on for a part only.
+Refit Course::settled(Refit fit) const {
+  std::vector<Candidate> effects = fit.effects;
+  bool changed = false;
+  for (std::size_t i = 0; i < effects.size(); ++i) {
+    std::vector<Candidate> others = effects;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    const Refit rest = others.empty() ? nominal_ : this->fit(fit, others);
+    if (!rest.succeeded) continue;
+    const bool lasting = effects[i].isForGood() && !effects[i].time_s;
+    if (lasting && !effects[i].marker_id) continue;  // screened with intervals already
+    const Candidate better = lasting ? bestInterval(*rest.model, effects[i], options_.segments / 3)
+                                     : refinedInterval(*rest.model, effects[i], segment_s());
+    changed = changed || !(better == effects[i]);
+    effects[i] = better;
+  }
+  if (!changed) return fit;
+  Refit again = this->fit(fit, effects);
+  return worth(again) > worth(fit) ? again : fit;
+}
+
+/// The best set of so many more effects, each contender estimated in full.
+std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screening, std::size_t size) const {
+  const std::vector<TestedSet> sets = screening.bestSets(size, 200);
+  std::optional<Refit> best;
+  std::size_t tried = 0;
+  const auto adjusted = [](const TestedSet& set) {
+    return set.log_evidence - kLogOdds * static_cast<double>(set.members.size());
+  };
+  double largest = -1e300;
+  for (const TestedSet& set : sets) largest = std::max(largest, adjusted(set));
+  std::vector<TestedSet> order = sets;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](const TestedSet& a, const TestedSet& b) { return adjusted(a) > adjusted(b); });
+  for (const TestedSet& set : order) {
+    if (adjusted(set) < largest - kContenderMargin - kContenderShare * std::abs(largest)) break;
+    if (++tried > kContenders) break;
+    std::vector<Candidate> effects = from.effects;
+    for (const std::size_t m : set.members) effects.push_back(screening.candidates()[m].candidate);
+    Refit refitted = fit(from, effects);
+    if (refitted.succeeded && (!best || worth(refitted) > worth(*best))) best = std::move(refitted);
+  }
+  return best;
+}
+
+Refit Course::without(const Refit& fit, std::size_t effect) const {
+  std::vector<Candidate> others = fit.effects;
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(effect));
+  return others.empty() ? nominal_ : this->fit(fit, others);
+}
+
+/// Effects that the others make superfluous are dropped.
+Refit Course::onlyNeeded(Refit fit) const {
+  for (std::size_t i = 0; fit.effects.size() > 1 && i < fit.effects.size();) {
+    Refit less = without(fit, i);
+    if (worth(less) < worth(fit)) {
+      ++i;
+      continue;
+    }
+    fit = std::move(less);
+    i = 0;
+  }
+  return fit;
+}
+
+void Course::attribute() {
+  Progress progress("trying effects");
+  for (std::size_t round = 0; round < options_.max_effects; ++round) {
+    progress.update(static_cast<double>(round) / static_cast<double>(options_.max_effects));
+    const Screening screening(*final_.model, options_.segments);
+    double log_p = 0;
+    for (const TestedCandidate& tested : screening.candidates()) log_p = std::min(log_p, tested.log_p);
+    const double alarm = screening.alarm(log_p, options_.seed);
+    if (round == 0) {
+      diagnosis_.alarm_p = alarm;
+      diagnosis_.tested = screening.candidates();
+      std::stable_sort(
+          diagnosis_.tested.begin(), diagnosis_.tested.end(),
+          [](const TestedCandidate& a, const TestedCandidate& b) { return a.log_evidence > b.log_evidence; });
+    }
+    if (alarm > options_.false_alarm) break;
+    const std::size_t left = options_.max_effects - final_.effects.size();
+    std::optional<Refit> best = bestOf(final_, screening, left);
+    if (!best) break;
+    Refit better = onlyNeeded(settled(std::move(*best)));
+    // The first is believed by the alarm alone: it knows the chance of a false one.
+    if (round > 0 && worth(better) <= worth(final_)) break;
+    final_ = std::move(better);
+    if (final_.effects.size() >= options_.max_effects) break;
+  }
+  for (std::size_t i = 0; i < final_.effects.size(); ++i) addAlternatives(i);
+}
+
+/// Other effects in this one's place that are as good.
+void Course::addAlternatives(std::size_t effect) {
+  const Refit rest = without(final_, effect);
+  if (!rest.succeeded) return;
+  const Screening screening(*rest.model, options_.segments);
+  const auto& candidates = screening.candidates();
+  const auto isOwn = [&](std::size_t m) { return candidates[m].candidate.effect == final_.effects[effect].effect; };
+  std::optional<std::size_t> own;
+  std::vector<std::size_t> order;
+  for (std::size_t m = 0; m < candidates.size(); ++m) {
+    if (isOwn(m) && (!own || candidates[m].log_evidence > candidates[*own].log_evidence)) own = m;
+    if (!isOwn(m)) order.push_back(m);
+  }
+  if (!own) return;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return candidates[a].log_evidence > candidates[b].log_evidence;
+  });
+  Alternatives set{{final_.effects[effect]}, {0}, {1}};
+  const double first_order = candidates[*own].log_evidence;
+  std::size_t tried = 0;
+  for (const std::size_t m : order) {
+    if (candidates[m].log_evidence < first_order - kContenderMargin - kContenderShare * std::abs(first_order) ||
+        tried++ == kRivals)
+      break;
+    const bool listed = std::any_of(set.candidates.begin(), set.candidates.end(), [&](const Candidate& other) {
+      return other.effect == candidates[m].candidate.effect;
+    });
+    if (listed) continue;
+    std::vector<Candidate> effects = rest.effects;
+    effects.push_back(candidates[m].candidate);
+    const Refit rival = settled(fit(rest, effects));
+    if (!rival.succeeded) continue;
+    const double difference = worth(rival) - worth(final_);
+    if (difference < -kSameEvidence) continue;
+    set.candidates.push_back(rival.effects.back());
+    set.log_evidence.push_back(difference);
+    set.alignment.push_back(screening.alignment(*own, m));
+  }
+  if (set.candidates.size() > 1) diagnosis_.alternatives.push_back(std::move(set));
+}
+
+FoundEffect Course::describe(std::size_t effect) const {
+  FoundEffect found;
+  found.candidate = final_.effects[effect];
+  for (const EffectEstimate& estimate : final_.estimates)
+    if (estimate.effect == found.candidate.effect) found.estimates.push_back(estimate);
+  found.sqrt_lambda = sqrtLambda(final_, found.candidate.effect);
+  const Refit rest = without(final_, effect);
+  if (rest.succeeded) {
+    found.log_evidence = logEvidence(final_, rest);
+    found.log_likelihood_gain = rest.cost - final_.cost;
+    std::size_t rows = 0;
+    for (const RowInfo& row : final_.model->linear().rows) rows += row.channel != BatchChannel::prior;
+    found.bic_gain = 2 * found.log_likelihood_gain -
+                     static_cast<double>(found.estimates.size()) * std::log(static_cast<double>(rows));
+  }
+  found.interactions = interactionTests(final_, found.candidate);
+  return found;
+}
+
+void Course::verify() {
+  diagnosis_.remaining = final_.effects.empty() ? diagnosis_.mismatch : mismatchMaps(*final_.model, options_.seed);
+  if (final_.effects.empty()) return;
+  for (std::size_t i = 0; i < final_.effects.size(); ++i) diagnosis_.effects.push_back(describe(i));
+  HeldOutOptions options = options_.heldout;
+  options.seed = options_.seed;
+  diagnosis_.heldout = holdOut(linearize(data_, *problemAt(data_, final_.estimate, final_.options)), final_.effects,
+                               final_.estimate.state.effects, diagnosis_.noise, data_, options);
+  for (FoundEffect& found : diagnosis_.effects)
+    found.heldout_log_likelihood_gain =
+        final_.effects.size() == 1
+            ? diagnosis_.heldout.gain.physics
+            : holdOut(linearize(data_, *problemAt(data_, final_.estimate, final_.options)), {found.candidate},
+                      final_.estimate.state.effects, diagnosis_.noise, data_, options)
+                  .gain.physics;
+}
+
+std::string Course::sentence(const FoundEffect& found) const {
+  const EffectInfo& effect = allEffects()[found.candidate.effect];
+  std::string text = nameOf(found.candidate) + " (" + std::string(effect.text.title) + "): ";
+  std::size_t scalar = effect.first_scalar;
+  std::string separator;
+  for (const Parameter& p : effect.parameters) {
+    for (int i = 0; i < p.size; ++i, ++scalar)
+      for (const EffectEstimate& estimate : found.estimates)
+        if (estimate.scalar == scalar) {
+          const std::string axis = p.size > 1 ? print("[%d]", i) : "";
+          text += separator + print("%s%s = %.4g ± %.2g", std::string(p.name).c_str(), axis.c_str(), estimate.value,
+                                    estimate.sigma);
+          separator = ", ";
+        }
+  }
+  return text + print("; its size is %.1f times what the recording can resolve", found.sqrt_lambda);
+}
+
+void Course::judge() {
+  diagnosis_.before = nominal_.estimate;
+  diagnosis_.before_options = nominal_.options;
+  diagnosis_.after = final_.estimate;
+  diagnosis_.after_options = final_.options;
+  diagnosis_.calibration = final_.estimate.state.effects;
+
+  for (const BatchChannel channel : kBatchChannels)
+    if (const ChannelNoise& noise = diagnosis_.noise.of(channel);
+        noise.rows > 0 && channel != BatchChannel::prior && (noise.scale > 1.5 || noise.scale < 0.5))
+      diagnosis_.remarks.push_back(
+          print("%s scatters %.2f times as much as stated", nameOf(channel).c_str(), noise.scale));
+
+  std::vector<std::string> failures;
+  for (const Mismatch& map : diagnosis_.remaining)
+    if (map.material && map.log_p < std::log(kUnexplained_p))
+      failures.push_back(print("%s of %s against %s (%s: %.1f sigma, %.2g %s in all)", map.statistic.c_str(),
+                               nameOf(map.channel).c_str(), map.against.c_str(), map.where.c_str(), map.size_sigma,
+                               map.size_raw, map.raw_unit.c_str()));
+  for (const FoundEffect& found : diagnosis_.effects)
+    for (const InteractionTest& test : found.interactions)
+      if (test.failed)
+        failures.push_back(print("%s would have to change with %s, by %.0f %% over one standard deviation of it",
+                                 nameOf(found.candidate).c_str(), test.against.c_str(), 100 * test.relative_change));
+  if (diagnosis_.noise.panel_tolerance_m > kMaterialTolerance_m)
+    failures.push_back(print("markers lie %.1f mm off the map, one by one",
+                             1000 * diagnosis_.noise.panel_tolerance_m));
+
+  if (!failures.empty()) {
+    diagnosis_.verdict = Verdict::unexplained;
+    diagnosis_.why = "Something is missing that no effect of the catalogue describes. It shows as " + failures[0];
+    for (std::size_t i = 1; i < std::min<std::size_t>(3, failures.size()); ++i)
+      diagnosis_.why += "; " + failures[i];
+    diagnosis_.why += ".";
+    if (!diagnosis_.effects.empty()) {
+      diagnosis_.why += " What comes nearest is " + sentence(diagnosis_.effects[0]) + ".";
+      diagnosis_.nearest = std::move(diagnosis_.effects);
+      diagnosis_.effects.clear();
+      diagnosis_.calibration = options_.calibration;
+    }
+    return;
+  }
+  if (!diagnosis_.effects.empty()) {
+    diagnosis_.verdict = Verdict::explained;
+    diagnosis_.why = "The model leaves out ";
+    for (std::size_t i = 0; i < diagnosis_.effects.size(); ++i)
+      diagnosis_.why += (i > 0 ? "; and " : "") + sentence(diagnosis_.effects[i]);
+    diagnosis_.why += ".";
+    for (const Alternatives& set : diagnosis_.alternatives) {
+      diagnosis_.why += " As good in place of " + nameOf(set.candidates[0]) + ":";
+      for (std::size_t i = 1; i < set.candidates.size(); ++i)
+        diagnosis_.why += (i > 1 ? ", " : " ") + nameOf(set.candidates[i]);
+      diagnosis_.why += ". This recording cannot choose among them.";
+    }
+    return;
+  }
+  std::size_t within_reach = 0;
+  for (const TestedCandidate& tested : diagnosis_.tested)
+    within_reach += std::any_of(tested.one_step.begin(), tested.one_step.end(), [&](const EffectEstimate& one) {
+      for (const EffectColumn& column : nominal_.model->linear().columns)
+        if (column.scalar == one.scalar)
+          return one.sigma > 0 && std::pow(column.prior_sigma / one.sigma, 2) > kDetectable;
+      return false;
+    });
+  if (static_cast<double>(within_reach) < kLeastShare * static_cast<double>(diagnosis_.tested.size())) {
+    insufficient(print("Nothing shows, but of %zu things tried only %zu would have shown at a usual size.",
+                       diagnosis_.tested.size(), within_reach));
+    return;
+  }
+  diagnosis_.why = print(
+      "Nothing material is missing: of %zu things tried the most telling, %s, would be seen by chance with "
+      "probability %.2g.",
+      diagnosis_.tested.size(), diagnosis_.tested.empty() ? "none" : nameOf(diagnosis_.tested[0].candidate).c_str(),
+      diagnosis_.alarm_p);
+}
+
+}  // namespace
+
+std::string nameOf(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::none:
+      return "none";
+    case Verdict::explained:
+      return "explained";
+    case Verdict::unexplained:
+      return "unexplained";
+    case Verdict::insufficient:
+      break;
+  }
+  return "insufficient";
+}
+
+Diagnosis diagnose(const BatchInput& input, const DiagnosisOptions& options) { return Course(input, options).run(); }
+
+}  // namespace fathom

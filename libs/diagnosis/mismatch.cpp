@@ -1,0 +1,318 @@
+#include "diagnosis/mismatch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <map>
+#include <unsupported/Eigen/FFT>
+
+#include "core/chi_square.h"
+#include "core/random.h"
+#include "core/text.h"
+#include "diagnosis/screening.h"
+#include "effects/registry.h"
+
+namespace fathom {
+namespace {
+
+constexpr int kSpectrumDraws = 16;
+constexpr std::size_t kShortestSpectrum = 64;
+
+/// A map before it is computed: its bins' columns are side by side.
+struct Plan {
+  Mismatch map;
+  std::vector<std::vector<std::size_t>> rows;     // of each bin
+  std::vector<std::vector<std::size_t>> columns;  // of each bin
+};
+
+class Planner {
+ public:
+  explicit Planner(const Linearization& linear) : linear_(linear) {}
+
+  void addCovariates(BatchChannel channel) {
+    const std::vector<Direction> directions = directionsOf(linear_, channel);
+    for (const Covariate& covariate : covariatesOf(linear_, channel)) {
+      const std::vector<double> limits = binLimits(linear_, channel, covariate);
+      for (const Direction& direction : directions) {
+        Plan plan = begin(channel, "mean residual", covariate.name, covariate.unit);
+        plan.map.direction = direction.name;
+        for (std::size_t bin = 0; bin + 1 < limits.size(); ++bin) {
+          const double low = limits[bin] * covariate.scale, high = limits[bin + 1] * covariate.scale;
+          addBin(plan, low, high, print("%.3g to %.3g %s", low, high, covariate.unit.c_str()));
+        }
+        for (std::size_t i = 0; i < linear_.rows.size(); ++i)
+          if (linear_.rows[i].channel == channel && direction.values[i] != 0)
+            plan.rows[binOf(limits, covariate.of(linear_.rows[i]))].push_back(i);
+        for (std::size_t bin = 0; bin < plan.rows.size(); ++bin)
+          plan.columns[bin] = {addColumn(plan.rows[bin], direction.values)};
+        plans.push_back(std::move(plan));
+      }
+    }
+  }
+
+  /// Every marker somewhere else.
+  void addMarkers() {
+    Plan plan = begin(BatchChannel::markers, "mean corner residual", "marker id", "1");
+    for (const int id : markersOf(linear_)) {
+      const std::size_t bin = addBin(plan, id, id, print("id %d", id));
+      for (std::size_t i = 0; i < linear_.rows.size(); ++i)
+        if (linear_.rows[i].marker_id == id) plan.rows[bin].push_back(i);
+      for (const std::size_t axis : {1u, 2u, 3u})
+        plan.columns[bin].push_back(addColumn(plan.rows[bin], effectColumn(kEffectIndex<MarkerMoved>, axis)));
+    }
+    plans.push_back(std::move(plan));
+  }
+
+  /// Every image taken in another direction: a camera that shakes.
+  void addImages() {
+    std::map<std::ptrdiff_t, std::vector<std::size_t>> images;
+    for (std::size_t i = 0; i < linear_.rows.size(); ++i)
+      if (linear_.rows[i].image >= 0) images[linear_.rows[i].image].push_back(i);
+    if (images.size() < 4) return;
+    Plan plan = begin(BatchChannel::markers, "shift of an image", "image", "s");
+    for (const auto& [image, rows] : images) {
+      const double t_s = linear_.rows[rows[0]].t_s;
+      const std::size_t bin = addBin(plan, t_s, t_s, print("the image at %.1f s", t_s));
+      plan.rows[bin] = rows;
+      for (const std::size_t axis : {0u, 1u, 2u})
+        plan.columns[bin].push_back(addColumn(rows, effectColumn(kEffectIndex<CameraMisalignment>, axis)));
+    }
+    plans.push_back(std::move(plan));
+  }
+
+  Eigen::SparseMatrix<double> columns() const {
+    Eigen::SparseMatrix<double> all(std::ssize(linear_.rows), static_cast<Eigen::Index>(count_));
+    all.setFromTriplets(entries_.begin(), entries_.end());
+    return all;
+  }
+
+  std::vector<Plan> plans;
+
+ private:
+  static Plan begin(BatchChannel channel, std::string statistic, std::string against, std::string unit) {
+    Plan plan;
+    plan.map.channel = channel;
+    plan.map.statistic = std::move(statistic);
+    plan.map.against = std::move(against);
+    plan.map.unit = std::move(unit);
+    return plan;
+  }
+  static std::size_t addBin(Plan& plan, double low, double high, std::string label) {
+    MismatchBin bin;
+    bin.low = low;
+    bin.high = high;
+    bin.label = std::move(label);
+    plan.map.bins.push_back(std::move(bin));
+    plan.rows.emplace_back();
+    plan.columns.emplace_back();
+    return plan.rows.size() - 1;
+  }
+  std::vector<double> effectColumn(std::size_t effect, std::size_t scalar) const {
+    std::vector<double> values(linear_.rows.size(), 0);
+    for (std::size_t c = 0; c < linear_.columns.size(); ++c)
+      if (linear_.columns[c].scalar == kEffectOffsets[effect] + scalar)
+        for (std::size_t i = 0; i < values.size(); ++i)
+          values[i] = linear_.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c));
+    return values;
+  }
+  std::size_t addColumn(const std::vector<std::size_t>& rows, const std::vector<double>& values) {
+    for (const std::size_t i : rows)
+      if (values[i] != 0) entries_.emplace_back(static_cast<int>(i), static_cast<int>(count_), values[i]);
+    return count_++;
+  }
+
+  const Linearization& linear_;
+  std::vector<Eigen::Triplet<double>> entries_;
+  std::size_t count_ = 0;
+};
+
+Eigen::MatrixXd part(const Eigen::MatrixXd& gram, const std::vector<std::size_t>& columns) {
+  Eigen::MatrixXd own(std::ssize(columns), std::ssize(columns));
+  for (std::size_t a = 0; a < columns.size(); ++a)
+    for (std::size_t b = 0; b < columns.size(); ++b)
+      own(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) =
+          gram(static_cast<Eigen::Index>(columns[a]), static_cast<Eigen::Index>(columns[b]));
+  return own;
+}
+
+Eigen::VectorXd part(const Eigen::VectorXd& vector, const std::vector<std::size_t>& columns) {
+  Eigen::VectorXd own(std::ssize(columns));
+  for (std::size_t a = 0; a < columns.size(); ++a)
+    own[static_cast<Eigen::Index>(a)] = vector[static_cast<Eigen::Index>(columns[a])];
+  return own;
+}
+
+struct Score {
+  double statistic = 0;
+  int dof = 0;
+};
+Score scoreOf(const Reduced& reduced, const std::vector<std::size_t>& columns) {
+  const Information information(part(reduced.gram, columns), part(reduced.norms, columns));
+  const Eigen::VectorXd g = part(reduced.score, columns);
+  return {g.dot(information.inverse * g), information.rank};
+}
+
+void describeBin(const Linearization& linear, const std::vector<std::size_t>& rows, MismatchBin& bin) {
+  const ReadingUnit unit =
+      rows.empty() ? ReadingUnit{} : unitOf(linear.rows[rows[0]].channel);
+  double sum = 0, square = 0;
+  for (const std::size_t i : rows) {
+    sum += linear.rows[i].raw;
+    square += linear.rows[i].raw * linear.rows[i].raw;
+  }
+  bin.rows = rows.size();
+  if (rows.empty()) return;
+  const double n = static_cast<double>(rows.size());
+  bin.mean_raw = sum / n * unit.scale;
+  bin.sigma = std::sqrt(std::max(0.0, square / n - sum / n * sum / n) / n) * unit.scale;
+}
+
+void finish(Plan& plan, const WhitenedModel& model, const Reduced& reduced) {
+  const Linearization& linear = model.linear();
+  Mismatch& map = plan.map;
+  std::vector<std::size_t> all;
+  std::size_t worst = 0, rows = 0;
+  for (std::size_t bin = 0; bin < map.bins.size(); ++bin) {
+    describeBin(linear, plan.rows[bin], map.bins[bin]);
+    map.bins[bin].size_sigma = std::sqrt(std::max(0.0, scoreOf(reduced, plan.columns[bin]).statistic));
+    if (map.bins[bin].size_sigma > map.bins[worst].size_sigma) worst = bin;
+    all.insert(all.end(), plan.columns[bin].begin(), plan.columns[bin].end());
+    rows += plan.rows[bin].size();
+  }
+  const Score score = scoreOf(reduced, all);
+  map.statistic_value = score.statistic;
+  map.dof = score.dof;
+  map.log_p = score.dof > 0 ? chiSquareLogTail(score.dof, score.statistic) : 0;
+  map.size_sigma = map.bins[worst].size_sigma;
+  map.where = map.bins[worst].label;
+  map.size_raw = std::sqrt(std::max(0.0, score.statistic - score.dof) / static_cast<double>(std::max<std::size_t>(1, rows))) *
+                 noiseUnit(linear, map.channel);
+  for (const std::size_t i : plan.rows[worst]) {
+    if (map.when_s == Interval{}) map.when_s = {linear.rows[i].t_s, linear.rows[i].t_s};
+    map.when_s.from_s = std::min(map.when_s.from_s, linear.rows[i].t_s);
+    map.when_s.to_s = std::max(map.when_s.to_s, linear.rows[i].t_s);
+  }
+}
+
+/// |FFT|² of each column, of the positive frequencies.
+Eigen::MatrixXd powersOf(const Eigen::MatrixXd& series) {
+  Eigen::FFT<double> fft;
+  const Eigen::Index count = series.rows() / 2;
+  Eigen::MatrixXd powers(count, series.cols());
+  for (Eigen::Index c = 0; c < series.cols(); ++c) {
+    const std::vector<double> in(series.col(c).begin(), series.col(c).end());
+    std::vector<std::complex<double>> out;
+    fft.fwd(out, in);
+    for (Eigen::Index k = 0; k < count; ++k) powers(k, c) = std::norm(out[static_cast<std::size_t>(k + 1)]);
+  }
+  return powers;
+}
+
+/// Peaks in the spectra of the sensors' axes, against what the estimate leaves of white noise.
+std::vector<Mismatch> spectra(const WhitenedModel& model, std::uint64_t seed) {
+  const Linearization& linear = model.linear();
+  Random random(seed);
+  Eigen::MatrixXd all(model.residual().size(), kSpectrumDraws + 1);
+  for (Eigen::Index i = 0; i < all.size(); ++i) all.data()[i] = random.normal();
+  all.col(0) = model.residual();
+  all = model.nuisances().project(all);
+  std::vector<Mismatch> maps;
+  for (const auto& track : linear.tracks) {
+    const RowInfo& first = linear.rows[track[0]];
+    if (track.size() < kShortestSpectrum || first.channel == BatchChannel::markers) continue;
+    Eigen::MatrixXd own(std::ssize(track), all.cols());
+    for (std::size_t k = 0; k < track.size(); ++k)
+      own.row(static_cast<Eigen::Index>(k)) = all.row(static_cast<Eigen::Index>(track[k]));
+    const Eigen::MatrixXd powers = powersOf(own);
+    // The draws' mean, smoothed over neighbours: a spectrum of noise has no lines.
+    const Eigen::VectorXd mean = powers.rightCols(kSpectrumDraws).rowwise().mean();
+    Mismatch map;
+    map.channel = first.channel;
+    map.statistic = "spectrum";
+    map.direction = std::string(1, "xyz"[first.component % 3]);
+    map.against = "frequency";
+    map.unit = "Hz";
+    const double span_s = linear.rows[track.back()].t_s - first.t_s;
+    constexpr Eigen::Index kHalf = 4;
+    double largest = 0, excess = 0, peak_hz = 0;
+    for (Eigen::Index k = 0; k < mean.size(); ++k) {
+      const Eigen::Index low = std::max<Eigen::Index>(0, k - kHalf), high = std::min(mean.size(), k + kHalf + 1);
+      const double expected = mean.segment(low, high - low).mean();
+      const double ratio = powers(k, 0) / std::max(expected, 1e-12);
+      if (ratio > largest) {
+        largest = ratio;
+        excess = powers(k, 0) - expected;
+        peak_hz = static_cast<double>(k + 1) / span_s;
+      }
+    }
+    map.statistic_value = 2 * largest;  // chi-square of 2
+    map.dof = 2;
+    map.log_p = std::min(0.0, -largest + std::log(static_cast<double>(mean.size())));
+    map.size_sigma = std::sqrt(2 * largest);
+    // A line's power |X|² stands for a root mean square of sqrt(2 |X|²)/n.
+    map.size_raw = std::sqrt(2 * std::max(0.0, excess)) / static_cast<double>(track.size()) *
+                   noiseUnit(linear, first.channel);
+    map.where = print("%.3g Hz", peak_hz);
+    map.when_s = {first.t_s, linear.rows[track.back()].t_s};
+    maps.push_back(std::move(map));
+  }
+  return maps;
+}
+
+}  // namespace
+
+double materialSize(BatchChannel channel) {
+  switch (channel) {
+    case BatchChannel::gyro:
+      return radians(0.005);
+    case BatchChannel::accelerometer:
+      return 0.005;
+    case BatchChannel::attitude:
+      return radians(0.05);
+    case BatchChannel::dvl:
+      return 0.001;
+    case BatchChannel::depth:
+      return 50;  // Pa: 5 mm
+    case BatchChannel::usbl:
+      return 0.1;
+    case BatchChannel::markers:
+      return 0.05;
+    case BatchChannel::prior:
+      break;
+  }
+  return 0;
+}
+
+std::vector<Mismatch> mismatchMaps(const WhitenedModel& model, std::uint64_t seed) {
+  const Linearization& linear = model.linear();
+  Planner planner(linear);
+  for (const BatchChannel channel : kBatchChannels) {
+    const bool present = std::any_of(linear.rows.begin(), linear.rows.end(),
+                                     [&](const RowInfo& row) { return row.channel == channel; });
+    if (channel == BatchChannel::prior || !present) continue;
+    planner.addCovariates(channel);
+  }
+  if (!markersOf(linear).empty()) {
+    planner.addMarkers();
+    planner.addImages();
+  }
+  const Reduced reduced = model.reduce(planner.columns());
+  std::vector<Mismatch> maps = spectra(model, seed);
+  for (Plan& plan : planner.plans) {
+    finish(plan, model, reduced);
+    if (plan.map.dof > 0) maps.push_back(std::move(plan.map));
+  }
+  for (Mismatch& map : maps) {
+    map.log_p = std::min(0.0, map.log_p + std::log(static_cast<double>(maps.size())));
+    map.p_value = std::exp(map.log_p);
+    map.material = map.size_raw > materialSize(map.channel);
+    const ReadingUnit unit = unitOf(map.channel);
+    map.size_raw *= unit.scale;
+    map.raw_unit = unit.name;
+  }
+  std::stable_sort(maps.begin(), maps.end(),
+                   [](const Mismatch& a, const Mismatch& b) { return a.log_p < b.log_p; });
+  return maps;
+}
+
+}  // namespace fathom

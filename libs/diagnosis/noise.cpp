@@ -1,0 +1,236 @@
+#include "diagnosis/noise.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/chi_square.h"
+#include "core/random.h"
+#include "diagnosis/nuisances.h"
+#include "effects/catalogue.h"
+
+namespace fathom {
+namespace {
+
+constexpr int kDraws = 16;
+constexpr int kRounds = 5;               // of matching the correlation
+constexpr std::size_t kFewestRows = 30;  // fewer show no noise of their own
+constexpr double kClearSigmas = 4;       // from which on a correlation is more than chance
+constexpr double kLargestCorrelation = 0.95;
+constexpr double kLargestTolerance_m = 1.0;
+
+bool hasDiscrete(const EffectInfo& effect, ParameterKind kind) {
+  return std::any_of(effect.parameters.begin(), effect.parameters.end(),
+                     [&](const Parameter& p) { return p.kind == kind; });
+}
+
+/// The estimate with all lasting effects among its unknowns, each held by its prior.
+struct Saturated {
+  std::vector<Candidate> candidates;
+  Nuisances nuisances;
+  Eigen::VectorXd residual;
+};
+
+Saturated saturate(const Linearization& linear) {
+  const std::vector<Candidate> candidates = lastingCandidates(linear);
+  const Eigen::SparseMatrix<double> C = columnsOf(linear, candidates);
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&](const Eigen::SparseMatrix<double>& part, Eigen::Index first_column) {
+    for (Eigen::Index c = 0; c < part.outerSize(); ++c)
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(part, c); entry; ++entry)
+        entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(first_column + c),
+                             entry.value());
+  };
+  add(linear.J, 0);
+  add(C, linear.J.cols());
+  Eigen::Index row = linear.J.rows(), column = linear.J.cols();
+  for (const Candidate& candidate : candidates)
+    for (const std::size_t c : columnsOf(linear, candidate.effect))
+      entries.emplace_back(static_cast<int>(row++), static_cast<int>(column++),
+                           1 / linear.columns[c].prior_sigma);
+  Eigen::SparseMatrix<double> J(row, column);
+  J.setFromTriplets(entries.begin(), entries.end());
+  Eigen::VectorXd residual = Eigen::VectorXd::Zero(row);
+  residual.head(linear.residual.size()) = linear.residual;
+  return {candidates, Nuisances(std::move(J)), std::move(residual)};
+}
+
+/// Sums over a channel of squares and of neighbours' products.
+struct Moments {
+  double square = 0, product = 0;
+  double correlation() const { return square > 0 ? product / square : 0; }
+};
+
+using Pairs = std::vector<std::array<std::size_t, 2>>;
+
+Moments momentsOf(const Eigen::Ref<const Eigen::VectorXd>& r, const std::vector<std::size_t>& rows,
+                  const Pairs& pairs) {
+  Moments moments;
+  for (const std::size_t i : rows)
+    moments.square += r[static_cast<Eigen::Index>(i)] * r[static_cast<Eigen::Index>(i)];
+  for (const auto& [a, b] : pairs)
+    moments.product += r[static_cast<Eigen::Index>(a)] * r[static_cast<Eigen::Index>(b)];
+  if (!pairs.empty()) moments.product *= static_cast<double>(rows.size()) / static_cast<double>(pairs.size());
+  return moments;
+}
+
+struct ChannelRows {
+  std::vector<std::size_t> rows;
+  Pairs pairs;
+};
+
+std::array<ChannelRows, kBatchChannels.size()> rowsByChannel(const Linearization& linear) {
+  std::array<ChannelRows, kBatchChannels.size()> channels;
+  for (const BatchChannel channel : kBatchChannels) {
+    auto& own = channels[static_cast<std::size_t>(channel)];
+    if (channel == BatchChannel::prior) continue;
+    for (std::size_t i = 0; i < linear.rows.size(); ++i)
+      if (linear.rows[i].channel == channel) own.rows.push_back(i);
+    own.pairs = neighbours(linear, channel);
+  }
+  return channels;
+}
+
+/// White noise made into that of first-order autoregressions, sigma one.
+Eigen::MatrixXd correlated(Eigen::MatrixXd noise, const std::array<ChannelRows, kBatchChannels.size()>& rows,
+                           const std::array<double, kBatchChannels.size()>& correlation) {
+  for (std::size_t c = 0; c < rows.size(); ++c) {
+    if (correlation[c] == 0) continue;
+    const double fresh = std::sqrt(1 - correlation[c] * correlation[c]);
+    for (const auto& [a, b] : rows[c].pairs) {
+      const auto i = static_cast<Eigen::Index>(a), j = static_cast<Eigen::Index>(b);
+      noise.row(j) = correlation[c] * noise.row(i) + fresh * noise.row(j);
+    }
+  }
+  return noise;
+}
+
+/// What an axis of the markers' offsets scatters by beyond their own uncertainty: by the median, so that one
+/// marker that has been moved does not count.
+double panelTolerance(const Saturated& saturated, const Linearization& linear) {
+  const Eigen::VectorXd x = saturated.nuisances.step(saturated.residual);
+  std::vector<Vector3d> offsets;
+  std::vector<Matrix3d> covariances;
+  Eigen::Index column = linear.J.cols();
+  for (const Candidate& candidate : saturated.candidates) {
+    const auto size = std::ssize(columnsOf(linear, candidate.effect));
+    if (candidate.effect == kEffectIndex<MarkerMoved>) {
+      offsets.push_back(x.segment<3>(column));
+      covariances.emplace_back(saturated.nuisances.covariance(column, 3));
+    }
+    column += size;
+  }
+  if (offsets.size() < 4) return 0;
+  const auto median = [&](double sigma_m) {
+    std::vector<double> squares;
+    for (std::size_t i = 0; i < offsets.size(); ++i) {
+      const Matrix3d S = covariances[i] + sigma_m * sigma_m * Matrix3d::Identity();
+      squares.push_back(offsets[i].dot(S.ldlt().solve(offsets[i])));
+    }
+    std::nth_element(squares.begin(), squares.begin() + std::ssize(squares) / 2, squares.end());
+    return squares[squares.size() / 2];
+  };
+  // The median of n chi-squares of 3 stays below this 99 times in 100: its quantile scatters by 1/(2 sqrt(n)).
+  const double quantile = 0.5 + 2.33 * 0.5 / std::sqrt(static_cast<double>(offsets.size()));
+  if (quantile >= 1 || median(0) <= chiSquareQuantile(3, quantile)) return 0;
+  double low = 0, high = kLargestTolerance_m;
+  for (int halving = 0; halving < 40; ++halving) {
+    const double middle = 0.5 * (low + high);
+    (median(middle) > chiSquareQuantile(3, 0.5) ? low : high) = middle;
+  }
+  return high;
+}
+
+}  // namespace
+
+double ChannelNoise::independentScale() const {
+  return scale * std::sqrt((1 + correlation) / (1 - correlation));
+}
+
+std::array<double, kBatchChannels.size()> NoiseModel::noiseScale() const {
+  std::array<double, kBatchChannels.size()> scales{};
+  for (std::size_t c = 0; c < scales.size(); ++c) scales[c] = channels[c].independentScale();
+  return scales;
+}
+
+std::set<int> markersOf(const Linearization& linear) {
+  std::set<int> ids;
+  for (const RowInfo& row : linear.rows)
+    if (row.marker_id >= 0) ids.insert(row.marker_id);
+  return ids;
+}
+
+std::vector<Candidate> lastingCandidates(const Linearization& linear) {
+  const std::set<int> ids = markersOf(linear);
+  std::vector<Candidate> candidates;
+  for (const EffectInfo& effect : allEffects()) {
+    const bool estimated =
+        std::any_of(linear.columns.begin(), linear.columns.end(),
+                    [&](const EffectColumn& c) { return c.effect == effect.index && c.estimated; });
+    if (estimated || hasDiscrete(effect, ParameterKind::time)) continue;
+    Candidate candidate{.effect = effect.index, .marker_id = {}, .time_s = {}, .active_s = {}};
+    if (!hasDiscrete(effect, ParameterKind::marker_id)) candidates.push_back(candidate);
+    for (const int id : ids)
+      if (hasDiscrete(effect, ParameterKind::marker_id)) {
+        candidate.marker_id = id;
+        candidates.push_back(candidate);
+      }
+  }
+  return candidates;
+}
+
+std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, BatchChannel channel) {
+  std::vector<std::array<std::size_t, 2>> pairs;
+  for (const auto& track : linear.tracks) {
+    if (track.size() < 2 || linear.rows[track[0]].channel != channel) continue;
+    std::vector<double> spacings;
+    for (std::size_t k = 1; k < track.size(); ++k)
+      spacings.push_back(linear.rows[track[k]].t_s - linear.rows[track[k - 1]].t_s);
+    std::vector<double> sorted = spacings;
+    std::nth_element(sorted.begin(), sorted.begin() + std::ssize(sorted) / 2, sorted.end());
+    const double longest_s = 1.5 * sorted[sorted.size() / 2];
+    for (std::size_t k = 1; k < track.size(); ++k)
+      if (spacings[k - 1] <= longest_s) pairs.push_back({track[k - 1], track[k]});
+  }
+  return pairs;
+}
+
+NoiseModel shownNoise(const Linearization& linear, const NoiseModel& assumed, std::uint64_t seed) {
+  const Saturated saturated = saturate(linear);
+  const auto rows = rowsByChannel(linear);
+  const Eigen::VectorXd left = saturated.nuisances.project(saturated.residual);
+  Random random(seed);
+  Eigen::MatrixXd white(saturated.residual.size(), kDraws);
+  for (Eigen::Index i = 0; i < white.size(); ++i) white.data()[i] = random.normal();
+
+  NoiseModel noise = assumed;
+  std::array<double, kBatchChannels.size()> correlation{};
+  std::array<bool, kBatchChannels.size()> is_correlated{};
+  for (int round = 0; round < kRounds; ++round) {
+    const Eigen::MatrixXd simulated = saturated.nuisances.project(correlated(white, rows, correlation));
+    for (std::size_t c = 0; c < rows.size(); ++c) {
+      ChannelNoise& channel = noise.channels[c];
+      channel.rows = rows[c].rows.size();
+      if (channel.rows < kFewestRows) continue;
+      const Moments seen = momentsOf(left, rows[c].rows, rows[c].pairs);
+      Moments expected;
+      for (Eigen::Index d = 0; d < kDraws; ++d) {
+        const Moments draw = momentsOf(simulated.col(d), rows[c].rows, rows[c].pairs);
+        expected.square += draw.square / kDraws;
+        expected.product += draw.product / kDraws;
+      }
+      const double difference = seen.correlation() - expected.correlation();
+      if (round == 0)
+        is_correlated[c] = rows[c].pairs.size() >= kFewestRows &&
+                           std::abs(difference) > kClearSigmas / std::sqrt(static_cast<double>(channel.rows));
+      channel.scale =
+          assumed.channels[c].independentScale() * std::sqrt(seen.square / std::max(expected.square, 1e-12));
+      channel.correlation = correlation[c];
+      if (is_correlated[c])
+        correlation[c] = std::clamp(correlation[c] + difference, -0.5, kLargestCorrelation);
+    }
+  }
+  noise.panel_tolerance_m = panelTolerance(saturated, linear);
+  return noise;
+}
+
+}  // namespace fathom

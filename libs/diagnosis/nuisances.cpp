@@ -1,0 +1,72 @@
+#include "diagnosis/nuisances.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace fathom {
+namespace {
+
+constexpr Eigen::Index kBlock = 64;
+
+/// U^T U, tile by tile: each is computed by one thread, so nothing depends on their number.
+Eigen::MatrixXd gramOf(const Eigen::MatrixXd& U) {
+  const Eigen::Index tiles = (U.cols() + kBlock - 1) / kBlock;
+  Eigen::MatrixXd gram(U.cols(), U.cols());
+  const auto width = [&](Eigen::Index tile) { return std::min(kBlock, U.cols() - tile * kBlock); };
+  tbb::parallel_for(Eigen::Index{0}, tiles * tiles, [&](Eigen::Index k) {
+    const Eigen::Index i = k / tiles, j = k % tiles;
+    if (j > i) return;
+    gram.block(i * kBlock, j * kBlock, width(i), width(j)).noalias() =
+        U.middleCols(i * kBlock, width(i)).transpose() * U.middleCols(j * kBlock, width(j));
+  });
+  return gram.selfadjointView<Eigen::Lower>();
+}
+
+}  // namespace
+
+Nuisances::Nuisances(Eigen::SparseMatrix<double> J) : J_(std::move(J)) {
+  const Eigen::SparseMatrix<double> normal = J_.transpose() * J_;
+  factors_.compute(normal);
+  if (factors_.info() != Eigen::Success || factors_.vectorD().minCoeff() <= 0)
+    throw std::runtime_error("the nuisances' derivative lacks rank");
+}
+
+Eigen::MatrixXd Nuisances::forward(const Eigen::SparseMatrix<double>& B) const {
+  Eigen::MatrixXd U = B;
+  const Eigen::VectorXd root = factors_.vectorD().cwiseSqrt().cwiseInverse();
+  tbb::parallel_for(Eigen::Index{0}, (U.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
+    auto columns = U.middleCols(block * kBlock, std::min(kBlock, U.cols() - block * kBlock));
+    factors_.matrixL().solveInPlace(columns);
+    columns = root.asDiagonal() * columns;
+  });
+  return U;
+}
+
+Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r) const {
+  const Eigen::MatrixXd U = forward(J_.transpose() * C);
+  const Eigen::SparseMatrix<double> own = C.transpose() * C;
+  Reduced reduced;
+  reduced.norms = Eigen::VectorXd(own.diagonal()).cwiseSqrt();
+  reduced.gram = Eigen::MatrixXd(own) - gramOf(U);
+  reduced.score = C.transpose() * (r - J_ * factors_.solve(J_.transpose() * r));
+  return reduced;
+}
+
+Eigen::MatrixXd Nuisances::project(const Eigen::MatrixXd& R) const {
+  const Eigen::MatrixXd along = J_.transpose() * R;
+  return R - J_ * factors_.solve(along);
+}
+
+Eigen::MatrixXd Nuisances::covariance(Eigen::Index first, Eigen::Index count) const {
+  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(J_.cols(), count);
+  unit.middleRows(first, count).setIdentity();
+  return factors_.solve(unit).middleRows(first, count);
+}
+
+Eigen::VectorXd Nuisances::step(const Eigen::VectorXd& r) const {
+  return -factors_.solve(J_.transpose() * r);
+}
+
+}  // namespace fathom

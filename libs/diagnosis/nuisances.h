@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+
+namespace fathom {
+
+/// Candidates as the nuisances leave them: with P = I - J (J^T J)^-1 J^T,
+struct Reduced {
+  Eigen::MatrixXd gram;   ///< C^T P C, information
+  Eigen::VectorXd score;  ///< C^T P r
+  Eigen::VectorXd norms;  ///< |C| of each column as it was
+};
+
+/// What is estimated in any case, factorized once: everything tested is tested with it projected off.
+class Nuisances {
+ public:
+  /// Columns in an order that eliminates with little fill. Throws std::runtime_error where J lacks rank.
+  explicit Nuisances(Eigen::SparseMatrix<double> J);
+
+  const Eigen::SparseMatrix<double>& J() const { return J_; }
+  Reduced reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r) const;
+  /// P R.
+  Eigen::MatrixXd project(const Eigen::MatrixXd& R) const;
+  /// Covariance of `count` unknowns from the `first` on.
+  Eigen::MatrixXd covariance(Eigen::Index first, Eigen::Index count) const;
+  /// The unknowns' least-squares step: -(J^T J)^-1 J^T r.
+  Eigen::VectorXd step(const Eigen::VectorXd& r) const;
+
+ private:
+  /// D^-1/2 L^-1 B, columns side by side.
+  Eigen::MatrixXd forward(const Eigen::SparseMatrix<double>& B) const;
+
+  Eigen::SparseMatrix<double> J_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factors_;
+};
+
+}  // namespace fathom

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "diagnosis/whitened_model.h"
+
+namespace fathom {
+
+/// The candidate with the beginning, end or step time that the readings speak for most, to a fraction of
+/// `step_s`: a search from its own times in steps that are halved. `model`: without the effect.
+Candidate refinedInterval(const WhitenedModel& model, Candidate candidate, double step_s);
+
+/// Whether, and from when to when, an effect that counts as lasting was on for a part of the recording only:
+/// the best of all intervals between `segments` equal parts, by evidence; itself where none is better.
+Candidate bestInterval(const WhitenedModel& model, const Candidate& lasting, int segments);
+
+}  // namespace fathom

@@ -1,0 +1,98 @@
+#include "diagnosis/refit.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
+#include <stdexcept>
+
+namespace fathom {
+namespace {
+
+/// Prior sigmas of a fit's effect parameters, in the order of its estimates.
+Eigen::VectorXd priorsOf(const Refit& fit) {
+  Eigen::VectorXd sigma(std::ssize(fit.estimates));
+  for (std::size_t i = 0; i < fit.estimates.size(); ++i)
+    for (const EffectColumn& column : fit.model->linear().columns)
+      if (column.scalar == fit.estimates[i].scalar) sigma[static_cast<Eigen::Index>(i)] = column.prior_sigma;
+  return sigma;
+}
+
+/// One least-squares step with the noise as it is: readings of a sensor have some of it in common, which the
+/// estimate did not know.
+void finish(Refit& fit) {
+  const Eigen::VectorXd step = fit.model->nuisances().step(fit.model->residual());
+  std::vector<Eigen::Index> columns;
+  for (const UnknownBlock& block : fit.model->linear().blocks) {
+    if (block.kind != UnknownBlock::Kind::effect) continue;
+    const std::vector<std::size_t> scalars = continuousScalars(block.index);
+    for (std::size_t k = 0; k < scalars.size(); ++k) {
+      columns.push_back(block.column + static_cast<Eigen::Index>(k));
+      fit.estimates.push_back(
+          {block.index, scalars[k], fit.estimate.state.effects.values[scalars[k]] + step[columns.back()], 0});
+    }
+  }
+  fit.cost = fit.model->cost();
+  if (columns.empty()) return;
+  fit.covariance = fit.model->nuisances().covariance(columns.front(), std::ssize(columns));
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    fit.estimates[i].sigma = std::sqrt(fit.covariance(k, k));
+    fit.estimate.state.effects.values[fit.estimates[i].scalar] = fit.estimates[i].value;
+  }
+  const Eigen::VectorXd prior = priorsOf(fit);
+  const Eigen::MatrixXd scaled =
+      prior.cwiseInverse().asDiagonal() * fit.covariance * prior.cwiseInverse().asDiagonal();
+  fit.log_occam = Eigen::MatrixXd(scaled.llt().matrixL()).diagonal().array().log().sum();
+}
+
+}  // namespace
+
+Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions& base,
+            const std::vector<Candidate>& effects, const NoiseModel& noise) {
+  Refit fit;
+  fit.effects = effects;
+  fit.options = base;
+  fit.options.problem.noise_scale = noise.noiseScale();
+  for (const Candidate& effect : effects) {
+    switchOn(fit.options.calibration, effect);
+    fit.options.problem.estimate.set(effect.effect);
+  }
+  fit.estimate = reestimate(data, from, fit.options);
+  if (!fit.estimate.succeeded) return fit;
+  try {
+    fit.model = std::make_shared<WhitenedModel>(
+        linearize(data, *problemAt(data, fit.estimate, fit.options)), noise, data);
+  } catch (const std::runtime_error& e) {
+    fit.estimate.failure = e.what();
+    return fit;
+  }
+  finish(fit);
+  fit.succeeded = true;
+  return fit;
+}
+
+double logEvidence(const Refit& fit, const Refit& against) {
+  return (against.cost - against.log_occam) - (fit.cost - fit.log_occam);
+}
+
+double sqrtLambda(const Refit& fit, std::size_t effect) {
+  std::vector<Eigen::Index> own;
+  for (std::size_t i = 0; i < fit.estimates.size(); ++i)
+    if (fit.estimates[i].effect == effect) own.push_back(static_cast<Eigen::Index>(i));
+  const auto size = std::ssize(own);
+  Eigen::MatrixXd covariance(size, size);
+  Eigen::VectorXd value(size);
+  const Eigen::VectorXd prior = priorsOf(fit);
+  Eigen::VectorXd precision(size);
+  for (Eigen::Index a = 0; a < size; ++a) {
+    const Eigen::Index i = own[static_cast<std::size_t>(a)];
+    value[a] = fit.estimates[static_cast<std::size_t>(i)].value;
+    precision[a] = 1 / (prior[i] * prior[i]);
+    for (Eigen::Index b = 0; b < size; ++b)
+      covariance(a, b) = fit.covariance(i, own[static_cast<std::size_t>(b)]);
+  }
+  const Eigen::MatrixXd information = covariance.inverse() - Eigen::MatrixXd(precision.asDiagonal());
+  return std::sqrt(std::max(0.0, value.dot(information * value)));
+}
+
+}  // namespace fathom

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "diagnosis/whitened_model.h"
+#include "estimation/batch_estimate.h"
+
+namespace fathom {
+
+/// The whole estimate with certain effects among the unknowns, and what it is worth.
+struct Refit {
+  std::vector<Candidate> effects;
+  bool succeeded = false;
+  BatchOptions options;
+  BatchEstimate estimate;
+  std::shared_ptr<const WhitenedModel> model;  ///< at the estimate
+  std::vector<EffectEstimate> estimates;       ///< of the effects, for the noise as it is
+  Eigen::MatrixXd covariance;                  ///< of `estimates`
+  double cost = 0;                             ///< half the sum of squares, priors and robust loss in it
+  /// ln of the prior-weighted volume that the data leave of the parameters: what flexibility costs.
+  double log_occam = 0;
+};
+
+/// Everything estimated from where another fit ended; `base`: with the effects known already.
+Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions& base,
+            const std::vector<Candidate>& effects, const NoiseModel& noise);
+
+/// ln of the Bayes factor of a fit against another.
+double logEvidence(const Refit& fit, const Refit& against);
+
+/// Sizes of each effect in units of what the recording can resolve: sqrt(value^T information value).
+double sqrtLambda(const Refit& fit, std::size_t effect);
+
+}  // namespace fathom

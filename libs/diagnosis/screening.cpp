@@ -1,0 +1,325 @@
+#include "diagnosis/screening.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "core/chi_square.h"
+#include "core/random.h"
+#include "effects/catalogue.h"
+
+namespace fathom {
+namespace {
+
+constexpr double kLeastKept = 1e-4;  // of a direction's length: less is rounding
+constexpr int kDraws = 300;
+constexpr std::size_t kKeptSets = 60;  // of a size, to which another effect is added
+
+bool has(const EffectInfo& effect, ParameterKind kind) {
+  return std::any_of(effect.parameters.begin(), effect.parameters.end(),
+                     [&](const Parameter& p) { return p.kind == kind; });
+}
+
+bool isEstimated(const Linearization& linear, std::size_t effect) {
+  return std::any_of(linear.columns.begin(), linear.columns.end(),
+                     [&](const EffectColumn& c) { return c.effect == effect && c.estimated; });
+}
+
+}  // namespace
+
+double logBayesFactor(const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
+                      const Eigen::VectorXd& prior_sigma) {
+  const Eigen::MatrixXd S = prior_sigma.asDiagonal();
+  const Eigen::LLT<Eigen::MatrixXd> M(Eigen::MatrixXd::Identity(A.rows(), A.rows()) + S * A * S);
+  const Eigen::VectorXd scaled = S * g;
+  return 0.5 * scaled.dot(M.solve(scaled)) - Eigen::MatrixXd(M.matrixL()).diagonal().array().log().sum();
+}
+
+Information::Information(const Eigen::MatrixXd& A, const Eigen::VectorXd& norms)
+    : inverse(Eigen::MatrixXd::Zero(A.rows(), A.rows())) {
+  const Eigen::VectorXd unit = norms.unaryExpr([](double n) { return n > 0 ? 1 / n : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.asDiagonal() * A * unit.asDiagonal());
+  for (Eigen::Index i = 0; i < A.rows(); ++i) {
+    if (eigen.eigenvalues()[i] < kLeastKept * kLeastKept) continue;
+    const Eigen::VectorXd direction = unit.asDiagonal() * eigen.eigenvectors().col(i);
+    inverse += direction * direction.transpose() / eigen.eigenvalues()[i];
+    ++rank;
+  }
+}
+
+Screening::Screening(const WhitenedModel& model, int segments) {
+  layOut(model.linear(), segments);
+  reduced_ = model.reduce(columns(model.linear()));
+  for (std::size_t family = 0; family < families_.size(); ++family) {
+    const std::vector<Run> all = runsOf(family);
+    std::optional<std::size_t> best;
+    std::vector<TestedCandidate> tested;
+    for (const Run& run : all) tested.push_back(test(run));
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const bool for_good = tested[i].candidate.isForGood() && !tested[i].candidate.time_s;
+      if (!for_good && tested[i].dof > 0 && (!best || tested[i].log_evidence > tested[*best].log_evidence))
+        best = i;
+      if (!for_good || tested[i].dof == 0) continue;
+      tested_.push_back(tested[i]);
+      runs_.push_back(all[i]);
+      log_prior_.push_back(0);
+    }
+    if (!best) continue;
+    tested_.push_back(tested[*best]);
+    runs_.push_back(all[*best]);
+    log_prior_.push_back(-std::log(static_cast<double>(all.size())));
+  }
+  // One of the markers is one of many, too.
+  std::map<std::size_t, double> markers;
+  for (const TestedCandidate& t : tested_)
+    if (t.candidate.marker_id) ++markers[t.candidate.effect];
+  for (std::size_t i = 0; i < tested_.size(); ++i) {
+    if (tested_[i].candidate.marker_id) log_prior_[i] -= std::log(markers[tested_[i].candidate.effect]);
+    tested_[i].log_evidence += log_prior_[i];
+  }
+}
+
+void Screening::layOut(const Linearization& linear, int segments) {
+  double last_s = 0;
+  first_s_ = 1e300;
+  for (const RowInfo& row : linear.rows)
+    if (row.channel != BatchChannel::prior) {
+      first_s_ = std::min(first_s_, row.t_s);
+      last_s = std::max(last_s, row.t_s);
+    }
+  segment_s_ = std::max(1e-9, (last_s - first_s_) / segments);
+  prior_sigma_.assign(kEffectOffsets[kEffectCount], 0);
+  for (const EffectColumn& c : linear.columns) prior_sigma_[c.scalar] = c.prior_sigma;
+  Eigen::Index column = 0;
+  for (const EffectInfo& effect : allEffects()) {
+    if (isEstimated(linear, effect.index)) continue;
+    Family family;
+    family.candidate.effect = effect.index;
+    family.is_step = has(effect, ParameterKind::time);
+    for (const std::size_t c : columnsOf(linear, effect.index))
+      family.scalars.push_back(linear.columns[c].scalar);
+    const auto add = [&](std::optional<int> id, int count) {
+      family.candidate.marker_id = id;
+      family.first = column;
+      family.segments = count;
+      family.size = std::ssize(family.scalars);
+      column += family.size * count;
+      families_.push_back(family);
+    };
+    if (!has(effect, ParameterKind::marker_id)) add({}, segments);
+    if (has(effect, ParameterKind::marker_id))
+      for (const int id : markersOf(linear)) add(id, 1);
+  }
+}
+
+Eigen::SparseMatrix<double> Screening::columns(const Linearization& linear) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::Index count = 0;
+  for (const Family& family : families_) {
+    count = family.first + family.size * family.segments;
+    const std::vector<std::size_t> own = columnsOf(linear, family.candidate.effect);
+    for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+      if (!actsOn(family.candidate, linear.rows[i])) continue;
+      const int segment = std::clamp(static_cast<int>((linear.rows[i].t_s - first_s_) / segment_s_), 0,
+                                     family.segments - 1);
+      for (Eigen::Index k = 0; k < family.size; ++k) {
+        const double value = linear.C(static_cast<Eigen::Index>(i),
+                                      static_cast<Eigen::Index>(own[static_cast<std::size_t>(k)]));
+        if (value != 0)
+          entries.emplace_back(static_cast<int>(i),
+                               static_cast<int>(family.first + segment * family.size + k), value);
+      }
+    }
+  }
+  Eigen::SparseMatrix<double> columns(std::ssize(linear.rows), count);
+  columns.setFromTriplets(entries.begin(), entries.end());
+  return columns;
+}
+
+std::vector<Screening::Run> Screening::runsOf(std::size_t family) const {
+  const Family& f = families_[family];
+  std::vector<Run> runs;
+  if (f.is_step) {
+    for (int from = 1; from < f.segments; ++from) runs.push_back({family, from, f.segments});
+    return runs;
+  }
+  for (int from = 0; from < f.segments; ++from)
+    for (int to = from + 1; to <= f.segments; ++to) runs.push_back({family, from, to});
+  return runs;
+}
+
+Candidate Screening::candidateOf(const Run& run) const {
+  const Family& family = families_[run.family];
+  Candidate candidate = family.candidate;
+  const double from_s = first_s_ + run.from * segment_s_, to_s = first_s_ + run.to * segment_s_;
+  if (family.is_step) {
+    candidate.time_s = from_s;
+    return candidate;
+  }
+  if (run.from > 0) candidate.active_s.from_s = from_s;
+  if (run.to < family.segments) candidate.active_s.to_s = to_s;
+  return candidate;
+}
+
+Eigen::MatrixXd Screening::gramOf(const Run& a, const Run& b) const {
+  const Family &fa = families_[a.family], &fb = families_[b.family];
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(fa.size, fb.size);
+  for (int i = a.from; i < a.to; ++i)
+    for (int j = b.from; j < b.to; ++j)
+      sum += reduced_.gram.block(fa.first + i * fa.size, fb.first + j * fb.size, fa.size, fb.size);
+  return sum;
+}
+
+Eigen::VectorXd Screening::scoreOf(const Run& run, const Eigen::VectorXd& score) const {
+  const Family& family = families_[run.family];
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(family.size);
+  for (int i = run.from; i < run.to; ++i) sum += score.segment(family.first + i * family.size, family.size);
+  return sum;
+}
+
+Eigen::VectorXd Screening::priorOf(const Run& run) const {
+  const Family& family = families_[run.family];
+  Eigen::VectorXd sigma(family.size);
+  for (Eigen::Index k = 0; k < family.size; ++k)
+    sigma[k] = prior_sigma_[family.scalars[static_cast<std::size_t>(k)]];
+  return sigma;
+}
+
+TestedCandidate Screening::test(const Run& run) const {
+  const Family& family = families_[run.family];
+  const Eigen::MatrixXd A = gramOf(run, run);
+  const Eigen::VectorXd g = scoreOf(run, reduced_.score);
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(family.size);
+  for (int i = run.from; i < run.to; ++i)
+    squares += reduced_.norms.segment(family.first + i * family.size, family.size).array().square().matrix();
+  const Information information(A, squares.cwiseSqrt());
+  TestedCandidate tested;
+  tested.candidate = candidateOf(run);
+  tested.dof = information.rank;
+  if (tested.dof == 0) return tested;
+  tested.statistic = g.dot(information.inverse * g);
+  tested.log_p = chiSquareLogTail(tested.dof, tested.statistic);
+  tested.log_evidence = logBayesFactor(A, g, priorOf(run));
+  tested.kept = std::sqrt(std::max(0.0, A.trace()) / squares.sum());
+  const Eigen::VectorXd value = information.inverse * g;
+  for (Eigen::Index k = 0; k < family.size; ++k)
+    // The residual is reading - prediction to first order in -C: what lowers it is -value.
+    tested.one_step.push_back({family.candidate.effect, family.scalars[static_cast<std::size_t>(k)],
+                               -value[k], std::sqrt(information.inverse(k, k))});
+  return tested;
+}
+
+double Screening::logEvidence(const std::vector<std::size_t>& members) const {
+  Eigen::Index size = 0;
+  for (const std::size_t m : members) size += families_[runs_[m].family].size;
+  Eigen::MatrixXd A(size, size);
+  Eigen::VectorXd g(size), sigma(size);
+  double prior = 0;
+  Eigen::Index row = 0;
+  for (const std::size_t a : members) {
+    const Eigen::Index rows = families_[runs_[a].family].size;
+    Eigen::Index column = 0;
+    for (const std::size_t b : members) {
+      const Eigen::Index columns = families_[runs_[b].family].size;
+      A.block(row, column, rows, columns) = gramOf(runs_[a], runs_[b]);
+      column += columns;
+    }
+    g.segment(row, rows) = scoreOf(runs_[a], reduced_.score);
+    sigma.segment(row, rows) = priorOf(runs_[a]);
+    prior += log_prior_[a];
+    row += rows;
+  }
+  return logBayesFactor(A, g, sigma) + prior;
+}
+
+std::vector<TestedSet> Screening::bestSets(std::size_t size, std::size_t count) const {
+  std::vector<TestedSet> all, latest{{{}, 0}};
+  const auto byEvidence = [](const TestedSet& a, const TestedSet& b) {
+    return a.log_evidence > b.log_evidence;
+  };
+  for (std::size_t k = 1; k <= size; ++k) {
+    std::map<std::vector<std::size_t>, double> grown;
+    for (const TestedSet& set : latest)
+      for (std::size_t m = 0; m < tested_.size(); ++m) {
+        const bool there = std::any_of(set.members.begin(), set.members.end(), [&](std::size_t other) {
+          return tested_[other].candidate.effect == tested_[m].candidate.effect;
+        });
+        if (there) continue;
+        std::vector<std::size_t> members = set.members;
+        members.insert(std::upper_bound(members.begin(), members.end(), m), m);
+        if (!grown.contains(members)) grown[members] = logEvidence(members);
+      }
+    latest.clear();
+    for (const auto& [members, evidence] : grown) latest.push_back({members, evidence});
+    std::stable_sort(latest.begin(), latest.end(), byEvidence);
+    if (latest.size() > kKeptSets) latest.resize(kKeptSets);
+    all.insert(all.end(), latest.begin(), latest.end());
+  }
+  std::stable_sort(all.begin(), all.end(), byEvidence);
+  if (all.size() > count) all.resize(count);
+  return all;
+}
+
+double Screening::alignment(std::size_t a, std::size_t b) const {
+  const auto root = [&](std::size_t m) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gramOf(runs_[m], runs_[m]));
+    const double least = kLeastKept * kLeastKept * eigen.eigenvalues().maxCoeff();
+    const Eigen::VectorXd inverse =
+        eigen.eigenvalues().unaryExpr([&](double l) { return l > least ? 1 / std::sqrt(l) : 0.0; });
+    return Eigen::MatrixXd(eigen.eigenvectors() * inverse.asDiagonal());
+  };
+  const Eigen::MatrixXd cosines = root(a).transpose() * gramOf(runs_[a], runs_[b]) * root(b);
+  return std::min(1.0, cosines.jacobiSvd().singularValues()[0]);
+}
+
+double Screening::alarm(double log_p, std::uint64_t seed) const {
+  // Scores where nothing is missing are normal with the gram as covariance.
+  Eigen::MatrixXd covariance = reduced_.gram;
+  const double jitter = 1e-9 * std::max(1e-300, covariance.diagonal().maxCoeff());
+  covariance.diagonal() += 1e-8 * reduced_.norms.array().square().matrix();
+  covariance.diagonal().array() += jitter * 1e-9;
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+  struct Test {
+    Run run;
+    Eigen::MatrixXd inverse;
+    int dof;
+  };
+  std::vector<Test> tests;
+  for (std::size_t family = 0; family < families_.size(); ++family)
+    for (const Run& run : runsOf(family)) {
+      Eigen::VectorXd squares = Eigen::VectorXd::Zero(families_[family].size);
+      for (int i = run.from; i < run.to; ++i)
+        squares += reduced_.norms
+                       .segment(families_[family].first + i * families_[family].size, families_[family].size)
+                       .array()
+                       .square()
+                       .matrix();
+      const Information information(gramOf(run, run), squares.cwiseSqrt());
+      if (information.rank > 0) tests.push_back({run, information.inverse, information.rank});
+    }
+  if (tests.empty()) return 1;
+  Random random(seed);
+  std::vector<double> best;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Eigen::VectorXd z(covariance.rows());
+    for (double& value : z) value = random.normal();
+    const Eigen::VectorXd score = factor.matrixL() * z;
+    std::map<int, double> largest;  // by degrees of freedom
+    for (const Test& test : tests) {
+      const Eigen::VectorXd g = scoreOf(test.run, score);
+      double& of_dof = largest[test.dof];
+      of_dof = std::max(of_dof, g.dot(test.inverse * g));
+    }
+    double least = 0;
+    for (const auto& [dof, statistic] : largest) least = std::min(least, chiSquareLogTail(dof, statistic));
+    best.push_back(least);
+  }
+  std::nth_element(best.begin(), best.begin() + kDraws / 2, best.end());
+  const double looks = std::log(2.0) / std::exp(best[kDraws / 2]);
+  return -std::expm1(-looks * std::exp(log_p));
+}
+
+}  // namespace fathom

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "diagnosis/whitened_model.h"
+#include "estimation/batch_estimate.h"
+
+/// All effects of the catalogue tested at once at one estimate: a score test each, with all that is estimated
+/// in any case projected off.
+namespace fathom {
+
+/// An effect tested at the model without it, to first order.
+struct TestedCandidate {
+  Candidate candidate;
+  double statistic = 0;  ///< score statistic: chi-square of `dof` where the effect is not there
+  int dof = 0;
+  double log_p = 0;         ///< ln of its probability where nothing is missing, for this candidate alone
+  double log_evidence = 0;  ///< ln of the Bayes factor against "not there", with its parameters' priors
+  double kept = 0;          ///< |P C| / |C|: what the nuisances leave of it
+  std::vector<EffectEstimate> one_step;  ///< its parameters so
+};
+
+/// Candidates that are on together.
+struct TestedSet {
+  std::vector<std::size_t> members;  ///< in Screening::candidates()
+  double log_evidence = 0;
+};
+
+class Screening {
+ public:
+  /// Onsets, ends and steps are tried where the recording is cut into so many equal segments.
+  Screening(const WhitenedModel& model, int segments);
+
+  /// Each effect (and marker) for good, then with its best interval or time.
+  const std::vector<TestedCandidate>& candidates() const { return tested_; }
+  /// Sets of up to `size` effects, best evidence first; at most `count`.
+  std::vector<TestedSet> bestSets(std::size_t size, std::size_t count) const;
+  /// The largest |cos| between what two candidates can do to the readings, nuisances projected off.
+  double alignment(std::size_t a, std::size_t b) const;
+  /// Probability that, where nothing is missing, any candidate's p is as small: simulated once, extrapolated
+  /// by the effective number of independent looks.
+  double alarm(double log_p, std::uint64_t seed) const;
+
+ private:
+  /// An effect's columns, segment by segment, among all.
+  struct Family {
+    Candidate candidate;
+    std::vector<std::size_t> scalars;  ///< in EffectParameters::values
+    Eigen::Index first = 0, size = 0;
+    int segments = 1;
+    bool is_step = false;
+  };
+  /// A run of a family's segments.
+  struct Run {
+    std::size_t family = 0;
+    int from = 0, to = 0;  ///< the first, and the one behind the last
+  };
+
+  void layOut(const Linearization& linear, int segments);
+  Eigen::SparseMatrix<double> columns(const Linearization& linear) const;
+  std::vector<Run> runsOf(std::size_t family) const;
+  Candidate candidateOf(const Run& run) const;
+  Eigen::MatrixXd gramOf(const Run& a, const Run& b) const;
+  Eigen::VectorXd scoreOf(const Run& run, const Eigen::VectorXd& score) const;
+  Eigen::VectorXd priorOf(const Run& run) const;
+  TestedCandidate test(const Run& run) const;
+  double logEvidence(const std::vector<std::size_t>& members) const;
+
+  double first_s_ = 0, segment_s_ = 0;
+  std::vector<Family> families_;
+  std::vector<double> prior_sigma_;  // of EffectParameters::values
+  Reduced reduced_;
+  std::vector<TestedCandidate> tested_;
+  std::vector<Run> runs_;          // of the tested ones
+  std::vector<double> log_prior_;  // of the tested ones: an interval is one of many
+};
+
+/// A symmetric matrix's inverse on the directions that can be told from zero: with score g, g^T Q g is a
+/// chi-square of `rank`. `norms`: what the columns were before the nuisances took their share.
+struct Information {
+  Information(const Eigen::MatrixXd& A, const Eigen::VectorXd& norms);
+  Eigen::MatrixXd inverse;
+  int rank = 0;
+};
+
+/// ln of the Bayes factor of parameters with a normal prior against zero: information A, score g.
+double logBayesFactor(const Eigen::MatrixXd& A, const Eigen::VectorXd& g, const Eigen::VectorXd& prior_sigma);
+
+}  // namespace fathom

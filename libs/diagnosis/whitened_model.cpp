@@ -1,0 +1,111 @@
+#include "diagnosis/whitened_model.h"
+
+#include <cmath>
+#include <map>
+
+#include "effects/registry.h"
+
+namespace fathom {
+namespace {
+
+/// Half the side of each marker.
+std::map<int, double> halfSizes(const BatchData& data) {
+  std::map<int, double> sizes;
+  for (const PanelMap& panel : data.panels)
+    for (const Marker& marker : panel.markers) sizes[marker.id] = 0.5 * marker.size_m;
+  return sizes;
+}
+
+Linearization weighted(Linearization linear) {
+  applyRobustWeights(linear);
+  return linear;
+}
+
+}  // namespace
+
+WhitenedModel::WhitenedModel(Linearization linear, const NoiseModel& noise, const BatchData& data)
+    : linear_(weighted(std::move(linear))),
+      W_(whitener(linear_, noise)),
+      nuisances_(nuisanceColumns(noise, data)) {
+  residual_ = Eigen::VectorXd::Zero(nuisances_.J().rows());
+  residual_.head(W_.rows()) = W_ * linear_.residual;
+}
+
+Eigen::SparseMatrix<double> WhitenedModel::whitener(const Linearization& linear, const NoiseModel& noise) {
+  // A row's sigma was taken too large by so much, for what its neighbours have in common with it.
+  Eigen::VectorXd size = Eigen::VectorXd::Ones(std::ssize(linear.rows));
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+    const ChannelNoise& channel = noise.of(linear.rows[i].channel);
+    size[static_cast<Eigen::Index>(i)] = channel.independentScale() / channel.scale;
+  }
+  Eigen::VectorXd diagonal = size;
+  for (const BatchChannel channel : kBatchChannels) {
+    const double correlation = noise.of(channel).correlation;
+    if (correlation == 0) continue;
+    const double fresh = 1 / std::sqrt(1 - correlation * correlation);
+    for (const auto& [a, b] : neighbours(linear, channel)) {
+      const auto i = static_cast<Eigen::Index>(a), j = static_cast<Eigen::Index>(b);
+      entries.emplace_back(static_cast<int>(j), static_cast<int>(i), -correlation * fresh * size[i]);
+      diagonal[j] *= fresh;
+    }
+  }
+  for (Eigen::Index i = 0; i < diagonal.size(); ++i)
+    entries.emplace_back(static_cast<int>(i), static_cast<int>(i), diagonal[i]);
+  Eigen::SparseMatrix<double> W(diagonal.size(), diagonal.size());
+  W.setFromTriplets(entries.begin(), entries.end());
+  return W;
+}
+
+Eigen::SparseMatrix<double> WhitenedModel::nuisanceColumns(const NoiseModel& noise,
+                                                           const BatchData& data) const {
+  Eigen::SparseMatrix<double> J = W_ * linear_.J;
+  if (noise.panel_tolerance_m == 0) return J;
+  const std::map<int, double> half_sizes = halfSizes(data);
+  std::vector<Candidate> places;
+  for (const int id : markersOf(linear_)) places.push_back({kEffectIndex<MarkerMoved>, id, {}, {}});
+  const Eigen::SparseMatrix<double> own = W_ * columnsOf(linear_, places);
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&](const Eigen::SparseMatrix<double>& part, Eigen::Index first_column) {
+    for (Eigen::Index c = 0; c < part.outerSize(); ++c)
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(part, c); entry; ++entry)
+        entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(first_column + c),
+                             entry.value());
+  };
+  add(J, 0);
+  add(own, J.cols());
+  Eigen::Index row = J.rows(), column = J.cols();
+  for (const Candidate& place : places) {
+    const double turn_deg = degrees(noise.panel_tolerance_m / half_sizes.at(*place.marker_id));
+    for (int axis = 0; axis < 4; ++axis)
+      entries.emplace_back(static_cast<int>(row++), static_cast<int>(column++),
+                           1 / (axis < 3 ? noise.panel_tolerance_m : turn_deg));
+  }
+  Eigen::SparseMatrix<double> all(row, column);
+  all.setFromTriplets(entries.begin(), entries.end());
+  return all;
+}
+
+Eigen::SparseMatrix<double> WhitenedModel::whitened(const Eigen::SparseMatrix<double>& columns) const {
+  Eigen::SparseMatrix<double, Eigen::RowMajor> all = W_ * columns;
+  all.conservativeResize(residual_.size(), columns.cols());
+  return all;
+}
+
+Reduced WhitenedModel::reduce(const std::vector<Candidate>& candidates) const {
+  return reduce(columnsOf(linear_, candidates));
+}
+
+double WhitenedModel::cost() const {
+  const Eigen::VectorXd left = nuisances_.project(residual_);
+  double cost = 0;
+  for (Eigen::Index i = 0; i < left.size(); ++i) {
+    // Huber's loss of a reading whose weight on its square s is w = a / sqrt(s): 2 a sqrt(s) - a^2 = w s (2 - w).
+    const bool is_row = i < std::ssize(linear_.rows);
+    const double w = is_row ? linear_.rows[static_cast<std::size_t>(i)].robust_weight : 1;
+    cost += 0.5 * (2 - w) * left[i] * left[i];
+  }
+  return cost;
+}
+
+}  // namespace fathom

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "diagnosis/noise.h"
+#include "diagnosis/nuisances.h"
+
+namespace fathom {
+
+/// An estimate's linear model in units of independent noise, as the data shows it: W r, W J, W C. Where the
+/// markers scatter about their map, each marker's own place is among the nuisances.
+class WhitenedModel {
+ public:
+  /// `linear` at an estimate with noise.noiseScale(), not yet weighted.
+  WhitenedModel(Linearization linear, const NoiseModel& noise, const BatchData& data);
+
+  const Linearization& linear() const { return linear_; }
+  const Nuisances& nuisances() const { return nuisances_; }
+  const Eigen::VectorXd& residual() const { return residual_; }
+  /// Columns over the linearization's rows.
+  Eigen::SparseMatrix<double> whitened(const Eigen::SparseMatrix<double>& columns) const;
+  Reduced reduce(const std::vector<Candidate>& candidates) const;
+  Reduced reduce(const Eigen::SparseMatrix<double>& columns) const {
+    return nuisances_.reduce(whitened(columns), residual_);
+  }
+  /// Half the sum of squares where the unknowns are best, outliers by Huber's loss.
+  double cost() const;
+
+ private:
+  static Eigen::SparseMatrix<double> whitener(const Linearization& linear, const NoiseModel& noise);
+  Eigen::SparseMatrix<double> nuisanceColumns(const NoiseModel& noise, const BatchData& data) const;
+
+  Linearization linear_;
+  Eigen::SparseMatrix<double> W_;
+  Nuisances nuisances_;
+  Eigen::VectorXd residual_;
+};
+
+}  // namespace fathom
