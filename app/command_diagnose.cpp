@@ -23,16 +23,14 @@ struct DiagnoseOptions {
 
 void printStory(const DiagnosisStory& story) {
   const Diagnosis& d = story.diagnosis;
-  std::cout << nameOf(d.verdict) << ": " << headlineOf(d) << "\n" << d.why << "\n";
+  std::cout << nameOf(d.verdict) << ": " << d.why << "\n";
   if (!d.effects.empty()) std::cout << "\n" << formatTable(effectTable(story));
-  if (!d.heldout.empty()) {
-    const HeldOut& h = d.heldout.front();
-    std::cout << "\n"
-              << print(
-                     "Held out, %s: %.4g before, %.4g after (95 %%: %.4g to %.4g), %.4g with a black box, "
-                     "%.4g by noise alone\n",
-                     h.metric.c_str(), h.before, h.after, h.after_ci95[0], h.after_ci95[1], h.black_box,
-                     h.noise_floor);
+  if (!d.heldout.channels.empty()) {
+    const HeldOut& h = d.heldout.channels.front();
+    std::cout << print(
+        "\nHeld out, %s: %.4g before, %.4g after (95 %%: %.4g to %.4g), %.4g with a black box, %.4g by noise "
+        "alone\n",
+        h.metric.c_str(), h.before, h.after, h.after_ci95[0], h.after_ci95[1], h.black_box, h.noise_floor);
   }
   for (const std::string& remark : d.remarks) std::cout << "note: " << remark << "\n";
   for (const std::string& remark : story.read.remarks) std::cout << "note: " << remark << "\n";

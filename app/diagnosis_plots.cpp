@@ -14,14 +14,20 @@ constexpr const char* kAfterColor = "#0072b2";
 constexpr const char* kBlackBoxColor = "#009e73";
 constexpr const char* kNoiseColor = "#cc79a7";
 
+/// Whether its residuals have a sign.
+bool hasMeans(const Mismatch& mismatch) { return !mismatch.direction.empty(); }
+
+/// Means in each bin as far as noise lets them scatter; of what has no direction, how unlikely each bin is.
 Series binSeries(const Mismatch& mismatch, const std::string& name, const char* color) {
-  Series series{.name = name, .style = Series::Style::kErrorBars, .color = color};
+  Series series{.name = name, .style = Series::Style::kPoints, .color = color};
+  if (hasMeans(mismatch)) series.style = Series::Style::kErrorBars;
   for (const MismatchBin& bin : mismatch.bins) {
     if (bin.rows == 0) continue;
     series.x.push_back(0.5 * (bin.low + bin.high));
-    series.y.push_back(bin.mean_sigma);
-    series.lower.push_back(bin.mean_sigma - bin.mean_error_sigma);
-    series.upper.push_back(bin.mean_sigma + bin.mean_error_sigma);
+    series.y.push_back(hasMeans(mismatch) ? bin.mean_raw : bin.size_sigma);
+    if (!hasMeans(mismatch)) continue;
+    series.lower.push_back(bin.mean_raw - bin.sigma);
+    series.upper.push_back(bin.mean_raw + bin.sigma);
   }
   return series;
 }
@@ -43,12 +49,6 @@ Series blockSeries(const HeldOut& heldout, double HeldOut::Block::*value, const 
 
 // ---- raw residuals
 
-const char* unitOf(BatchChannel channel) {
-  static constexpr std::array<const char*, kBatchChannels.size()> units{"rad/s", "m/s²", "rad", "m/s",
-                                                                        "Pa",    "m",    "px",  "1"};
-  return units[static_cast<std::size_t>(channel)];
-}
-
 /// Of one channel, a cloud a component.
 std::vector<Series> clouds(BatchChannel channel, const Linearization& linear) {
   static constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
@@ -56,11 +56,12 @@ std::vector<Series> clouds(BatchChannel channel, const Linearization& linear) {
   std::vector<Series> components;
   for (std::size_t c = 0; c < count; ++c)
     components.push_back({.name = count > 1 ? kAxes[c] : "", .style = Series::Style::kPoints});
+  const double scale = unitOf(channel).scale;
   for (const RowInfo& row : linear.rows) {
     if (row.channel != channel) continue;
     Series& series = components[static_cast<std::size_t>(row.component) % count];
     series.x.push_back(row.t_s);
-    series.y.push_back(row.raw);
+    series.y.push_back(row.raw * scale);
   }
   return components;
 }
@@ -68,7 +69,7 @@ std::vector<Series> clouds(BatchChannel channel, const Linearization& linear) {
 Plot cloudPlot(BatchChannel channel, const Linearization& linear, const char* when) {
   Plot plot{.title = "Residuals of " + nameOf(channel) + when,
             .x_label = "time [s]",
-            .y_label = std::string("residual [") + unitOf(channel) + "]",
+            .y_label = "residual [" + unitOf(channel).name + "]",
             .series = clouds(channel, linear)};
   plot.height_px = 300;
   return plot;
@@ -82,10 +83,10 @@ double largest(const Plot& plot) {
   return value;
 }
 
-std::optional<Linearization> residualsOf(const DiagnosisStory& story, const BatchEstimate& estimate) {
+std::optional<Linearization> residualsOf(const BatchData& data, const BatchEstimate& estimate,
+                                         const BatchOptions& options) {
   if (!estimate.succeeded) return {};
-  const BatchData& data = story.read.input.data;
-  return linearize(data, *problemAt(data, estimate, {}), false);
+  return linearize(data, *problemAt(data, estimate, options), false);
 }
 
 }  // namespace
@@ -93,7 +94,7 @@ std::optional<Linearization> residualsOf(const DiagnosisStory& story, const Batc
 Plot covariatePlot(const Mismatch& before, const Mismatch* after) {
   Plot plot{.title = sensorOf(before) + ": " + before.statistic + " against " + before.against,
             .x_label = withUnit(before.against, before.unit),
-            .y_label = before.statistic + " [sigma]"};
+            .y_label = hasMeans(before) ? withUnit("mean", before.raw_unit) : "size [sigma]"};
   plot.height_px = 320;
   plot.series.push_back(binSeries(before, after != nullptr ? "before" : "", kBeforeColor));
   if (after != nullptr) plot.series.push_back(binSeries(*after, "after", kAfterColor));
@@ -122,8 +123,9 @@ Plot heldOutPlot(const HeldOut& heldout) {
 
 std::vector<Plot> residualPlots(const DiagnosisStory& story) {
   const Diagnosis& d = story.diagnosis;
-  const auto before = residualsOf(story, d.before);
-  const auto after = d.effects.empty() ? std::nullopt : residualsOf(story, d.after);
+  const BatchData& data = story.read.input.data;
+  const auto before = residualsOf(data, d.before, d.before_options);
+  const auto after = modelledEffects(d).empty() ? std::nullopt : residualsOf(data, d.after, d.after_options);
   std::vector<Plot> plots;
   if (!before) return plots;
   for (const auto& [channel, residual] : d.before.residuals) {

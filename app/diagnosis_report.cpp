@@ -27,7 +27,7 @@ std::string probabilityText(double log_p) {
 
 const Mismatch* find(const std::vector<Mismatch>& all, const Mismatch& like) {
   const auto found = std::find_if(all.begin(), all.end(), [&](const Mismatch& m) {
-    return m.channel == like.channel && m.component == like.component && m.statistic == like.statistic &&
+    return m.channel == like.channel && m.direction == like.direction && m.statistic == like.statistic &&
            m.against == like.against;
   });
   return found == all.end() ? nullptr : &*found;
@@ -107,7 +107,7 @@ void addMismatch(const DiagnosisStory& story, HtmlReport& report) {
         "millimetres per second.");
     report.table(table);
   }
-  if (d.effects.empty()) return;
+  if (modelledEffects(d).empty()) return;
   report.paragraph("The same, with what was found in the model:");
   report.table(heatTable(d.remaining, story.false_alarm));
 }
@@ -115,30 +115,30 @@ void addMismatch(const DiagnosisStory& story, HtmlReport& report) {
 // ---- what: effects, candidates, alternatives
 
 void addEffects(const DiagnosisStory& story, HtmlReport& report) {
-  const Diagnosis& d = story.diagnosis;
-  if (d.effects.empty()) return;
-  report.heading("What is missing");
-  for (const FoundEffect& effect : d.effects)
+  const std::vector<FoundEffect>& effects = modelledEffects(story.diagnosis);
+  if (effects.empty()) return;
+  report.heading(story.diagnosis.effects.empty() ? "What comes nearest" : "What is missing");
+  for (const FoundEffect& effect : effects)
     report.paragraph(nameOf(effect.candidate) + ": " +
                      std::string(allEffects()[effect.candidate.effect].text.title) + ".");
   report.table(effectTable(story));
-  Table evidence{{"effect", "log likelihood gained", "held out", "BIC gained"}, {}};
-  for (const FoundEffect& effect : d.effects)
-    evidence.rows.push_back({nameOf(effect.candidate), fixed(effect.log_likelihood_gain, 1),
+  Table evidence{{"effect", "log evidence", "log likelihood", "on held-out stretches", "BIC"}, {}};
+  for (const FoundEffect& effect : effects)
+    evidence.rows.push_back({nameOf(effect.candidate), fixed(effect.log_evidence, 1),
+                             fixed(effect.log_likelihood_gain, 1),
                              fixed(effect.heldout_log_likelihood_gain, 1), fixed(effect.bic_gain, 1)});
-  report.table(evidence);
+  report.table(evidence, "Gained over the model without it, all else estimated again.");
   report.paragraph(
-      "One sigma each. Sqrt lambda: size in units of what this recording could resolve at best. Gains are "
-      "against the model without the effect, all else estimated again.");
+      "± is one sigma. Sqrt lambda: an effect's size in units of what this recording could resolve at best.");
 }
 
 void addInteractions(const DiagnosisStory& story, HtmlReport& report) {
-  Table table{{"effect", "against", "chi-square", "dof", "p", "change [%]"}, {}};
-  for (const FoundEffect& effect : story.diagnosis.effects)
+  Table table{{"effect", "against", "chi-square of 1", "p", "change [%]", "passed"}, {}};
+  for (const FoundEffect& effect : modelledEffects(story.diagnosis))
     for (const InteractionTest& test : effect.interactions)
       table.rows.push_back({nameOf(effect.candidate), test.against, fixed(test.statistic, 1),
-                            std::to_string(test.dof), probabilityText(test.log_p),
-                            fixed(100 * test.relative_change, 1)});
+                            probabilityText(test.log_p), fixed(100 * test.relative_change, 1),
+                            test.failed ? "no" : "yes"});
   if (table.rows.empty()) return;
   report.subheading("Is it the same everywhere?");
   report.paragraph(
@@ -152,13 +152,11 @@ void addCandidates(const DiagnosisStory& story, HtmlReport& report) {
   const Diagnosis& d = story.diagnosis;
   if (d.tested.empty()) return;
   report.heading("What else was tried");
-  Table table{
-      {"candidate", "log evidence", "chi-square", "dof", "p", "kept [%]", "2 log likelihood, refitted"}, {}};
+  Table table{{"candidate", "log evidence", "chi-square", "dof", "p", "kept [%]"}, {}};
   for (const TestedCandidate& t : d.tested) {
     if (table.rows.size() == kMostRows) break;
     table.rows.push_back({nameOf(t.candidate), fixed(t.log_evidence, 1), fixed(t.statistic, 1),
-                          std::to_string(t.dof), probabilityText(t.log_p), fixed(100 * t.kept, 1),
-                          t.refitted_gain ? fixed(*t.refitted_gain, 1) : "-"});
+                          std::to_string(t.dof), probabilityText(t.log_p), fixed(100 * t.kept, 1)});
   }
   std::string caption =
       "Each alone against the nominal model, best evidence first. Kept: what of it the path, biases and "
@@ -180,24 +178,30 @@ void addAlternatives(const DiagnosisStory& story, HtmlReport& report) {
                             i < set.log_evidence.size() ? fixed(set.log_evidence[i], 1) : "-",
                             i < set.alignment.size() ? fixed(set.alignment[i], 3) : "-",
                             std::string(allEffects()[set.candidates[i].effect].text.told_apart)});
-    report.table(table, "Alignment: 1 is the same to this recording.");
+    report.table(table, "Log evidence against the first. Alignment: 1 is the same to this recording.");
   }
 }
 
 // ---- does it fit
 
 void addHeldOut(const DiagnosisStory& story, HtmlReport& report) {
-  const Diagnosis& d = story.diagnosis;
-  if (d.heldout.empty()) return;
+  const HeldOutResult& heldout = story.diagnosis.heldout;
+  if (heldout.channels.empty()) return;
   report.heading("Does it fit what the fit did not see?");
   report.paragraph(
-      "Root mean square on stretches that were held out, where only the path is estimated again. Black box: "
-      "splines over the covariates in place of physics. Placebo: what the best of all candidates gains where "
-      "nothing is missing, in 95 of 100 cases at most.");
-  report.table(heldOutTable(d));
-  report.table(heldOutGainTable(d), "Log likelihood gained there, of all channels.");
-  for (const HeldOut& heldout : d.heldout)
-    if (!heldout.blocks.empty()) report.plot(heldOutPlot(heldout));
+      "Root mean square on stretches that were held out: there only the effects' parameters are carried "
+      "over. "
+      "Black box: splines over the covariates in place of physics.");
+  report.table(heldOutTable(heldout));
+  const HeldOutGain& gain = heldout.gain;
+  report.paragraph(print(
+      "Log likelihood gained there over the nominal model, all channels together: %.1f (95 %%: %.1f to "
+      "%.1f) with the effects, %.1f with the black box (difference, 95 %%: %.1f to %.1f). Where nothing "
+      "is missing, the best of all effects gains at most %.1f in 95 of 100 cases.",
+      gain.physics, gain.physics_ci95[0], gain.physics_ci95[1], gain.black_box, gain.over_black_box_ci95[0],
+      gain.over_black_box_ci95[1], gain.placebo));
+  for (const HeldOut& channel : heldout.channels)
+    if (!channel.blocks.empty()) report.plot(heldOutPlot(channel));
 }
 
 /// The worst first; where nothing stands out, a few that show so.
@@ -213,29 +217,28 @@ std::vector<const Mismatch*> worthPlotting(const DiagnosisStory& story) {
 }
 
 void addResiduals(const DiagnosisStory& story, HtmlReport& report) {
-  const Diagnosis& d = story.diagnosis;
-  report.heading(d.effects.empty() ? "Residuals" : "Residuals before and after");
+  const bool changed = !modelledEffects(story.diagnosis).empty();
+  report.heading(changed ? "Residuals before and after" : "Residuals");
   for (const Mismatch* mismatch : worthPlotting(story))
-    report.plot(covariatePlot(*mismatch, d.effects.empty() ? nullptr : find(d.remaining, *mismatch)),
-                print("Means of whitened residuals and what they scatter by. Structure of %.3g %s (%.1f "
-                      "sigma) before.",
-                      mismatch->size_raw, mismatch->raw_unit.c_str(), mismatch->size_sigma));
+    report.plot(covariatePlot(*mismatch, changed ? find(story.diagnosis.remaining, *mismatch) : nullptr),
+                print("Structure of %.3g %s, %.1f sigma at its worst%s.", mismatch->size_raw,
+                      mismatch->raw_unit.c_str(), mismatch->size_sigma, changed ? ", before" : ""));
   for (const Plot& plot : residualPlots(story)) report.plot(plot);
 }
 
 void addNoise(const DiagnosisStory& story, HtmlReport& report) {
   const NoiseModel& noise = story.diagnosis.noise;
-  Table table{{"channel", "sigma / stated", "correlation of neighbours", "sigma", "excess kurtosis"}, {}};
-  for (const BatchChannel channel : kBatchChannels) {
-    const ChannelNoise& c = noise.channels[static_cast<std::size_t>(channel)];
-    if (c.present)
-      table.rows.push_back({nameOf(channel), fixed(c.scale, 3), fixed(c.correlation, 3),
-                            fixed(c.correlation_error, 3), fixed(c.tail, 2)});
-  }
+  Table table{{"channel", "readings' coordinates", "sigma / stated", "correlation of neighbours"}, {}};
+  for (const BatchChannel channel : kBatchChannels)
+    if (const ChannelNoise& c = noise.of(channel); c.rows > 0)
+      table.rows.push_back(
+          {nameOf(channel), std::to_string(c.rows), fixed(c.scale, 3), fixed(c.correlation, 3)});
   if (table.rows.empty()) return;
   report.heading("The noise that the recording shows");
-  report.table(table, print("Markers scatter by %.2g mm about where the map has them.",
-                            1e3 * noise.panel_tolerance_m));
+  report.table(table);
+  if (noise.panel_tolerance_m > 0)
+    report.paragraph(
+        print("Markers scatter by %.2g mm about where the map has them.", 1e3 * noise.panel_tolerance_m));
 }
 
 // ---- with it
@@ -288,14 +291,14 @@ void addInputs(const DiagnosisStory& story, HtmlReport& report) {
 
 void addHeadline(const DiagnosisStory& story, HtmlReport& report) {
   const Diagnosis& d = story.diagnosis;
-  report.paragraph(headlineOf(d) + " " + d.why);
+  report.paragraph(d.why);
   std::vector<std::pair<std::string, std::string>> keys{{"verdict", nameOf(d.verdict)}};
   for (const FoundEffect& effect : d.effects)
     keys.emplace_back("sqrt lambda of " + nameOf(effect.candidate), fixed(effect.sqrt_lambda, 1));
-  if (!d.heldout.empty())
-    keys.emplace_back("held out, " + d.heldout[0].metric,
-                      d.effects.empty() ? print("%.3g", d.heldout[0].before)
-                                        : print("%.3g → %.3g", d.heldout[0].before, d.heldout[0].after));
+  if (!d.heldout.channels.empty()) {
+    const HeldOut& h = d.heldout.channels.front();
+    keys.emplace_back("held out, " + h.metric, print("%.3g → %.3g", h.before, h.after));
+  }
   report.keyValues(keys);
   for (const std::string& remark : d.remarks) report.warning(remark);
   for (const std::string& remark : story.read.remarks) report.warning(remark);
