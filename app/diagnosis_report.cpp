@@ -43,44 +43,43 @@ std::vector<std::string> distinct(const std::vector<Mismatch>& all, Text text) {
   return values;
 }
 
-std::string covariateOf(const Mismatch& mismatch) {
-  return mismatch.against.empty() ? mismatch.statistic : mismatch.against;
-}
-
-/// Sensors down, covariates across: the largest size, coloured where it is not chance.
+/// Covariates down, sensors across: the largest size, coloured where it is not chance.
 Table heatTable(const std::vector<Mismatch>& all, double false_alarm) {
   constexpr double kDarkest_sigma = 8.0;
-  Table table{{"sensor"}, {}};
-  const auto covariates = distinct(all, covariateOf);
-  table.header.insert(table.header.end(), covariates.begin(), covariates.end());
-  for (const std::string& sensor : distinct(all, sensorOf)) {
-    table.rows.push_back({sensor});
+  const auto channelOf = [](const Mismatch& m) { return nameOf(m.channel); };
+  const auto covariateOf = [](const Mismatch& m) { return m.against; };
+  auto channels = distinct(all, channelOf);
+  std::sort(channels.begin(), channels.end());
+  Table table{{"against"}, {}};
+  table.header.insert(table.header.end(), channels.begin(), channels.end());
+  for (const std::string& covariate : distinct(all, covariateOf)) {
+    table.rows.push_back({covariate});
     table.shades.push_back({0});
-    for (const std::string& covariate : covariates) {
-      const Mismatch* worst = nullptr;
-      for (const Mismatch& m : all)
-        if (sensorOf(m) == sensor && covariateOf(m) == covariate &&
-            (worst == nullptr || m.size_sigma > worst->size_sigma))
-          worst = &m;
-      table.rows.back().push_back(worst != nullptr ? fixed(worst->size_sigma, 1) : "-");
-      table.shades.back().push_back(worst != nullptr && isSignificant(*worst, false_alarm)
-                                        ? 0.1 + worst->size_sigma / kDarkest_sigma
-                                        : 0.0);
+    for (const std::string& channel : channels) {
+      double size_sigma = 0;
+      bool any = false, significant = false;
+      for (const Mismatch& m : all) {
+        if (channelOf(m) != channel || covariateOf(m) != covariate) continue;
+        size_sigma = std::max(size_sigma, m.size_sigma);
+        significant = significant || isSignificant(m, false_alarm);
+        any = true;
+      }
+      table.rows.back().push_back(any ? fixed(size_sigma, 1) : "-");
+      table.shades.back().push_back(significant ? 0.1 + size_sigma / kDarkest_sigma : 0.0);
     }
   }
   return table;
 }
 
-/// "mean residual against speed".
+/// "speed", "marker id (mean corner residual)": most are mean residuals.
 std::string structureOf(const Mismatch& m) {
-  return m.against.empty() ? m.statistic : m.statistic + " against " + m.against;
+  return m.statistic == "mean residual" ? m.against : m.against + " (" + m.statistic + ")";
 }
 
 Table mismatchTable(const DiagnosisStory& story) {
   constexpr std::size_t kMostRows = 20;
   const BatchData& data = story.read.input.data;
-  Table table{
-      {"sensor", "structure", "size [sigma]", "size", "p", "where", "when", "matters", "after [sigma]"}, {}};
+  Table table{{"sensor", "against", "sigma", "size", "p", "where", "when", "matters", "left"}, {}};
   for (const Mismatch& m : story.diagnosis.mismatch) {
     if (table.rows.size() == kMostRows || !isSignificant(m, story.false_alarm)) continue;
     const Mismatch* left = find(story.diagnosis.remaining, m);
@@ -96,15 +95,15 @@ void addMismatch(const DiagnosisStory& story, HtmlReport& report) {
   const Diagnosis& d = story.diagnosis;
   report.heading("Where the nominal model and the recording differ");
   if (d.mismatch.empty()) return report.paragraph("No residuals were tested.");
-  report.paragraph(
-      print("Size of the structure in each sensor's residuals against each covariate, in sigma: 1 is what "
-            "noise makes. Coloured: more than chance explains at %g %%, having looked at all.",
-            100 * story.false_alarm));
+  report.paragraph(print(
+      "How far each sensor's residuals are off against each covariate: the worst bin, in sigma. Coloured: "
+      "more than chance explains at %g %%, having looked at all.",
+      100 * story.false_alarm));
   report.table(heatTable(d.mismatch, story.false_alarm));
   if (const Table table = mismatchTable(story); !table.rows.empty()) {
     report.paragraph(
-        "The worst, with the probability of as much by chance. Matters: large enough in pixels, millimetres, "
-        "millimetres per second.");
+        "The most improbable, with the probability of as much by chance. Matters: large enough in pixels, "
+        "millimetres, millimetres per second. Left: sigma with what was found in the model.");
     report.table(table);
   }
   if (modelledEffects(d).empty()) return;

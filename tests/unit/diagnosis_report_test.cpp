@@ -273,7 +273,7 @@ TEST(DiagnosisReport, DigitsAsSigmaDeservesThem) {
   EXPECT_EQ(textOf(FoundParameter{"offset_m", "m", {0.1, -0.2}, {0.01, 0.02}}),
             "[0.100 ± 0.010, -0.200 ± 0.020] m");
   EXPECT_EQ(textOf(FoundParameter{"marker_id", "1", {14}, {}}), "14");
-  EXPECT_EQ(textOf(FoundParameter{"density", "kg/m3", {1234.5}, {250}}), "1235 ± 250 kg/m3");
+  EXPECT_EQ(textOf(FoundParameter{"density", "kg/m3", {1234.6}, {250}}), "1235 ± 250 kg/m3");
 }
 
 TEST(DiagnosisReport, WritesFilesThatReadBack) {
