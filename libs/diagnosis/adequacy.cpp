@@ -62,7 +62,8 @@ std::vector<InteractionTest> interactionTests(const Refit& fit, const Candidate&
     if (spread < 1e-9) continue;
     for (std::size_t i = 0; i < linear.rows.size(); ++i)
       if (const double c = change[static_cast<Eigen::Index>(i)]; c != 0)
-        entries.emplace_back(static_cast<int>(i), static_cast<int>(names.size()), c * (of(i) - mean) / spread);
+        entries.emplace_back(static_cast<int>(i), static_cast<int>(names.size()),
+                             c * (of(i) - mean) / spread);
     names.push_back(entry.first);
   }
   Eigen::SparseMatrix<double> columns(std::ssize(linear.rows), std::ssize(names));
@@ -82,7 +83,8 @@ std::vector<InteractionTest> interactionTests(const Refit& fit, const Candidate&
     test.failed = test.log_p < std::log(kFailed_p) && std::abs(test.relative_change) > kLeastChange;
     tests.push_back(std::move(test));
   }
-  std::stable_sort(tests.begin(), tests.end(), [](const auto& a, const auto& b) { return a.log_p < b.log_p; });
+  std::stable_sort(tests.begin(), tests.end(),
+                   [](const auto& a, const auto& b) { return a.log_p < b.log_p; });
   return tests;
 }
 

@@ -16,8 +16,8 @@ struct InteractionTest {
   bool failed = false;         ///< too improbable, and too large to be its model's curvature
 };
 
-/// The effect's own share of the readings, larger or smaller with each covariate in turn: what is left of such
-/// a change once all else is estimated. An effect that is none of the catalogue's seldom passes.
+/// The effect's own share of the readings, larger or smaller with each covariate in turn: what is left of
+/// such a change once all else is estimated. An effect that is none of the catalogue's seldom passes.
 std::vector<InteractionTest> interactionTests(const Refit& fit, const Candidate& effect);
 
 }  // namespace fathom

@@ -11,8 +11,8 @@ namespace {
 constexpr double kLeastSpread = 1e-6;  // below, a covariate is constant
 
 Covariate component(std::string name, std::string unit, Vector3d RowInfo::*member, int axis) {
-  return {std::move(name), std::move(unit), [member, axis](const RowInfo& row) { return (row.*member)[axis]; },
-          1, 6};
+  return {std::move(name), std::move(unit),
+          [member, axis](const RowInfo& row) { return (row.*member)[axis]; }, 1, 6};
 }
 
 std::vector<Covariate> allOf(BatchChannel channel) {
@@ -26,7 +26,8 @@ std::vector<Covariate> allOf(BatchChannel channel) {
     all.push_back({"image radius", "1", [](const RowInfo& row) { return row.image_radius; }, 1, 6});
     all.push_back({"image x", "px", [](const RowInfo& row) { return row.pixel.x(); }, 1, 6});
     all.push_back({"image y", "px", [](const RowInfo& row) { return row.pixel.y(); }, 1, 6});
-    all.push_back({"incidence", "deg", [](const RowInfo& row) { return row.incidence_rad; }, degrees(1.0), 6});
+    all.push_back(
+        {"incidence", "deg", [](const RowInfo& row) { return row.incidence_rad; }, degrees(1.0), 6});
     return all;
   }
   for (const int axis : {0, 1, 2}) {
@@ -93,12 +94,11 @@ std::vector<Direction> directionsOf(const Linearization& linear, BatchChannel ch
     bool any = false;
     for (std::size_t i = 0; i < rows; ++i)
       if (linear.rows[i].channel == channel && linear.rows[i].component == axis) {
-        direction.values[i] =
-            std::sqrt(linear.rows[i].robust_weight) *
-            std::abs(perUnit(linear.rows[i],
-                             linear.residual[static_cast<Eigen::Index>(i)] /
-                                 std::sqrt(linear.rows[i].robust_weight),
-                             typical));
+        direction.values[i] = std::sqrt(linear.rows[i].robust_weight) *
+                              std::abs(perUnit(linear.rows[i],
+                                               linear.residual[static_cast<Eigen::Index>(i)] /
+                                                   std::sqrt(linear.rows[i].robust_weight),
+                                               typical));
         any = true;
       }
     if (any) directions.push_back(std::move(direction));
@@ -147,9 +147,8 @@ std::vector<double> binLimits(const Linearization& linear, BatchChannel channel,
   std::sort(values.begin(), values.end());
   std::vector<double> limits;
   for (int bin = 0; bin <= covariate.bins; ++bin) {
-    const double limit =
-        values[std::min(values.size() - 1, values.size() * static_cast<std::size_t>(bin) /
-                                               static_cast<std::size_t>(covariate.bins))];
+    const double limit = values[std::min(values.size() - 1, values.size() * static_cast<std::size_t>(bin) /
+                                                                static_cast<std::size_t>(covariate.bins))];
     if (limits.empty() || limit > limits.back()) limits.push_back(limit);
   }
   if (limits.size() == 1) limits.push_back(limits[0]);

@@ -22,8 +22,8 @@ struct Covariate {
 /// Those that a channel's readings have, where they vary at all.
 std::vector<Covariate> covariatesOf(const Linearization& linear, BatchChannel channel);
 
-/// A way in which a channel's readings may be off, one unit's worth: an axis's own unit; of markers' corners a
-/// shift of the image by a pixel, to the right or down.
+/// A way in which a channel's readings may be off, one unit's worth: an axis's own unit; of markers' corners
+/// a shift of the image by a pixel, to the right or down.
 struct Direction {
   std::string name;            ///< "x", "right", …
   std::vector<double> values;  ///< by row of the linearization: d residual

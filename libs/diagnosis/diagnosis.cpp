@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 #include <stdexcept>
 
 #include "core/progress.h"
@@ -13,14 +15,14 @@ namespace fathom {
 namespace {
 
 constexpr int kNoisePasses = 2;
-constexpr double kLogOdds = 4.0;        // ln of the odds against one more effect, before looking
+constexpr double kLogOdds = 5.0;        // ln of the odds against one more effect, before looking
 constexpr double kSameEvidence = 2.7;   // half of the 5.4 by which the right one loses once in a hundred
 constexpr double kContenderMargin = 8;  // ln evidence to first order, plus a share of the best's:
 constexpr double kContenderShare = 0.1;
 constexpr std::size_t kContenders = 5, kRivals = 4;
 constexpr double kUnexplained_p = 0.01;
-constexpr double kDetectable = 18;      // information times prior variance: 5 % over the catalogue, power 90 %
-constexpr double kLeastShare = 0.2;     // of the catalogue to be within reach, for "none" to mean something
+constexpr double kDetectable = 18;   // information times prior variance: 5 % over the catalogue, power 90 %
+constexpr double kLeastShare = 0.2;  // of the catalogue to be within reach, for "none" to mean something
 constexpr double kMaterialTolerance_m = 0.002;
 
 /// The course of a diagnosis.
@@ -48,21 +50,20 @@ class Course {
   void judge();
 
   bool insufficient(const std::string& why);
-  Refit fit(const Refit& from, const std::vector<Candidate>& effects) const {
-    return refit(data_, from.estimate, base_, effects, diagnosis_.noise);
-  }
+  /// Each set of effects is fitted once.
+  Refit fit(const Refit& from, const std::vector<Candidate>& effects);
   /// Worth of a fit against the nominal one, with the odds against so many effects.
   double worth(const Refit& fit) const {
     return fit.succeeded ? logEvidence(fit, nominal_) - kLogOdds * static_cast<double>(fit.effects.size())
                          : -1e300;
   }
   double segment_s() const { return (data_.last_s - data_.first_s) / options_.segments; }
-  std::optional<Refit> bestOf(const Refit& from, const Screening& screening, std::size_t size) const;
-  Refit settled(Refit fit) const;
-  Refit without(const Refit& fit, std::size_t effect) const;
-  Refit onlyNeeded(Refit fit) const;
+  std::optional<Refit> bestOf(const Refit& from, const Screening& screening, std::size_t size);
+  Refit settled(Refit fit);
+  Refit without(const Refit& fit, std::size_t effect);
+  Refit onlyNeeded(Refit fit);
   void addAlternatives(std::size_t effect);
-  FoundEffect describe(std::size_t effect) const;
+  FoundEffect describe(std::size_t effect);
   std::string sentence(const FoundEffect& found) const;
 
   const BatchData& data_;
@@ -70,8 +71,21 @@ class Course {
   DiagnosisOptions options_;
   BatchOptions base_;
   Refit nominal_, final_;
+  std::map<std::string, Refit> fitted_;  // by the effects' names
   Diagnosis diagnosis_;
 };
+
+Refit Course::fit(const Refit& from, const std::vector<Candidate>& effects) {
+  std::set<std::string> names;
+  for (const Candidate& effect : effects)
+    names.insert(nameOf(effect) + print(" %.17g %.17g %.17g", effect.time_s.value_or(0),
+                                        effect.active_s.from_s, effect.active_s.to_s));
+  std::string key;
+  for (const std::string& name : names) key += name + "\n";
+  const auto [it, is_new] = fitted_.try_emplace(key);
+  if (is_new) it->second = refit(data_, from.estimate, base_, effects, diagnosis_.noise);
+  return it->second;
+}
 
 bool Course::insufficient(const std::string& why) {
   diagnosis_.verdict = Verdict::insufficient;
@@ -91,13 +105,16 @@ bool Course::estimateNominal() {
       base_.problem.noise_scale = diagnosis_.noise.noiseScale();
       estimate = reestimate(data_, estimate, base_);
       if (!estimate.succeeded)
-        return insufficient("The nominal model could not be fitted with the noise shown: " + estimate.failure + ".");
+        return insufficient(
+            "The nominal model could not be fitted with the noise shown: " + estimate.failure + ".");
     }
   } catch (const std::runtime_error& e) {
-    return insufficient(print("The recording does not determine what the nominal model estimates (%s).", e.what()));
+    return insufficient(
+        print("The recording does not determine what the nominal model estimates (%s).", e.what()));
   }
   nominal_ = refit(data_, estimate, base_, {}, diagnosis_.noise);
-  if (!nominal_.succeeded) return insufficient("The nominal model could not be fitted: " + nominal_.estimate.failure + ".");
+  if (!nominal_.succeeded)
+    return insufficient("The nominal model could not be fitted: " + nominal_.estimate.failure + ".");
   final_ = nominal_;
   return true;
 }
@@ -105,7 +122,7 @@ bool Course::estimateNominal() {
 void Course::locate() { diagnosis_.mismatch = mismatchMaps(*nominal_.model, options_.seed); }
 
 /// Intervals and times to a fraction of a segment, and whether what seems lasting was on for a part only.
-Refit Course::settled(Refit fit) const {
+Refit Course::settled(Refit fit) {
   std::vector<Candidate> effects = fit.effects;
   bool changed = false;
   for (std::size_t i = 0; i < effects.size(); ++i) {
@@ -126,7 +143,7 @@ Refit Course::settled(Refit fit) const {
 }
 
 /// The best set of so many more effects, each contender estimated in full.
-std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screening, std::size_t size) const {
+std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screening, std::size_t size) {
   const std::vector<TestedSet> sets = screening.bestSets(size, 200);
   std::optional<Refit> best;
   std::size_t tried = 0;
@@ -149,14 +166,14 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
   return best;
 }
 
-Refit Course::without(const Refit& fit, std::size_t effect) const {
+Refit Course::without(const Refit& fit, std::size_t effect) {
   std::vector<Candidate> others = fit.effects;
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(effect));
   return others.empty() ? nominal_ : this->fit(fit, others);
 }
 
 /// Effects that the others make superfluous are dropped.
-Refit Course::onlyNeeded(Refit fit) const {
+Refit Course::onlyNeeded(Refit fit) {
   for (std::size_t i = 0; fit.effects.size() > 1 && i < fit.effects.size();) {
     Refit less = without(fit, i);
     if (worth(less) < worth(fit)) {
@@ -203,7 +220,9 @@ void Course::addAlternatives(std::size_t effect) {
   if (!rest.succeeded) return;
   const Screening screening(*rest.model, options_.segments);
   const auto& candidates = screening.candidates();
-  const auto isOwn = [&](std::size_t m) { return candidates[m].candidate.effect == final_.effects[effect].effect; };
+  const auto isOwn = [&](std::size_t m) {
+    return candidates[m].candidate.effect == final_.effects[effect].effect;
+  };
   std::optional<std::size_t> own;
   std::vector<std::size_t> order;
   for (std::size_t m = 0; m < candidates.size(); ++m) {
@@ -218,16 +237,17 @@ void Course::addAlternatives(std::size_t effect) {
   const double first_order = candidates[*own].log_evidence;
   std::size_t tried = 0;
   for (const std::size_t m : order) {
-    if (candidates[m].log_evidence < first_order - kContenderMargin - kContenderShare * std::abs(first_order) ||
+    if (candidates[m].log_evidence <
+            first_order - kContenderMargin - kContenderShare * std::abs(first_order) ||
         tried++ == kRivals)
       break;
-    const bool listed = std::any_of(set.candidates.begin(), set.candidates.end(), [&](const Candidate& other) {
-      return other.effect == candidates[m].candidate.effect;
-    });
+    const bool listed =
+        std::any_of(set.candidates.begin(), set.candidates.end(),
+                    [&](const Candidate& other) { return other.effect == candidates[m].candidate.effect; });
     if (listed) continue;
     std::vector<Candidate> effects = rest.effects;
     effects.push_back(candidates[m].candidate);
-    const Refit rival = settled(fit(rest, effects));
+    const Refit rival = fit(rest, effects);
     if (!rival.succeeded) continue;
     const double difference = worth(rival) - worth(final_);
     if (difference < -kSameEvidence) continue;
@@ -238,7 +258,7 @@ void Course::addAlternatives(std::size_t effect) {
   if (set.candidates.size() > 1) diagnosis_.alternatives.push_back(std::move(set));
 }
 
-FoundEffect Course::describe(std::size_t effect) const {
+FoundEffect Course::describe(std::size_t effect) {
   FoundEffect found;
   found.candidate = final_.effects[effect];
   for (const EffectEstimate& estimate : final_.estimates)
@@ -258,20 +278,17 @@ FoundEffect Course::describe(std::size_t effect) const {
 }
 
 void Course::verify() {
-  diagnosis_.remaining = final_.effects.empty() ? diagnosis_.mismatch : mismatchMaps(*final_.model, options_.seed);
+  diagnosis_.remaining =
+      final_.effects.empty() ? diagnosis_.mismatch : mismatchMaps(*final_.model, options_.seed);
   if (final_.effects.empty()) return;
   for (std::size_t i = 0; i < final_.effects.size(); ++i) diagnosis_.effects.push_back(describe(i));
   HeldOutOptions options = options_.heldout;
   options.seed = options_.seed;
-  diagnosis_.heldout = holdOut(linearize(data_, *problemAt(data_, final_.estimate, final_.options)), final_.effects,
-                               final_.estimate.state.effects, diagnosis_.noise, data_, options);
-  for (FoundEffect& found : diagnosis_.effects)
-    found.heldout_log_likelihood_gain =
-        final_.effects.size() == 1
-            ? diagnosis_.heldout.gain.physics
-            : holdOut(linearize(data_, *problemAt(data_, final_.estimate, final_.options)), {found.candidate},
-                      final_.estimate.state.effects, diagnosis_.noise, data_, options)
-                  .gain.physics;
+  diagnosis_.heldout =
+      holdOut(linearize(data_, *problemAt(data_, final_.estimate, final_.options)), final_.effects,
+              final_.estimate.state.effects, diagnosis_.noise, data_, options);
+  for (std::size_t i = 0; i < diagnosis_.effects.size(); ++i)
+    diagnosis_.effects[i].heldout_log_likelihood_gain = diagnosis_.heldout.gain.by_effect[i];
 }
 
 std::string Course::sentence(const FoundEffect& found) const {
@@ -284,8 +301,8 @@ std::string Course::sentence(const FoundEffect& found) const {
       for (const EffectEstimate& estimate : found.estimates)
         if (estimate.scalar == scalar) {
           const std::string axis = p.size > 1 ? print("[%d]", i) : "";
-          text += separator + print("%s%s = %.4g ± %.2g", std::string(p.name).c_str(), axis.c_str(), estimate.value,
-                                    estimate.sigma);
+          text += separator + print("%s%s = %.4g ± %.2g", std::string(p.name).c_str(), axis.c_str(),
+                                    estimate.value, estimate.sigma);
           separator = ", ";
         }
   }
@@ -309,20 +326,22 @@ void Course::judge() {
   for (const Mismatch& map : diagnosis_.remaining)
     if (map.material && map.log_p < std::log(kUnexplained_p))
       failures.push_back(print("%s of %s against %s (%s: %.1f sigma, %.2g %s in all)", map.statistic.c_str(),
-                               nameOf(map.channel).c_str(), map.against.c_str(), map.where.c_str(), map.size_sigma,
-                               map.size_raw, map.raw_unit.c_str()));
+                               nameOf(map.channel).c_str(), map.against.c_str(), map.where.c_str(),
+                               map.size_sigma, map.size_raw, map.raw_unit.c_str()));
   for (const FoundEffect& found : diagnosis_.effects)
     for (const InteractionTest& test : found.interactions)
       if (test.failed)
-        failures.push_back(print("%s would have to change with %s, by %.0f %% over one standard deviation of it",
-                                 nameOf(found.candidate).c_str(), test.against.c_str(), 100 * test.relative_change));
+        failures.push_back(
+            print("%s would have to change with %s, by %.0f %% over one standard deviation of it",
+                  nameOf(found.candidate).c_str(), test.against.c_str(), 100 * test.relative_change));
   if (diagnosis_.noise.panel_tolerance_m > kMaterialTolerance_m)
-    failures.push_back(print("markers lie %.1f mm off the map, one by one",
-                             1000 * diagnosis_.noise.panel_tolerance_m));
+    failures.push_back(
+        print("markers lie %.1f mm off the map, one by one", 1000 * diagnosis_.noise.panel_tolerance_m));
 
   if (!failures.empty()) {
     diagnosis_.verdict = Verdict::unexplained;
-    diagnosis_.why = "Something is missing that no effect of the catalogue describes. It shows as " + failures[0];
+    diagnosis_.why =
+        "Something is missing that no effect of the catalogue describes. It shows as " + failures[0];
     for (std::size_t i = 1; i < std::min<std::size_t>(3, failures.size()); ++i)
       diagnosis_.why += "; " + failures[i];
     diagnosis_.why += ".";
@@ -350,12 +369,13 @@ void Course::judge() {
   }
   std::size_t within_reach = 0;
   for (const TestedCandidate& tested : diagnosis_.tested)
-    within_reach += std::any_of(tested.one_step.begin(), tested.one_step.end(), [&](const EffectEstimate& one) {
-      for (const EffectColumn& column : nominal_.model->linear().columns)
-        if (column.scalar == one.scalar)
-          return one.sigma > 0 && std::pow(column.prior_sigma / one.sigma, 2) > kDetectable;
-      return false;
-    });
+    within_reach +=
+        std::any_of(tested.one_step.begin(), tested.one_step.end(), [&](const EffectEstimate& one) {
+          for (const EffectColumn& column : nominal_.model->linear().columns)
+            if (column.scalar == one.scalar)
+              return one.sigma > 0 && std::pow(column.prior_sigma / one.sigma, 2) > kDetectable;
+          return false;
+        });
   if (static_cast<double>(within_reach) < kLeastShare * static_cast<double>(diagnosis_.tested.size())) {
     insufficient(print("Nothing shows, but of %zu things tried only %zu would have shown at a usual size.",
                        diagnosis_.tested.size(), within_reach));
@@ -364,7 +384,8 @@ void Course::judge() {
   diagnosis_.why = print(
       "Nothing material is missing: of %zu things tried the most telling, %s, would be seen by chance with "
       "probability %.2g.",
-      diagnosis_.tested.size(), diagnosis_.tested.empty() ? "none" : nameOf(diagnosis_.tested[0].candidate).c_str(),
+      diagnosis_.tested.size(),
+      diagnosis_.tested.empty() ? "none" : nameOf(diagnosis_.tested[0].candidate).c_str(),
       diagnosis_.alarm_p);
 }
 
@@ -384,6 +405,8 @@ std::string nameOf(Verdict verdict) {
   return "insufficient";
 }
 
-Diagnosis diagnose(const BatchInput& input, const DiagnosisOptions& options) { return Course(input, options).run(); }
+Diagnosis diagnose(const BatchInput& input, const DiagnosisOptions& options) {
+  return Course(input, options).run();
+}
 
 }  // namespace fathom

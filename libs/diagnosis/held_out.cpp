@@ -15,8 +15,8 @@
 namespace fathom {
 namespace {
 
-constexpr double kRidge = 1e-4;       // of a column's length, where a stretch by itself says nothing
-constexpr int kParts = 6;             // of a fold, that are drawn anew by the bootstrap
+constexpr double kRidge = 1e-4;  // of a column's length, where a stretch by itself says nothing
+constexpr int kParts = 6;        // of a fold, that are drawn anew by the bootstrap
 constexpr int kResamples = 1000;
 constexpr int kPlacebos = 40, kFloorDraws = 8;
 
@@ -182,9 +182,7 @@ class Placebo {
   /// `columns`: where the candidates' are among the parts'.
   void add(const Part& train, const Part& test, Eigen::Index column) {
     Fold fold;
-    const auto own = [&](const Part& part) {
-      return part.columns.middleCols(column, sigma_.size());
-    };
+    const auto own = [&](const Part& part) { return part.columns.middleCols(column, sigma_.size()); };
     fold.A_train = own(train).transpose() * own(train);
     fold.A_test = own(test).transpose() * own(test);
     fold.g_train = own(train).transpose() * train.noise.leftCols(kPlacebos);
@@ -248,6 +246,26 @@ Eigen::VectorXd priorSigmas(const Linearization& linear, const std::vector<Candi
   return Eigen::Map<Eigen::VectorXd>(sigmas.data(), std::ssize(sigmas));
 }
 
+/// What is left of a held-out stretch with all effects but one, whose columns come first.
+Eigen::VectorXd leftWithout(const Linearization& linear, const std::vector<Candidate>& effects,
+                            std::size_t one, const Part& train, const Part& test) {
+  std::vector<Eigen::Index> others;
+  std::vector<double> sigmas;
+  Eigen::Index column = 0;
+  for (std::size_t e = 0; e < effects.size(); ++e)
+    for (const std::size_t c : columnsOf(linear, effects[e].effect)) {
+      if (e != one) {
+        others.push_back(column);
+        sigmas.push_back(linear.columns[c].prior_sigma);
+      }
+      ++column;
+    }
+  if (others.empty()) return test.residual;
+  const Eigen::VectorXd value = fit(train.columns(Eigen::all, others), train.residual,
+                                    Eigen::Map<Eigen::VectorXd>(sigmas.data(), std::ssize(sigmas)));
+  return test.residual + test.columns(Eigen::all, others) * value;
+}
+
 }  // namespace
 
 HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>& effects,
@@ -287,6 +305,8 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
   for (Eigen::Index i = 0; i < simulated.size(); ++i) simulated.data()[i] = random.normal();
 
   const double span_s = (data.last_s - data.first_s) / options.folds;
+  HeldOutGain gain;
+  gain.by_effect.assign(effects.size(), 0);
   std::vector<Piece> pieces(static_cast<std::size_t>(options.folds * kParts));
   std::vector<std::array<double, 2>> stretches;
   Progress progress("holding out");
@@ -309,12 +329,16 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
       return Eigen::VectorXd(test.residual + test.columns.middleCols(column, count) * value);
     };
     const Eigen::VectorXd after = left(0, physics.cols(), priorSigmas(bare, effects));
-    const Eigen::VectorXd black_box =
-        left(physics.cols(), box.cols(), Eigen::Map<Eigen::VectorXd>(box_sigma.data(), std::ssize(box_sigma)));
+    for (std::size_t e = 0; e < effects.size(); ++e)
+      gain.by_effect[e] +=
+          0.5 * (leftWithout(bare, effects, e, train, test).squaredNorm() - after.squaredNorm());
+    const Eigen::VectorXd black_box = left(
+        physics.cols(), box.cols(), Eigen::Map<Eigen::VectorXd>(box_sigma.data(), std::ssize(box_sigma)));
     for (std::size_t i = 0; i < bare.rows.size(); ++i) {
       if (!in_test[i] || bare.rows[i].channel == BatchChannel::prior) continue;
       const auto row = static_cast<Eigen::Index>(i);
-      const int part = std::clamp(static_cast<int>((bare.rows[i].t_s - from_s) / span_s * kParts), 0, kParts - 1);
+      const int part =
+          std::clamp(static_cast<int>((bare.rows[i].t_s - from_s) / span_s * kParts), 0, kParts - 1);
       Piece& piece = pieces[static_cast<std::size_t>(fold * kParts + part)];
       Piece::Sums& sums = piece.channels[bare.rows[i].channel];
       const double b = test.residual[row] * test.residual[row], a = after[row] * after[row],
@@ -330,6 +354,7 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
   }
 
   HeldOutResult result;
+  result.gain = gain;
   const auto rms = [&](const std::vector<const Piece*>& of, BatchChannel channel, double Piece::Sums::*what) {
     double sum = 0, rows = 0;
     for (const Piece* piece : of)
@@ -346,13 +371,13 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
   std::vector<double> gains, over_box;
   for (int resample = 0; resample < kResamples && !every.empty(); ++resample) {
     std::vector<const Piece*> drawn;
-    double gain = 0, over = 0;
+    double physics_gain = 0, over = 0;
     for (std::size_t k = 0; k < every.size(); ++k) {
       drawn.push_back(every[static_cast<std::size_t>(random.uniform() * static_cast<double>(every.size()))]);
-      gain += drawn.back()->physics;
+      physics_gain += drawn.back()->physics;
       over += drawn.back()->physics - drawn.back()->black_box;
     }
-    gains.push_back(gain);
+    gains.push_back(physics_gain);
     over_box.push_back(over);
     for (const BatchChannel channel : channels)
       resampled[channel].push_back(rms(drawn, channel, &Piece::Sums::after));
@@ -362,9 +387,8 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
     held.channel = channel;
     held.metric = metricOf(channel);
     // What is left is in units of noise: back into the reading's.
-    const double unit =
-        noiseUnit(linear, channel) * unitOf(channel).scale *
-        noise.of(channel).scale / noise.of(channel).independentScale();
+    const double unit = noiseUnit(linear, channel) * unitOf(channel).scale * noise.of(channel).scale /
+                        noise.of(channel).independentScale();
     held.before = unit * rms(every, channel, &Piece::Sums::before);
     held.after = unit * rms(every, channel, &Piece::Sums::after);
     held.black_box = unit * rms(every, channel, &Piece::Sums::black_box);
@@ -373,10 +397,12 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
     for (double& limit : held.after_ci95) limit *= unit;
     for (int fold = 0; fold < options.folds; ++fold) {
       std::vector<const Piece*> own;
-      for (int part = 0; part < kParts; ++part) own.push_back(&pieces[static_cast<std::size_t>(fold * kParts + part)]);
-      held.blocks.push_back({stretches[static_cast<std::size_t>(fold)][0], stretches[static_cast<std::size_t>(fold)][1],
-                             unit * rms(own, channel, &Piece::Sums::before), unit * rms(own, channel, &Piece::Sums::after),
-                             unit * rms(own, channel, &Piece::Sums::black_box)});
+      for (int part = 0; part < kParts; ++part)
+        own.push_back(&pieces[static_cast<std::size_t>(fold * kParts + part)]);
+      held.blocks.push_back(
+          {stretches[static_cast<std::size_t>(fold)][0], stretches[static_cast<std::size_t>(fold)][1],
+           unit * rms(own, channel, &Piece::Sums::before), unit * rms(own, channel, &Piece::Sums::after),
+           unit * rms(own, channel, &Piece::Sums::black_box)});
     }
     result.channels.push_back(std::move(held));
   }

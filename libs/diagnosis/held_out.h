@@ -29,7 +29,8 @@ struct HeldOut {
 /// ln of the held-out predictive density over that of the model with nothing added, all channels.
 struct HeldOutGain {
   double physics = 0, black_box = 0;
-  std::array<double, 2> physics_ci95{};     ///< by block bootstrap
+  std::vector<double> by_effect;         ///< what each adds to all the others
+  std::array<double, 2> physics_ci95{};  ///< by block bootstrap
   std::array<double, 2> over_black_box_ci95{};
   double placebo = 0;  ///< 95th percentile of what the best of all effects gains where nothing is missing
 };

@@ -153,8 +153,7 @@ Score scoreOf(const Reduced& reduced, const std::vector<std::size_t>& columns) {
 }
 
 void describeBin(const Linearization& linear, const std::vector<std::size_t>& rows, MismatchBin& bin) {
-  const ReadingUnit unit =
-      rows.empty() ? ReadingUnit{} : unitOf(linear.rows[rows[0]].channel);
+  const ReadingUnit unit = rows.empty() ? ReadingUnit{} : unitOf(linear.rows[rows[0]].channel);
   double sum = 0, square = 0;
   for (const std::size_t i : rows) {
     sum += linear.rows[i].raw;
@@ -185,7 +184,8 @@ void finish(Plan& plan, const WhitenedModel& model, const Reduced& reduced) {
   map.log_p = score.dof > 0 ? chiSquareLogTail(score.dof, score.statistic) : 0;
   map.size_sigma = map.bins[worst].size_sigma;
   map.where = map.bins[worst].label;
-  map.size_raw = std::sqrt(std::max(0.0, score.statistic - score.dof) / static_cast<double>(std::max<std::size_t>(1, rows))) *
+  map.size_raw = std::sqrt(std::max(0.0, score.statistic - score.dof) /
+                           static_cast<double>(std::max<std::size_t>(1, rows))) *
                  noiseUnit(linear, map.channel);
   for (const std::size_t i : plan.rows[worst]) {
     if (map.when_s == Interval{}) map.when_s = {linear.rows[i].t_s, linear.rows[i].t_s};
@@ -236,7 +236,8 @@ std::vector<Mismatch> spectra(const WhitenedModel& model, std::uint64_t seed) {
     constexpr Eigen::Index kHalf = 4;
     double largest = 0, excess = 0, peak_hz = 0;
     for (Eigen::Index k = 0; k < mean.size(); ++k) {
-      const Eigen::Index low = std::max<Eigen::Index>(0, k - kHalf), high = std::min(mean.size(), k + kHalf + 1);
+      const Eigen::Index low = std::max<Eigen::Index>(0, k - kHalf),
+                         high = std::min(mean.size(), k + kHalf + 1);
       const double expected = mean.segment(low, high - low).mean();
       const double ratio = powers(k, 0) / std::max(expected, 1e-12);
       if (ratio > largest) {

@@ -129,7 +129,8 @@ double panelTolerance(const Saturated& saturated, const Linearization& linear) {
     std::nth_element(squares.begin(), squares.begin() + std::ssize(squares) / 2, squares.end());
     return squares[squares.size() / 2];
   };
-  // The median of n chi-squares of 3 stays below this 99 times in 100: its quantile scatters by 1/(2 sqrt(n)).
+  // The median of n chi-squares of 3 stays below this 99 times in 100: its quantile scatters by 1/(2
+  // sqrt(n)).
   const double quantile = 0.5 + 2.33 * 0.5 / std::sqrt(static_cast<double>(offsets.size()));
   if (quantile >= 1 || median(0) <= chiSquareQuantile(3, quantile)) return 0;
   double low = 0, high = kLargestTolerance_m;

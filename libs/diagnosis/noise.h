@@ -30,8 +30,8 @@ struct NoiseModel {
 };
 
 /// The noise that an estimate's residuals show once every effect of the catalogue may explain its share: what
-/// is left out of the model is not taken for noise. Scale and correlation are those with which simulated noise
-/// leaves the residuals seen, so what the estimate follows is accounted for. `linear`: weighted (see
+/// is left out of the model is not taken for noise. Scale and correlation are those with which simulated
+/// noise leaves the residuals seen, so what the estimate follows is accounted for. `linear`: weighted (see
 /// applyRobustWeights()), at an estimate with the noise `assumed`.
 NoiseModel shownNoise(const Linearization& linear, const NoiseModel& assumed, std::uint64_t seed);
 
@@ -41,7 +41,8 @@ std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, 
 /// Ids of all markers seen.
 std::set<int> markersOf(const Linearization& linear);
 
-/// Every effect not yet estimated that a fit can differentiate by, for good; those with a marker's id once for each id.
+/// Every effect not yet estimated that a fit can differentiate by, for good; those with a marker's id once
+/// for each id.
 std::vector<Candidate> lastingCandidates(const Linearization& linear);
 
 }  // namespace fathom

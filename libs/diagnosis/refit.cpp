@@ -60,8 +60,8 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
   fit.estimate = reestimate(data, from, fit.options);
   if (!fit.estimate.succeeded) return fit;
   try {
-    fit.model = std::make_shared<WhitenedModel>(
-        linearize(data, *problemAt(data, fit.estimate, fit.options)), noise, data);
+    fit.model = std::make_shared<WhitenedModel>(linearize(data, *problemAt(data, fit.estimate, fit.options)),
+                                                noise, data);
   } catch (const std::runtime_error& e) {
     fit.estimate.failure = e.what();
     return fit;

@@ -15,7 +15,8 @@ namespace fathom {
 namespace {
 
 constexpr double kLeastKept = 1e-4;  // of a direction's length: less is rounding
-constexpr int kDraws = 300;
+constexpr double kForAPart = 2.0;    // ln of the odds for an effect that lasts
+constexpr int kDraws = 200;
 constexpr std::size_t kKeptSets = 60;  // of a size, to which another effect is added
 
 bool has(const EffectInfo& effect, ParameterKind kind) {
@@ -50,9 +51,10 @@ Information::Information(const Eigen::MatrixXd& A, const Eigen::VectorXd& norms)
   }
 }
 
-Screening::Screening(const WhitenedModel& model, int segments) {
+Screening::Screening(const WhitenedModel& model, int segments) : model_(model) {
   layOut(model.linear(), segments);
-  reduced_ = model.reduce(columns(model.linear()));
+  columns_ = model.whitened(columns(model.linear()));
+  reduced_ = model.nuisances().reduce(columns_, model.residual());
   for (std::size_t family = 0; family < families_.size(); ++family) {
     const std::vector<Run> all = runsOf(family);
     std::optional<std::size_t> best;
@@ -70,7 +72,7 @@ Screening::Screening(const WhitenedModel& model, int segments) {
     if (!best) continue;
     tested_.push_back(tested[*best]);
     runs_.push_back(all[*best]);
-    log_prior_.push_back(-std::log(static_cast<double>(all.size())));
+    log_prior_.push_back(-kForAPart - std::log(static_cast<double>(all.size())));
   }
   // One of the markers is one of many, too.
   std::map<std::size_t, double> markers;
@@ -123,8 +125,8 @@ Eigen::SparseMatrix<double> Screening::columns(const Linearization& linear) cons
     const std::vector<std::size_t> own = columnsOf(linear, family.candidate.effect);
     for (std::size_t i = 0; i < linear.rows.size(); ++i) {
       if (!actsOn(family.candidate, linear.rows[i])) continue;
-      const int segment = std::clamp(static_cast<int>((linear.rows[i].t_s - first_s_) / segment_s_), 0,
-                                     family.segments - 1);
+      const int segment =
+          std::clamp(static_cast<int>((linear.rows[i].t_s - first_s_) / segment_s_), 0, family.segments - 1);
       for (Eigen::Index k = 0; k < family.size; ++k) {
         const double value = linear.C(static_cast<Eigen::Index>(i),
                                       static_cast<Eigen::Index>(own[static_cast<std::size_t>(k)]));
@@ -188,14 +190,23 @@ Eigen::VectorXd Screening::priorOf(const Run& run) const {
   return sigma;
 }
 
+Eigen::VectorXd Screening::normsOf(const Run& run) const {
+  const Family& family = families_[run.family];
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(family.size);
+  for (int i = run.from; i < run.to; ++i)
+    squares += reduced_.norms.segment(family.first + i * family.size, family.size).array().square().matrix();
+  return squares.cwiseSqrt();
+}
+
+Information Screening::informationOf(const Run& run) const {
+  return Information(gramOf(run, run), normsOf(run));
+}
+
 TestedCandidate Screening::test(const Run& run) const {
   const Family& family = families_[run.family];
   const Eigen::MatrixXd A = gramOf(run, run);
   const Eigen::VectorXd g = scoreOf(run, reduced_.score);
-  Eigen::VectorXd squares = Eigen::VectorXd::Zero(family.size);
-  for (int i = run.from; i < run.to; ++i)
-    squares += reduced_.norms.segment(family.first + i * family.size, family.size).array().square().matrix();
-  const Information information(A, squares.cwiseSqrt());
+  const Information information = informationOf(run);
   TestedCandidate tested;
   tested.candidate = candidateOf(run);
   tested.dof = information.rank;
@@ -203,7 +214,7 @@ TestedCandidate Screening::test(const Run& run) const {
   tested.statistic = g.dot(information.inverse * g);
   tested.log_p = chiSquareLogTail(tested.dof, tested.statistic);
   tested.log_evidence = logBayesFactor(A, g, priorOf(run));
-  tested.kept = std::sqrt(std::max(0.0, A.trace()) / squares.sum());
+  tested.kept = std::sqrt(std::max(0.0, A.trace()) / normsOf(run).squaredNorm());
   const Eigen::VectorXd value = information.inverse * g;
   for (Eigen::Index k = 0; k < family.size; ++k)
     // The residual is reading - prediction to first order in -C: what lowers it is -value.
@@ -276,42 +287,27 @@ double Screening::alignment(std::size_t a, std::size_t b) const {
 }
 
 double Screening::alarm(double log_p, std::uint64_t seed) const {
-  // Scores where nothing is missing are normal with the gram as covariance.
-  Eigen::MatrixXd covariance = reduced_.gram;
-  const double jitter = 1e-9 * std::max(1e-300, covariance.diagonal().maxCoeff());
-  covariance.diagonal() += 1e-8 * reduced_.norms.array().square().matrix();
-  covariance.diagonal().array() += jitter * 1e-9;
-  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
   struct Test {
     Run run;
-    Eigen::MatrixXd inverse;
-    int dof;
+    Information information;
   };
   std::vector<Test> tests;
   for (std::size_t family = 0; family < families_.size(); ++family)
-    for (const Run& run : runsOf(family)) {
-      Eigen::VectorXd squares = Eigen::VectorXd::Zero(families_[family].size);
-      for (int i = run.from; i < run.to; ++i)
-        squares += reduced_.norms
-                       .segment(families_[family].first + i * families_[family].size, families_[family].size)
-                       .array()
-                       .square()
-                       .matrix();
-      const Information information(gramOf(run, run), squares.cwiseSqrt());
-      if (information.rank > 0) tests.push_back({run, information.inverse, information.rank});
-    }
+    for (const Run& run : runsOf(family))
+      if (Information information = informationOf(run); information.rank > 0)
+        tests.push_back({run, std::move(information)});
   if (tests.empty()) return 1;
   Random random(seed);
+  Eigen::MatrixXd noise(columns_.rows(), kDraws);
+  for (Eigen::Index i = 0; i < noise.size(); ++i) noise.data()[i] = random.normal();
+  const Eigen::MatrixXd scores = columns_.transpose() * model_.nuisances().project(noise);
   std::vector<double> best;
   for (int draw = 0; draw < kDraws; ++draw) {
-    Eigen::VectorXd z(covariance.rows());
-    for (double& value : z) value = random.normal();
-    const Eigen::VectorXd score = factor.matrixL() * z;
     std::map<int, double> largest;  // by degrees of freedom
     for (const Test& test : tests) {
-      const Eigen::VectorXd g = scoreOf(test.run, score);
-      double& of_dof = largest[test.dof];
-      of_dof = std::max(of_dof, g.dot(test.inverse * g));
+      const Eigen::VectorXd g = scoreOf(test.run, scores.col(draw));
+      double& of_dof = largest[test.information.rank];
+      of_dof = std::max(of_dof, g.dot(test.information.inverse * g));
     }
     double least = 0;
     for (const auto& [dof, statistic] : largest) least = std::min(least, chiSquareLogTail(dof, statistic));

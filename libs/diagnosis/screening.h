@@ -11,6 +11,14 @@
 /// in any case projected off.
 namespace fathom {
 
+/// A symmetric matrix's inverse on the directions that can be told from zero: with score g, g^T Q g is a
+/// chi-square of `rank`. `norms`: what the columns were before the nuisances took their share.
+struct Information {
+  Information(const Eigen::MatrixXd& A, const Eigen::VectorXd& norms);
+  Eigen::MatrixXd inverse;
+  int rank = 0;
+};
+
 /// An effect tested at the model without it, to first order.
 struct TestedCandidate {
   Candidate candidate;
@@ -30,7 +38,8 @@ struct TestedSet {
 
 class Screening {
  public:
-  /// Onsets, ends and steps are tried where the recording is cut into so many equal segments.
+  /// Onsets, ends and steps are tried where the recording is cut into so many equal segments. The model is
+  /// referred to and must outlive it.
   Screening(const WhitenedModel& model, int segments);
 
   /// Each effect (and marker) for good, then with its best interval or time.
@@ -60,6 +69,8 @@ class Screening {
 
   void layOut(const Linearization& linear, int segments);
   Eigen::SparseMatrix<double> columns(const Linearization& linear) const;
+  Eigen::VectorXd normsOf(const Run& run) const;
+  Information informationOf(const Run& run) const;
   std::vector<Run> runsOf(std::size_t family) const;
   Candidate candidateOf(const Run& run) const;
   Eigen::MatrixXd gramOf(const Run& a, const Run& b) const;
@@ -68,6 +79,8 @@ class Screening {
   TestedCandidate test(const Run& run) const;
   double logEvidence(const std::vector<std::size_t>& members) const;
 
+  const WhitenedModel& model_;
+  Eigen::SparseMatrix<double> columns_;  // of all families, whitened
   double first_s_ = 0, segment_s_ = 0;
   std::vector<Family> families_;
   std::vector<double> prior_sigma_;  // of EffectParameters::values
@@ -75,14 +88,6 @@ class Screening {
   std::vector<TestedCandidate> tested_;
   std::vector<Run> runs_;          // of the tested ones
   std::vector<double> log_prior_;  // of the tested ones: an interval is one of many
-};
-
-/// A symmetric matrix's inverse on the directions that can be told from zero: with score g, g^T Q g is a
-/// chi-square of `rank`. `norms`: what the columns were before the nuisances took their share.
-struct Information {
-  Information(const Eigen::MatrixXd& A, const Eigen::VectorXd& norms);
-  Eigen::MatrixXd inverse;
-  int rank = 0;
 };
 
 /// ln of the Bayes factor of parameters with a normal prior against zero: information A, score g.

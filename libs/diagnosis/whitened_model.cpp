@@ -100,7 +100,8 @@ double WhitenedModel::cost() const {
   const Eigen::VectorXd left = nuisances_.project(residual_);
   double cost = 0;
   for (Eigen::Index i = 0; i < left.size(); ++i) {
-    // Huber's loss of a reading whose weight on its square s is w = a / sqrt(s): 2 a sqrt(s) - a^2 = w s (2 - w).
+    // Huber's loss of a reading whose weight on its square s is w = a / sqrt(s): 2 a sqrt(s) - a^2 = w s (2 -
+    // w).
     const bool is_row = i < std::ssize(linear_.rows);
     const double w = is_row ? linear_.rows[static_cast<std::size_t>(i)].robust_weight : 1;
     cost += 0.5 * (2 - w) * left[i] * left[i];
