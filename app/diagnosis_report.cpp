@@ -131,10 +131,20 @@ void addEffects(const DiagnosisStory& story, HtmlReport& report) {
       "± is one sigma. Sqrt lambda: an effect's size in units of what this recording could resolve at best.");
 }
 
+/// The most improbable first.
+std::vector<InteractionTest> worstOf(std::vector<InteractionTest> tests, std::size_t count) {
+  std::stable_sort(tests.begin(), tests.end(), [](const InteractionTest& a, const InteractionTest& b) {
+    return a.statistic > b.statistic;
+  });
+  tests.resize(std::min(count, tests.size()));
+  return tests;
+}
+
 void addInteractions(const DiagnosisStory& story, HtmlReport& report) {
+  constexpr std::size_t kMost = 4;
   Table table{{"effect", "against", "chi-square of 1", "p", "change [%]", "passed"}, {}};
   for (const FoundEffect& effect : modelledEffects(story.diagnosis))
-    for (const InteractionTest& test : effect.interactions)
+    for (const InteractionTest& test : worstOf(effect.interactions, kMost))
       table.rows.push_back({nameOf(effect.candidate), test.against, fixed(test.statistic, 1),
                             probabilityText(test.log_p), fixed(100 * test.relative_change, 1),
                             test.failed ? "no" : "yes"});
@@ -142,7 +152,9 @@ void addInteractions(const DiagnosisStory& story, HtmlReport& report) {
   report.subheading("Is it the same everywhere?");
   report.paragraph(
       "An effect that is really there has the same parameters all over the recording; a stand-in for another "
-      "one has not. Change: of its size over one standard deviation of the covariate.");
+      "one has not. Each effect's most telling tests; the others are in result.json. Change: of its size "
+      "over "
+      "one standard deviation of the covariate.");
   report.table(table);
 }
 
