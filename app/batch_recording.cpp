@@ -16,14 +16,17 @@ namespace fathom {
 namespace fs = std::filesystem;
 namespace {
 
+/// Remarks: also what of the recording is lost, now that it was read to its end.
 Detections findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& panels,
                        std::vector<std::string>& remarks) {
-  if (panels.empty()) return {};
   RecordingSource source(rawlog);
+  const std::vector<CameraImage> images = imagesOf(imageEntries(source));
+  if (source.loss()) remarks.push_back("The recording is damaged: " + describe(*source.loss()));
+  if (panels.empty()) return {};
   DetectionSettings settings;
   settings.families = familiesOf(panels);
   settings.backend = Backend::apriltag;
-  Detections detections = detectImages(imagesOf(imageEntries(source)), settings, keepBeside(rawlog));
+  Detections detections = detectImages(images, settings, keepBeside(rawlog));
   if (!detections.not_kept_why.empty())
     remarks.push_back("detections are not kept: " + detections.not_kept_why);
   for (const UnreadableImage& image : detections.unreadable)
