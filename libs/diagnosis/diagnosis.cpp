@@ -15,11 +15,12 @@ namespace fathom {
 namespace {
 
 constexpr int kNoisePasses = 2;
-constexpr double kLogOdds = 5.0;        // ln of the odds against one more effect, before looking
+constexpr double kLogOdds = 8.0;        // ln of the odds against an effect besides another, before looking
 constexpr double kSameEvidence = 2.7;   // half of the 5.4 by which the right one loses once in a hundred
 constexpr double kContenderMargin = 8;  // ln evidence to first order, plus a share of the best's:
 constexpr double kContenderShare = 0.1;
 constexpr std::size_t kContenders = 5, kRivals = 4;
+constexpr double kConfirmed = 0.3;  // of the likelihood it gains, on stretches that it was not fitted to
 constexpr double kUnexplained_p = 0.01;
 constexpr double kDetectable = 18;   // information times prior variance: 5 % over the catalogue, power 90 %
 constexpr double kLeastShare = 0.2;  // of the catalogue to be within reach, for "none" to mean something
@@ -52,16 +53,19 @@ class Course {
   bool insufficient(const std::string& why);
   /// Each set of effects is fitted once.
   Refit fit(const Refit& from, const std::vector<Candidate>& effects);
-  /// Worth of a fit against the nominal one, with the odds against so many effects.
+  /// Worth of a fit against the nominal one, with the odds against so many effects. (The first is believed by
+  /// the alarm: it knows the chance of a false one.)
   double worth(const Refit& fit) const {
-    return fit.succeeded ? logEvidence(fit, nominal_) - kLogOdds * static_cast<double>(fit.effects.size())
-                         : -1e300;
+    return fit.succeeded ? logEvidence(fit, nominal_) - oddsAgainst(fit.effects.size()) : -1e300;
   }
+  static double oddsAgainst(std::size_t effects) { return kLogOdds * (static_cast<double>(effects) - 1); }
   double segment_s() const { return (data_.last_s - data_.first_s) / options_.segments; }
   std::optional<Refit> bestOf(const Refit& from, const Screening& screening, std::size_t size);
   Refit settled(Refit fit);
   Refit without(const Refit& fit, std::size_t effect);
   Refit onlyNeeded(Refit fit);
+  bool leaveOutUnconfirmed(const Refit& fit);
+  HeldOutResult heldOut(const Refit& fit) const;
   void addAlternatives(std::size_t effect);
   FoundEffect describe(std::size_t effect);
   std::string sentence(const FoundEffect& found) const;
@@ -71,6 +75,8 @@ class Course {
   DiagnosisOptions options_;
   BatchOptions base_;
   Refit nominal_, final_;
+  std::set<std::size_t>
+      lasting_only_;  // effects of which a part of the recording was tried, and not confirmed
   std::map<std::string, Refit> fitted_;  // by the effects' names
   Diagnosis diagnosis_;
 };
@@ -148,7 +154,7 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
   std::optional<Refit> best;
   std::size_t tried = 0;
   const auto adjusted = [](const TestedSet& set) {
-    return set.log_evidence - kLogOdds * static_cast<double>(set.members.size());
+    return set.log_evidence - oddsAgainst(set.members.size());
   };
   double largest = -1e300;
   for (const TestedSet& set : sets) largest = std::max(largest, adjusted(set));
@@ -188,9 +194,9 @@ Refit Course::onlyNeeded(Refit fit) {
 
 void Course::attribute() {
   Progress progress("trying effects");
-  for (std::size_t round = 0; round < options_.max_effects; ++round) {
-    progress.update(static_cast<double>(round) / static_cast<double>(options_.max_effects));
-    const Screening screening(*final_.model, options_.segments);
+  for (int round = 0; final_.effects.size() < options_.max_effects; ++round) {
+    progress.update(static_cast<double>(final_.effects.size()) / static_cast<double>(options_.max_effects));
+    const Screening screening(*final_.model, options_.segments, lasting_only_);
     double log_p = 0;
     for (const TestedCandidate& tested : screening.candidates()) log_p = std::min(log_p, tested.log_p);
     const double alarm = screening.alarm(log_p, options_.seed);
@@ -206,19 +212,41 @@ void Course::attribute() {
     std::optional<Refit> best = bestOf(final_, screening, left);
     if (!best) break;
     Refit better = onlyNeeded(settled(std::move(*best)));
-    // The first is believed by the alarm alone: it knows the chance of a false one.
-    if (round > 0 && worth(better) <= worth(final_)) break;
+    if (!final_.effects.empty() && worth(better) <= worth(final_)) break;
+    if (leaveOutUnconfirmed(better)) continue;
     final_ = std::move(better);
-    if (final_.effects.size() >= options_.max_effects) break;
   }
   for (std::size_t i = 0; i < final_.effects.size(); ++i) addAlternatives(i);
+}
+
+/// An effect for a part of the recording can be made to fit any few images that are a little off: it must
+/// show on stretches that it was not fitted to. One that does not is not tried again.
+bool Course::leaveOutUnconfirmed(const Refit& fit) {
+  const auto isPart = [](const Candidate& effect) { return !effect.isForGood() || effect.time_s; };
+  if (std::none_of(fit.effects.begin(), fit.effects.end(), isPart)) return false;
+  const HeldOutResult held = heldOut(fit);
+  bool any = false;
+  for (std::size_t i = 0; i < fit.effects.size(); ++i) {
+    const Refit rest = without(fit, i);
+    const double gain = rest.succeeded ? rest.cost - fit.cost : 0;
+    if (!isPart(fit.effects[i]) || held.gain.by_effect[i] > kConfirmed * gain) continue;
+    any = lasting_only_.insert(fit.effects[i].effect).second || any;
+  }
+  return any;
+}
+
+HeldOutResult Course::heldOut(const Refit& fit) const {
+  HeldOutOptions options = options_.heldout;
+  options.seed = options_.seed;
+  return holdOut(linearize(data_, *problemAt(data_, fit.estimate, fit.options)), fit.effects,
+                 fit.estimate.state.effects, diagnosis_.noise, data_, options);
 }
 
 /// Other effects in this one's place that are as good.
 void Course::addAlternatives(std::size_t effect) {
   const Refit rest = without(final_, effect);
   if (!rest.succeeded) return;
-  const Screening screening(*rest.model, options_.segments);
+  const Screening screening(*rest.model, options_.segments, lasting_only_);
   const auto& candidates = screening.candidates();
   const auto isOwn = [&](std::size_t m) {
     return candidates[m].candidate.effect == final_.effects[effect].effect;
@@ -282,11 +310,7 @@ void Course::verify() {
       final_.effects.empty() ? diagnosis_.mismatch : mismatchMaps(*final_.model, options_.seed);
   if (final_.effects.empty()) return;
   for (std::size_t i = 0; i < final_.effects.size(); ++i) diagnosis_.effects.push_back(describe(i));
-  HeldOutOptions options = options_.heldout;
-  options.seed = options_.seed;
-  diagnosis_.heldout =
-      holdOut(linearize(data_, *problemAt(data_, final_.estimate, final_.options)), final_.effects,
-              final_.estimate.state.effects, diagnosis_.noise, data_, options);
+  diagnosis_.heldout = heldOut(final_);
   for (std::size_t i = 0; i < diagnosis_.effects.size(); ++i)
     diagnosis_.effects[i].heldout_log_likelihood_gain = diagnosis_.heldout.gain.by_effect[i];
 }

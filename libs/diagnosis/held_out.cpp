@@ -16,7 +16,8 @@ namespace fathom {
 namespace {
 
 constexpr double kRidge = 1e-4;  // of a column's length, where a stretch by itself says nothing
-constexpr int kParts = 6;        // of a fold, that are drawn anew by the bootstrap
+constexpr int kStretches = 3;    // of a fold, between those of others: an effect for a part is in most
+constexpr int kParts = 2;        // of a stretch, that are drawn anew by the bootstrap
 constexpr int kResamples = 1000;
 constexpr int kPlacebos = 40, kFloorDraws = 8;
 
@@ -304,21 +305,21 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
   Eigen::MatrixXd simulated(model.residual().size(), kPlacebos);
   for (Eigen::Index i = 0; i < simulated.size(); ++i) simulated.data()[i] = random.normal();
 
-  const double span_s = (data.last_s - data.first_s) / options.folds;
+  const int stretch_count = options.folds * kStretches;
+  const double span_s = (data.last_s - data.first_s) / stretch_count;
+  const auto stretchOf = [&](double t_s) {
+    return std::clamp(static_cast<int>((t_s - data.first_s) / span_s), 0, stretch_count - 1);
+  };
   HeldOutGain gain;
   gain.by_effect.assign(effects.size(), 0);
-  std::vector<Piece> pieces(static_cast<std::size_t>(options.folds * kParts));
-  std::vector<std::array<double, 2>> stretches;
+  std::vector<Piece> pieces(static_cast<std::size_t>(stretch_count * kParts));
   Progress progress("holding out");
   for (int fold = 0; fold < options.folds; ++fold) {
     progress.update(static_cast<double>(fold) / options.folds);
-    const double from_s = data.first_s + fold * span_s;
-    const double to_s = fold + 1 == options.folds ? data.last_s + 1 : from_s + span_s;
-    stretches.push_back({from_s, std::min(to_s, data.last_s)});
     std::vector<bool> in_train(static_cast<std::size_t>(model.residual().size()), true), in_test = in_train;
     for (std::size_t i = 0; i < bare.rows.size(); ++i) {
       if (bare.rows[i].channel == BatchChannel::prior) continue;
-      in_test[i] = from_s <= bare.rows[i].t_s && bare.rows[i].t_s < to_s;
+      in_test[i] = stretchOf(bare.rows[i].t_s) % options.folds == fold;
       in_train[i] = !in_test[i];
     }
     const Part train = partOf(model, in_train, columns, simulated);
@@ -337,9 +338,9 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
     for (std::size_t i = 0; i < bare.rows.size(); ++i) {
       if (!in_test[i] || bare.rows[i].channel == BatchChannel::prior) continue;
       const auto row = static_cast<Eigen::Index>(i);
-      const int part =
-          std::clamp(static_cast<int>((bare.rows[i].t_s - from_s) / span_s * kParts), 0, kParts - 1);
-      Piece& piece = pieces[static_cast<std::size_t>(fold * kParts + part)];
+      const double place = (bare.rows[i].t_s - data.first_s) / span_s * kParts;
+      Piece& piece = pieces[static_cast<std::size_t>(
+          std::clamp(static_cast<int>(place), 0, stretch_count * kParts - 1))];
       Piece::Sums& sums = piece.channels[bare.rows[i].channel];
       const double b = test.residual[row] * test.residual[row], a = after[row] * after[row],
                    x = black_box[row] * black_box[row];
@@ -395,14 +396,14 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
     held.noise_floor = unit * rms(every, channel, &Piece::Sums::floor);
     held.after_ci95 = central95(resampled[channel]);
     for (double& limit : held.after_ci95) limit *= unit;
-    for (int fold = 0; fold < options.folds; ++fold) {
+    for (int stretch = 0; stretch < stretch_count; ++stretch) {
       std::vector<const Piece*> own;
       for (int part = 0; part < kParts; ++part)
-        own.push_back(&pieces[static_cast<std::size_t>(fold * kParts + part)]);
-      held.blocks.push_back(
-          {stretches[static_cast<std::size_t>(fold)][0], stretches[static_cast<std::size_t>(fold)][1],
-           unit * rms(own, channel, &Piece::Sums::before), unit * rms(own, channel, &Piece::Sums::after),
-           unit * rms(own, channel, &Piece::Sums::black_box)});
+        own.push_back(&pieces[static_cast<std::size_t>(stretch * kParts + part)]);
+      const double from_s = data.first_s + stretch * span_s;
+      held.blocks.push_back({from_s, from_s + span_s, unit * rms(own, channel, &Piece::Sums::before),
+                             unit * rms(own, channel, &Piece::Sums::after),
+                             unit * rms(own, channel, &Piece::Sums::black_box)});
     }
     result.channels.push_back(std::move(held));
   }

@@ -45,8 +45,8 @@ struct HeldOutOptions {
   std::uint64_t seed = 1;
 };
 
-/// `linear`: at the final estimate, not weighted; `values`: the effects' there. Each fold's stretch is one
-/// part in time; effects are trained on all others.
+/// `linear`: at the final estimate, not weighted; `values`: the effects' there. A fold is every so-manyth
+/// stretch of the recording; effects are trained on all others.
 HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>& effects,
                       const EffectParameters<double>& values, const NoiseModel& noise, const BatchData& data,
                       const HeldOutOptions& options);

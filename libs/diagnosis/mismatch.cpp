@@ -277,7 +277,7 @@ double materialSize(BatchChannel channel) {
     case BatchChannel::usbl:
       return 0.1;
     case BatchChannel::markers:
-      return 0.05;
+      return 0.03;
     case BatchChannel::prior:
       break;
   }

@@ -16,6 +16,7 @@ constexpr int kRounds = 5;               // of matching the correlation
 constexpr std::size_t kFewestRows = 30;  // fewer show no noise of their own
 constexpr double kClearSigmas = 4;       // from which on a correlation is more than chance
 constexpr double kLargestCorrelation = 0.95;
+constexpr std::size_t kFewestMarkers = 4;
 constexpr double kLargestTolerance_m = 1.0;
 
 bool hasDiscrete(const EffectInfo& effect, ParameterKind kind) {
@@ -104,39 +105,37 @@ Eigen::MatrixXd correlated(Eigen::MatrixXd noise, const std::array<ChannelRows, 
   return noise;
 }
 
-/// What an axis of the markers' offsets scatters by beyond their own uncertainty: by the median, so that one
-/// marker that has been moved does not count.
+/// What an axis of the markers' places scatters by beyond their own uncertainty. The one marker that is most
+/// off does not count: it may have been moved.
 double panelTolerance(const Saturated& saturated, const Linearization& linear) {
-  const Eigen::VectorXd x = saturated.nuisances.step(saturated.residual);
-  std::vector<Vector3d> offsets;
-  std::vector<Matrix3d> covariances;
+  std::vector<Eigen::Index> offsets;
   Eigen::Index column = linear.J.cols();
   for (const Candidate& candidate : saturated.candidates) {
-    const auto size = std::ssize(columnsOf(linear, candidate.effect));
-    if (candidate.effect == kEffectIndex<MarkerMoved>) {
-      offsets.push_back(x.segment<3>(column));
-      covariances.emplace_back(saturated.nuisances.covariance(column, 3));
-    }
-    column += size;
+    if (candidate.effect == kEffectIndex<MarkerMoved>)
+      for (Eigen::Index axis = 0; axis < 3; ++axis) offsets.push_back(column + axis);
+    column += std::ssize(columnsOf(linear, candidate.effect));
   }
-  if (offsets.size() < 4) return 0;
-  const auto median = [&](double sigma_m) {
-    std::vector<double> squares;
-    for (std::size_t i = 0; i < offsets.size(); ++i) {
-      const Matrix3d S = covariances[i] + sigma_m * sigma_m * Matrix3d::Identity();
-      squares.push_back(offsets[i].dot(S.ldlt().solve(offsets[i])));
-    }
-    std::nth_element(squares.begin(), squares.begin() + std::ssize(squares) / 2, squares.end());
-    return squares[squares.size() / 2];
+  if (offsets.size() < 3 * kFewestMarkers) return 0;
+  const Eigen::VectorXd x = saturated.nuisances.step(saturated.residual)(offsets);
+  const Eigen::MatrixXd covariance = saturated.nuisances.covariance(offsets);
+  const auto statistic = [&](double sigma_m, std::optional<Eigen::Index> but) {
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index i = 0; i < x.size(); ++i)
+      if (!but || i / 3 != *but) kept.push_back(i);
+    Eigen::MatrixXd S = covariance(kept, kept);
+    S.diagonal().array() += sigma_m * sigma_m;
+    const Eigen::VectorXd own = x(kept);
+    return own.dot(S.ldlt().solve(own));
   };
-  // The median of n chi-squares of 3 stays below this 99 times in 100: its quantile scatters by 1/(2
-  // sqrt(n)).
-  const double quantile = 0.5 + 2.33 * 0.5 / std::sqrt(static_cast<double>(offsets.size()));
-  if (quantile >= 1 || median(0) <= chiSquareQuantile(3, quantile)) return 0;
+  Eigen::Index most = 0;
+  for (Eigen::Index marker = 1; marker < x.size() / 3; ++marker)
+    if (statistic(0, marker) < statistic(0, most)) most = marker;
+  const auto dof = static_cast<double>(x.size() - 3);
+  if (statistic(0, most) <= chiSquareQuantile(dof, 0.999)) return 0;
   double low = 0, high = kLargestTolerance_m;
   for (int halving = 0; halving < 40; ++halving) {
     const double middle = 0.5 * (low + high);
-    (median(middle) > chiSquareQuantile(3, 0.5) ? low : high) = middle;
+    (statistic(middle, most) > dof ? low : high) = middle;
   }
   return high;
 }

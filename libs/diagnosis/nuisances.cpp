@@ -59,10 +59,10 @@ Eigen::MatrixXd Nuisances::project(const Eigen::MatrixXd& R) const {
   return R - J_ * factors_.solve(along);
 }
 
-Eigen::MatrixXd Nuisances::covariance(Eigen::Index first, Eigen::Index count) const {
-  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(J_.cols(), count);
-  unit.middleRows(first, count).setIdentity();
-  return factors_.solve(unit).middleRows(first, count);
+Eigen::MatrixXd Nuisances::covariance(const std::vector<Eigen::Index>& unknowns) const {
+  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(J_.cols(), std::ssize(unknowns));
+  for (std::size_t k = 0; k < unknowns.size(); ++k) unit(unknowns[k], static_cast<Eigen::Index>(k)) = 1;
+  return factors_.solve(unit)(unknowns, Eigen::all);
 }
 
 Eigen::VectorXd Nuisances::step(const Eigen::VectorXd& r) const {

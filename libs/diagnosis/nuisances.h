@@ -2,6 +2,7 @@
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
+#include <vector>
 
 namespace fathom {
 
@@ -22,8 +23,8 @@ class Nuisances {
   Reduced reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r) const;
   /// P R.
   Eigen::MatrixXd project(const Eigen::MatrixXd& R) const;
-  /// Covariance of `count` unknowns from the `first` on.
-  Eigen::MatrixXd covariance(Eigen::Index first, Eigen::Index count) const;
+  /// Covariance of these unknowns.
+  Eigen::MatrixXd covariance(const std::vector<Eigen::Index>& unknowns) const;
   /// The unknowns' least-squares step: -(J^T J)^-1 J^T r.
   Eigen::VectorXd step(const Eigen::VectorXd& r) const;
 

@@ -33,7 +33,7 @@ void finish(Refit& fit) {
   }
   fit.cost = fit.model->cost();
   if (columns.empty()) return;
-  fit.covariance = fit.model->nuisances().covariance(columns.front(), std::ssize(columns));
+  fit.covariance = fit.model->nuisances().covariance(columns);
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     fit.estimates[i].sigma = std::sqrt(fit.covariance(k, k));

@@ -51,8 +51,9 @@ Information::Information(const Eigen::MatrixXd& A, const Eigen::VectorXd& norms)
   }
 }
 
-Screening::Screening(const WhitenedModel& model, int segments) : model_(model) {
-  layOut(model.linear(), segments);
+Screening::Screening(const WhitenedModel& model, int segments, const std::set<std::size_t>& lasting_only)
+    : model_(model) {
+  layOut(model.linear(), segments, lasting_only);
   columns_ = model.whitened(columns(model.linear()));
   reduced_ = model.nuisances().reduce(columns_, model.residual());
   for (std::size_t family = 0; family < families_.size(); ++family) {
@@ -84,7 +85,7 @@ Screening::Screening(const WhitenedModel& model, int segments) : model_(model) {
   }
 }
 
-void Screening::layOut(const Linearization& linear, int segments) {
+void Screening::layOut(const Linearization& linear, int segments, const std::set<std::size_t>& lasting_only) {
   double last_s = 0;
   first_s_ = 1e300;
   for (const RowInfo& row : linear.rows)
@@ -97,7 +98,8 @@ void Screening::layOut(const Linearization& linear, int segments) {
   for (const EffectColumn& c : linear.columns) prior_sigma_[c.scalar] = c.prior_sigma;
   Eigen::Index column = 0;
   for (const EffectInfo& effect : allEffects()) {
-    if (isEstimated(linear, effect.index)) continue;
+    const bool lasts = lasting_only.contains(effect.index);
+    if (isEstimated(linear, effect.index) || (lasts && has(effect, ParameterKind::time))) continue;
     Family family;
     family.candidate.effect = effect.index;
     family.is_step = has(effect, ParameterKind::time);
@@ -111,7 +113,7 @@ void Screening::layOut(const Linearization& linear, int segments) {
       column += family.size * count;
       families_.push_back(family);
     };
-    if (!has(effect, ParameterKind::marker_id)) add({}, segments);
+    if (!has(effect, ParameterKind::marker_id)) add({}, lasts ? 1 : segments);
     if (has(effect, ParameterKind::marker_id))
       for (const int id : markersOf(linear)) add(id, 1);
   }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <set>
 #include <vector>
 
 #include "diagnosis/whitened_model.h"
@@ -40,7 +40,8 @@ class Screening {
  public:
   /// Onsets, ends and steps are tried where the recording is cut into so many equal segments. The model is
   /// referred to and must outlive it.
-  Screening(const WhitenedModel& model, int segments);
+  /// Of effects in `lasting_only` no part of the recording is tried.
+  Screening(const WhitenedModel& model, int segments, const std::set<std::size_t>& lasting_only = {});
 
   /// Each effect (and marker) for good, then with its best interval or time.
   const std::vector<TestedCandidate>& candidates() const { return tested_; }
@@ -67,7 +68,7 @@ class Screening {
     int from = 0, to = 0;  ///< the first, and the one behind the last
   };
 
-  void layOut(const Linearization& linear, int segments);
+  void layOut(const Linearization& linear, int segments, const std::set<std::size_t>& lasting_only);
   Eigen::SparseMatrix<double> columns(const Linearization& linear) const;
   Eigen::VectorXd normsOf(const Run& run) const;
   Information informationOf(const Run& run) const;
