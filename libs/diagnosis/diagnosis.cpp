@@ -197,11 +197,16 @@ void Course::attribute() {
   for (int round = 0; final_.effects.size() < options_.max_effects; ++round) {
     progress.update(static_cast<double>(final_.effects.size()) / static_cast<double>(options_.max_effects));
     const Screening screening(*final_.model, options_.segments, lasting_only_);
-    double log_p = 0;
-    for (const TestedCandidate& tested : screening.candidates()) log_p = std::min(log_p, tested.log_p);
-    const double alarm = screening.alarm(log_p, options_.seed);
-    if (round == 0) {
+    const auto first = std::min_element(
+        screening.candidates().begin(), screening.candidates().end(),
+        [](const TestedCandidate& a, const TestedCandidate& b) { return a.log_p < b.log_p; });
+    if (first == screening.candidates().end()) break;
+    const double alarm = screening.alarm(first->log_p, options_.seed);
+    if (final_.effects.empty()) {
       diagnosis_.alarm_p = alarm;
+      diagnosis_.most_improbable = nameOf(first->candidate);
+    }
+    if (round == 0) {
       diagnosis_.tested = screening.candidates();
       std::stable_sort(
           diagnosis_.tested.begin(), diagnosis_.tested.end(),
@@ -231,6 +236,8 @@ bool Course::leaveOutUnconfirmed(const Refit& fit) {
     const double gain = rest.succeeded ? rest.cost - fit.cost : 0;
     if (!isPart(fit.effects[i]) || held.gain.by_effect[i] > kConfirmed * gain) continue;
     any = lasting_only_.insert(fit.effects[i].effect).second || any;
+    diagnosis_.remarks.push_back(nameOf(fit.effects[i]) +
+                                 " would fit, but not stretches that it was not fitted to");
   }
   return any;
 }
@@ -406,11 +413,9 @@ void Course::judge() {
     return;
   }
   diagnosis_.why = print(
-      "Nothing material is missing: of %zu things tried the most telling, %s, would be seen by chance with "
-      "probability %.2g.",
-      diagnosis_.tested.size(),
-      diagnosis_.tested.empty() ? "none" : nameOf(diagnosis_.tested[0].candidate).c_str(),
-      diagnosis_.alarm_p);
+      "Nothing material is missing: of %zu things tried the most telling, %s, would be seen by "
+      "chance with probability %.2g.",
+      diagnosis_.tested.size(), diagnosis_.most_improbable.c_str(), diagnosis_.alarm_p);
 }
 
 }  // namespace

@@ -45,9 +45,11 @@ struct Diagnosis {
   std::string why;  ///< a paragraph for a person
   NoiseModel noise;
   std::vector<TestedCandidate> tested;  ///< at the nominal model, best evidence first
-  double alarm_p = 1;                   ///< of the best of all, having looked at all
-  std::vector<Mismatch> mismatch;       ///< of the nominal model, worst first
-  std::vector<Mismatch> remaining;      ///< of the final one
+  /// Of the most improbable of all that were believed possible, having looked at all.
+  double alarm_p = 1;
+  std::string most_improbable;
+  std::vector<Mismatch> mismatch;   ///< of the nominal model, worst first
+  std::vector<Mismatch> remaining;  ///< of the final one
   std::vector<FoundEffect> effects;
   std::vector<FoundEffect> nearest;  ///< unexplained: effects that come near, but fail a test
   std::vector<Alternatives> alternatives;
@@ -60,7 +62,7 @@ struct Diagnosis {
 
 struct DiagnosisOptions {
   EffectParameters<double> calibration;  ///< what is known already
-  double false_alarm = 0.05;             ///< of a recording with nothing missing
+  double false_alarm = 0.01;             ///< of a recording with nothing missing
   std::size_t max_effects = 3;
   int segments = 30;  ///< onsets and ends are looked for at so many places first
   HeldOutOptions heldout;

@@ -8,7 +8,7 @@
 namespace fathom {
 namespace {
 
-constexpr Eigen::Index kBlock = 64;
+constexpr Eigen::Index kBlock = 32;
 
 /// U^T U, tile by tile: each is computed by one thread, so nothing depends on their number.
 Eigen::MatrixXd gramOf(const Eigen::MatrixXd& U) {
@@ -55,8 +55,13 @@ Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::Vec
 }
 
 Eigen::MatrixXd Nuisances::project(const Eigen::MatrixXd& R) const {
-  const Eigen::MatrixXd along = J_.transpose() * R;
-  return R - J_ * factors_.solve(along);
+  Eigen::MatrixXd left(R.rows(), R.cols());
+  tbb::parallel_for(Eigen::Index{0}, (R.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
+    const Eigen::Index first = block * kBlock, count = std::min(kBlock, R.cols() - first);
+    const Eigen::MatrixXd along = J_.transpose() * R.middleCols(first, count);
+    left.middleCols(first, count) = R.middleCols(first, count) - J_ * factors_.solve(along);
+  });
+  return left;
 }
 
 Eigen::MatrixXd Nuisances::covariance(const std::vector<Eigen::Index>& unknowns) const {

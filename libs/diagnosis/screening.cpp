@@ -1,5 +1,7 @@
 #include "diagnosis/screening.h"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -16,7 +18,7 @@ namespace {
 
 constexpr double kLeastKept = 1e-4;  // of a direction's length: less is rounding
 constexpr double kForAPart = 2.0;    // ln of the odds for an effect that lasts
-constexpr int kDraws = 200;
+constexpr int kDraws = 100;
 constexpr std::size_t kKeptSets = 60;  // of a size, to which another effect is added
 
 bool has(const EffectInfo& effect, ParameterKind kind) {
@@ -60,7 +62,11 @@ Screening::Screening(const WhitenedModel& model, int segments, const std::set<st
     const std::vector<Run> all = runsOf(family);
     std::optional<std::size_t> best;
     std::vector<TestedCandidate> tested;
-    for (const Run& run : all) tested.push_back(test(run));
+    for (const Run& run : all) {
+      const Test one{run, informationOf(run)};
+      tested.push_back(test(one));
+      if (one.information.rank > 0) all_.push_back(one);
+    }
     for (std::size_t i = 0; i < all.size(); ++i) {
       const bool for_good = tested[i].candidate.isForGood() && !tested[i].candidate.time_s;
       if (!for_good && tested[i].dof > 0 && (!best || tested[i].log_evidence > tested[*best].log_evidence))
@@ -204,11 +210,11 @@ Information Screening::informationOf(const Run& run) const {
   return Information(gramOf(run, run), normsOf(run));
 }
 
-TestedCandidate Screening::test(const Run& run) const {
+TestedCandidate Screening::test(const Test& test) const {
+  const auto& [run, information] = test;
   const Family& family = families_[run.family];
   const Eigen::MatrixXd A = gramOf(run, run);
   const Eigen::VectorXd g = scoreOf(run, reduced_.score);
-  const Information information = informationOf(run);
   TestedCandidate tested;
   tested.candidate = candidateOf(run);
   tested.dof = information.rank;
@@ -289,32 +295,22 @@ double Screening::alignment(std::size_t a, std::size_t b) const {
 }
 
 double Screening::alarm(double log_p, std::uint64_t seed) const {
-  struct Test {
-    Run run;
-    Information information;
-  };
-  std::vector<Test> tests;
-  for (std::size_t family = 0; family < families_.size(); ++family)
-    for (const Run& run : runsOf(family))
-      if (Information information = informationOf(run); information.rank > 0)
-        tests.push_back({run, std::move(information)});
-  if (tests.empty()) return 1;
+  if (all_.empty()) return 1;
   Random random(seed);
   Eigen::MatrixXd noise(columns_.rows(), kDraws);
   for (Eigen::Index i = 0; i < noise.size(); ++i) noise.data()[i] = random.normal();
   const Eigen::MatrixXd scores = columns_.transpose() * model_.nuisances().project(noise);
-  std::vector<double> best;
-  for (int draw = 0; draw < kDraws; ++draw) {
+  std::vector<double> best(kDraws, 0);
+  tbb::parallel_for(0, kDraws, [&](int draw) {
     std::map<int, double> largest;  // by degrees of freedom
-    for (const Test& test : tests) {
+    for (const Test& test : all_) {
       const Eigen::VectorXd g = scoreOf(test.run, scores.col(draw));
       double& of_dof = largest[test.information.rank];
       of_dof = std::max(of_dof, g.dot(test.information.inverse * g));
     }
-    double least = 0;
+    double& least = best[static_cast<std::size_t>(draw)];
     for (const auto& [dof, statistic] : largest) least = std::min(least, chiSquareLogTail(dof, statistic));
-    best.push_back(least);
-  }
+  });
   std::nth_element(best.begin(), best.begin() + kDraws / 2, best.end());
   const double looks = std::log(2.0) / std::exp(best[kDraws / 2]);
   return -std::expm1(-looks * std::exp(log_p));

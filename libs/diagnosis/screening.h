@@ -68,6 +68,11 @@ class Screening {
     int from = 0, to = 0;  ///< the first, and the one behind the last
   };
 
+  struct Test {
+    Run run;
+    Information information;
+  };
+
   void layOut(const Linearization& linear, int segments, const std::set<std::size_t>& lasting_only);
   Eigen::SparseMatrix<double> columns(const Linearization& linear) const;
   Eigen::VectorXd normsOf(const Run& run) const;
@@ -77,7 +82,7 @@ class Screening {
   Eigen::MatrixXd gramOf(const Run& a, const Run& b) const;
   Eigen::VectorXd scoreOf(const Run& run, const Eigen::VectorXd& score) const;
   Eigen::VectorXd priorOf(const Run& run) const;
-  TestedCandidate test(const Run& run) const;
+  TestedCandidate test(const Test& test) const;
   double logEvidence(const std::vector<std::size_t>& members) const;
 
   const WhitenedModel& model_;
@@ -86,6 +91,7 @@ class Screening {
   std::vector<Family> families_;
   std::vector<double> prior_sigma_;  // of EffectParameters::values
   Reduced reduced_;
+  std::vector<Test> all_;  // that were tried
   std::vector<TestedCandidate> tested_;
   std::vector<Run> runs_;          // of the tested ones
   std::vector<double> log_prior_;  // of the tested ones: an interval is one of many

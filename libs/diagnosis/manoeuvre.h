@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/refit.h"
+
+namespace fathom {
+
+/// What an operator can do for a minute.
+struct Manoeuvre {
+  std::string text;  ///< as one would say it to the pilot
+  /// The robot's pose in that of the station, t_s after the beginning.
+  Pose (*T_station_robot)(double t_s);
+};
+/// The library, the simplest first.
+const std::vector<Manoeuvre>& manoeuvres();
+
+/// Which manoeuvre would tell two effects apart: how much of one's size (in units of what can be resolved)
+/// the other could not imitate, the smaller of both ways round.
+struct Advice {
+  std::string manoeuvre;
+  double separation = 0;      ///< after a minute of it, at the sizes found
+  double separation_now = 0;  ///< in the recording
+};
+
+/// The best of the library for telling the first of two fits' last effects from the other's. By Jacobians
+/// alone: nothing is simulated, only predicted at the poses of each manoeuvre from the place where the
+/// recording saw most markers.
+Advice adviseManoeuvre(const BatchData& data, const Refit& first, const Refit& second,
+                       const NoiseModel& noise);
+
+}  // namespace fathom
