@@ -56,7 +56,10 @@ class Course {
   /// Worth of a fit against the nominal one, with the odds against so many effects. (The first is believed by
   /// the alarm: it knows the chance of a false one.)
   double worth(const Refit& fit) const {
-    return fit.succeeded ? logEvidence(fit, nominal_) - oddsAgainst(fit.effects.size()) : -1e300;
+    if (!fit.succeeded) return -1e300;
+    double odds = oddsAgainst(fit.effects.size());
+    for (const Candidate& effect : fit.effects) odds -= logPriorOf(effect, options_.segments);
+    return logEvidence(fit, nominal_) - odds;
   }
   static double oddsAgainst(std::size_t effects) { return kLogOdds * (static_cast<double>(effects) - 1); }
   double segment_s() const { return (data_.last_s - data_.first_s) / options_.segments; }
@@ -65,7 +68,7 @@ class Course {
   Refit without(const Refit& fit, std::size_t effect);
   Refit onlyNeeded(Refit fit);
   bool leaveOutUnconfirmed(const Refit& fit);
-  HeldOutResult heldOut(const Refit& fit) const;
+  HeldOutResult heldOut(const Refit& fit, bool yardsticks) const;
   void addAlternatives(std::size_t effect);
   FoundEffect describe(std::size_t effect);
   std::string sentence(const FoundEffect& found) const;
@@ -229,7 +232,7 @@ void Course::attribute() {
 bool Course::leaveOutUnconfirmed(const Refit& fit) {
   const auto isPart = [](const Candidate& effect) { return !effect.isForGood() || effect.time_s; };
   if (std::none_of(fit.effects.begin(), fit.effects.end(), isPart)) return false;
-  const HeldOutResult held = heldOut(fit);
+  const HeldOutResult held = heldOut(fit, false);
   bool any = false;
   for (std::size_t i = 0; i < fit.effects.size(); ++i) {
     const Refit rest = without(fit, i);
@@ -242,8 +245,9 @@ bool Course::leaveOutUnconfirmed(const Refit& fit) {
   return any;
 }
 
-HeldOutResult Course::heldOut(const Refit& fit) const {
+HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {
   HeldOutOptions options = options_.heldout;
+  options.yardsticks = yardsticks;
   options.seed = options_.seed;
   return holdOut(linearize(data_, *problemAt(data_, fit.estimate, fit.options)), fit.effects,
                  fit.estimate.state.effects, diagnosis_.noise, data_, options);
@@ -268,7 +272,8 @@ void Course::addAlternatives(std::size_t effect) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return candidates[a].log_evidence > candidates[b].log_evidence;
   });
-  Alternatives set{{final_.effects[effect]}, {0}, {1}};
+  Alternatives set{{final_.effects[effect]}, {0}, {1}, {}};
+  std::optional<Refit> like;
   const double first_order = candidates[*own].log_evidence;
   std::size_t tried = 0;
   for (const std::size_t m : order) {
@@ -289,8 +294,17 @@ void Course::addAlternatives(std::size_t effect) {
     set.candidates.push_back(rival.effects.back());
     set.log_evidence.push_back(difference);
     set.alignment.push_back(screening.alignment(*own, m));
+    if (set.candidates.size() == 2) like = rival;
   }
-  if (set.candidates.size() > 1) diagnosis_.alternatives.push_back(std::move(set));
+  if (!like) return;
+  std::vector<Candidate> stated = rest.effects;
+  stated.push_back(final_.effects[effect]);
+  try {
+    set.advice = adviseManoeuvre(data_, *rest.model, fit(rest, stated), *like, diagnosis_.noise);
+  } catch (const std::runtime_error&) {
+    // A manoeuvre in which nothing holds the path tells nothing apart.
+  }
+  diagnosis_.alternatives.push_back(std::move(set));
 }
 
 FoundEffect Course::describe(std::size_t effect) {
@@ -317,7 +331,7 @@ void Course::verify() {
       final_.effects.empty() ? diagnosis_.mismatch : mismatchMaps(*final_.model, options_.seed);
   if (final_.effects.empty()) return;
   for (std::size_t i = 0; i < final_.effects.size(); ++i) diagnosis_.effects.push_back(describe(i));
-  diagnosis_.heldout = heldOut(final_);
+  diagnosis_.heldout = heldOut(final_, true);
   for (std::size_t i = 0; i < diagnosis_.effects.size(); ++i)
     diagnosis_.effects[i].heldout_log_likelihood_gain = diagnosis_.heldout.gain.by_effect[i];
 }
@@ -395,6 +409,8 @@ void Course::judge() {
       for (std::size_t i = 1; i < set.candidates.size(); ++i)
         diagnosis_.why += (i > 1 ? ", " : " ") + nameOf(set.candidates[i]);
       diagnosis_.why += ". This recording cannot choose among them.";
+      if (!set.advice.manoeuvre.empty())
+        diagnosis_.why += " To tell them apart: " + set.advice.manoeuvre + ".";
     }
     return;
   }

@@ -6,6 +6,7 @@
 
 #include "diagnosis/adequacy.h"
 #include "diagnosis/held_out.h"
+#include "diagnosis/manoeuvre.h"
 #include "diagnosis/mismatch.h"
 #include "diagnosis/screening.h"
 #include "estimation/batch_estimate.h"
@@ -38,6 +39,7 @@ struct Alternatives {
   std::vector<Candidate> candidates;  ///< the effect stated, then those as good
   std::vector<double> log_evidence;   ///< against the first, 0 or a little less
   std::vector<double> alignment;      ///< |cos| with the first: 1 is the same to this recording
+  Advice advice;                      ///< for telling the first from the one most like it
 };
 
 struct Diagnosis {

@@ -19,7 +19,7 @@ constexpr double kRidge = 1e-4;  // of a column's length, where a stretch by its
 constexpr int kStretches = 3;    // of a fold, between those of others: an effect for a part is in most
 constexpr int kParts = 2;        // of a stretch, that are drawn anew by the bootstrap
 constexpr int kResamples = 1000;
-constexpr int kPlacebos = 40, kFloorDraws = 8;
+constexpr int kPlacebos = 20, kFloorDraws = 8;
 
 /// The linearization with the effects' columns taken out of the nuisances: the residual is that without them.
 Linearization withoutEffects(const Linearization& linear, const Eigen::SparseMatrix<double>& columns,
@@ -69,52 +69,58 @@ Eigen::SparseMatrix<double> blackBox(const Linearization& linear, const std::vec
   return columns;
 }
 
-/// One part of the rows by itself, with all columns that are tested: projected.
+/// Some of the rows by themselves, with all columns that are tested: projected.
 struct Part {
-  std::vector<bool> kept;
-  Eigen::VectorXd residual;  // P r
-  Eigen::MatrixXd columns;   // P C
-  Eigen::MatrixXd noise;     // P of simulated white noise
+  std::vector<Eigen::Index> rows;  // of the model
+  Eigen::VectorXd residual;        // P r
+  Eigen::MatrixXd columns;         // P C
+  Eigen::MatrixXd noise;           // P of simulated white noise
 };
 
-Part partOf(const WhitenedModel& model, const std::vector<bool>& kept, const Eigen::MatrixXd& columns,
-            const Eigen::MatrixXd& noise) {
-  const Eigen::SparseMatrix<double>& J = model.nuisances().J();
+/// The nuisances of some rows, each held a little: a stretch by itself may not determine them all.
+Nuisances nuisancesOf(const Eigen::SparseMatrix<double>& J, const std::vector<Eigen::Index>& rows) {
+  std::vector<int> place(static_cast<std::size_t>(J.rows()), -1);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    place[static_cast<std::size_t>(rows[k])] = static_cast<int>(k);
   std::vector<Eigen::Triplet<double>> entries;
-  int width = 0;
   std::vector<double> lengths;
   for (Eigen::Index c = 0; c < J.outerSize(); ++c) {
+    const int column = static_cast<int>(lengths.size());
     double square = 0;
     for (Eigen::SparseMatrix<double>::InnerIterator e(J, c); e; ++e) {
-      if (!kept[static_cast<std::size_t>(e.row())]) continue;
-      entries.emplace_back(static_cast<int>(e.row()), width, e.value());
+      if (place[static_cast<std::size_t>(e.row())] < 0) continue;
+      entries.emplace_back(place[static_cast<std::size_t>(e.row())], column, e.value());
       square += e.value() * e.value();
     }
-    if (square == 0) continue;
-    lengths.push_back(std::sqrt(square));
-    ++width;
+    if (square > 0) lengths.push_back(std::sqrt(square));
   }
+  const int first = static_cast<int>(rows.size()), width = static_cast<int>(lengths.size());
   for (int c = 0; c < width; ++c)
-    entries.emplace_back(static_cast<int>(J.rows()) + c, c, kRidge * lengths[static_cast<std::size_t>(c)]);
-  Eigen::SparseMatrix<double> own(J.rows() + width, width);
+    entries.emplace_back(first + c, c, kRidge * lengths[static_cast<std::size_t>(c)]);
+  Eigen::SparseMatrix<double> own(first + width, width);
   own.setFromTriplets(entries.begin(), entries.end());
-  const Nuisances nuisances(std::move(own));
-  const auto masked = [&](const Eigen::MatrixXd& all) {
-    Eigen::MatrixXd part = Eigen::MatrixXd::Zero(J.rows() + width, all.cols());
-    for (std::size_t i = 0; i < kept.size(); ++i)
-      if (kept[i]) part.row(static_cast<Eigen::Index>(i)) = all.row(static_cast<Eigen::Index>(i));
-    return part;
+  return Nuisances(std::move(own));
+}
+
+Part partOf(const WhitenedModel& model, std::vector<Eigen::Index> rows, const Eigen::MatrixXd& columns,
+            const Eigen::MatrixXd& noise) {
+  const Nuisances nuisances = nuisancesOf(model.nuisances().J(), rows);
+  const auto projected = [&](const Eigen::MatrixXd& all) {
+    Eigen::MatrixXd own = Eigen::MatrixXd::Zero(nuisances.J().rows(), all.cols());
+    own.topRows(std::ssize(rows)) = all(rows, Eigen::all);
+    return Eigen::MatrixXd(nuisances.project(own).topRows(std::ssize(rows)));
   };
   Part part;
-  part.kept = kept;
-  part.residual = nuisances.project(masked(model.residual())).topRows(J.rows());
-  part.columns = nuisances.project(masked(columns)).topRows(J.rows());
-  part.noise = nuisances.project(masked(noise)).topRows(J.rows());
+  part.residual = projected(model.residual());
+  part.columns = projected(columns);
+  part.noise = projected(noise);
+  part.rows = std::move(rows);
   return part;
 }
 
 Eigen::VectorXd fit(const Eigen::MatrixXd& columns, const Eigen::VectorXd& residual,
                     const Eigen::VectorXd& sigma) {
+  if (columns.cols() == 0) return {};
   Eigen::MatrixXd A = columns.transpose() * columns;
   A.diagonal() += sigma.array().square().inverse().matrix();
   return -A.ldlt().solve(columns.transpose() * residual);
@@ -193,7 +199,7 @@ class Placebo {
 
   double percentile95() const {
     std::vector<double> gains;
-    for (Eigen::Index draw = 0; draw < kPlacebos; ++draw) {
+    for (Eigen::Index draw = 0; draw < kPlacebos && !folds_.empty(); ++draw) {
       double best_evidence = -1e300, gain = 0;
       for (std::size_t c = 0; c < first_.size(); ++c) {
         const double evidence = evidenceOf(c, draw);
@@ -283,12 +289,12 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
   const std::vector<BatchChannel> channels = channelsOf(bare, physics * found);
   std::vector<BatchChannel> corrected;
   for (const BatchChannel channel : channels)
-    if (corrected.size() < 2) corrected.push_back(channel);
+    if (corrected.empty() && options.yardsticks) corrected.push_back(channel);
 
   // All that is fitted, side by side: physics, black box, every candidate (for the placebo).
   std::vector<double> box_sigma;
   const Eigen::SparseMatrix<double> box = blackBox(bare, corrected, box_sigma);
-  const std::vector<Candidate> all = lastingCandidates(bare);
+  const std::vector<Candidate> all = options.yardsticks ? lastingCandidates(bare) : std::vector<Candidate>{};
   const Eigen::SparseMatrix<double> candidates = columnsOf(bare, all);
   Eigen::MatrixXd columns(model.residual().size(), physics.cols() + box.cols() + candidates.cols());
   columns << Eigen::MatrixXd(model.whitened(columnsOf(bare, effects))), Eigen::MatrixXd(model.whitened(box)),
@@ -302,7 +308,7 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
   }
   Placebo placebo(first, size, priorSigmas(bare, all));
   Random random(options.seed);
-  Eigen::MatrixXd simulated(model.residual().size(), kPlacebos);
+  Eigen::MatrixXd simulated(model.residual().size(), options.yardsticks ? kPlacebos : 0);
   for (Eigen::Index i = 0; i < simulated.size(); ++i) simulated.data()[i] = random.normal();
 
   const int stretch_count = options.folds * kStretches;
@@ -316,15 +322,18 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
   Progress progress("holding out");
   for (int fold = 0; fold < options.folds; ++fold) {
     progress.update(static_cast<double>(fold) / options.folds);
-    std::vector<bool> in_train(static_cast<std::size_t>(model.residual().size()), true), in_test = in_train;
-    for (std::size_t i = 0; i < bare.rows.size(); ++i) {
-      if (bare.rows[i].channel == BatchChannel::prior) continue;
-      in_test[i] = stretchOf(bare.rows[i].t_s) % options.folds == fold;
-      in_train[i] = !in_test[i];
+    std::vector<Eigen::Index> in_train, in_test;
+    for (Eigen::Index i = 0; i < model.residual().size(); ++i) {
+      const bool is_prior =
+          i >= std::ssize(bare.rows) || bare.rows[static_cast<std::size_t>(i)].channel == BatchChannel::prior;
+      const bool is_test =
+          !is_prior && stretchOf(bare.rows[static_cast<std::size_t>(i)].t_s) % options.folds == fold;
+      if (is_prior || is_test) in_test.push_back(i);
+      if (!is_test) in_train.push_back(i);
     }
-    const Part train = partOf(model, in_train, columns, simulated);
-    const Part test = partOf(model, in_test, columns, simulated);
-    placebo.add(train, test, physics.cols() + box.cols());
+    const Part train = partOf(model, std::move(in_train), columns, simulated);
+    const Part test = partOf(model, std::move(in_test), columns, simulated);
+    if (options.yardsticks) placebo.add(train, test, physics.cols() + box.cols());
     const auto left = [&](Eigen::Index column, Eigen::Index count, const Eigen::VectorXd& sigma) {
       const Eigen::VectorXd value = fit(train.columns.middleCols(column, count), train.residual, sigma);
       return Eigen::VectorXd(test.residual + test.columns.middleCols(column, count) * value);
@@ -335,9 +344,9 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
           0.5 * (leftWithout(bare, effects, e, train, test).squaredNorm() - after.squaredNorm());
     const Eigen::VectorXd black_box = left(
         physics.cols(), box.cols(), Eigen::Map<Eigen::VectorXd>(box_sigma.data(), std::ssize(box_sigma)));
-    for (std::size_t i = 0; i < bare.rows.size(); ++i) {
-      if (!in_test[i] || bare.rows[i].channel == BatchChannel::prior) continue;
-      const auto row = static_cast<Eigen::Index>(i);
+    for (Eigen::Index row = 0; row < std::ssize(test.rows); ++row) {
+      const auto i = static_cast<std::size_t>(test.rows[static_cast<std::size_t>(row)]);
+      if (i >= bare.rows.size() || bare.rows[i].channel == BatchChannel::prior) continue;
       const double place = (bare.rows[i].t_s - data.first_s) / span_s * kParts;
       Piece& piece = pieces[static_cast<std::size_t>(
           std::clamp(static_cast<int>(place), 0, stretch_count * kParts - 1))];
@@ -347,7 +356,7 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
       sums.before += b;
       sums.after += a;
       sums.black_box += x;
-      sums.floor += test.noise.row(row).head(kFloorDraws).squaredNorm() / kFloorDraws;
+      if (options.yardsticks) sums.floor += test.noise.row(row).head(kFloorDraws).squaredNorm() / kFloorDraws;
       ++sums.rows;
       piece.physics += 0.5 * (b - a);
       piece.black_box += 0.5 * (b - x);

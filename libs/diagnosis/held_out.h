@@ -42,6 +42,7 @@ struct HeldOutResult {
 
 struct HeldOutOptions {
   int folds = 5;
+  bool yardsticks = true;  ///< black box, placebo and noise floor too
   std::uint64_t seed = 1;
 };
 

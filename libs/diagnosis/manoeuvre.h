@@ -26,8 +26,8 @@ struct Advice {
 
 /// The best of the library for telling the first of two fits' last effects from the other's. By Jacobians
 /// alone: nothing is simulated, only predicted at the poses of each manoeuvre from the place where the
-/// recording saw most markers.
-Advice adviseManoeuvre(const BatchData& data, const Refit& first, const Refit& second,
-                       const NoiseModel& noise);
+/// recording saw most markers. `without`: the recording's model with neither.
+Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, const Refit& first,
+                       const Refit& second, const NoiseModel& noise);
 
 }  // namespace fathom

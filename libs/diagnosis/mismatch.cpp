@@ -86,6 +86,17 @@ class Planner {
     return all;
   }
 
+  /// How many columns each plan has: they are side by side.
+  std::vector<Eigen::Index> blocks() const {
+    std::vector<Eigen::Index> sizes;
+    for (const Plan& plan : plans) {
+      Eigen::Index size = 0;
+      for (const auto& columns : plan.columns) size += std::ssize(columns);
+      sizes.push_back(size);
+    }
+    return sizes;
+  }
+
   std::vector<Plan> plans;
 
  private:
@@ -297,7 +308,8 @@ std::vector<Mismatch> mismatchMaps(const WhitenedModel& model, std::uint64_t see
     planner.addMarkers();
     planner.addImages();
   }
-  const Reduced reduced = model.reduce(planner.columns());
+  const Reduced reduced =
+      model.nuisances().reduce(model.whitened(planner.columns()), model.residual(), planner.blocks());
   std::vector<Mismatch> maps = spectra(model, seed);
   for (Plan& plan : planner.plans) {
     finish(plan, model, reduced);

@@ -44,13 +44,24 @@ Eigen::MatrixXd Nuisances::forward(const Eigen::SparseMatrix<double>& B) const {
   return U;
 }
 
-Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r) const {
+Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r,
+                          const std::vector<Eigen::Index>& blocks) const {
   const Eigen::MatrixXd U = forward(J_.transpose() * C);
   const Eigen::SparseMatrix<double> own = C.transpose() * C;
   Reduced reduced;
   reduced.norms = Eigen::VectorXd(own.diagonal()).cwiseSqrt();
-  reduced.gram = Eigen::MatrixXd(own) - gramOf(U);
   reduced.score = C.transpose() * (r - J_ * factors_.solve(J_.transpose() * r));
+  if (blocks.empty()) {
+    reduced.gram = Eigen::MatrixXd(own) - gramOf(U);
+    return reduced;
+  }
+  reduced.gram = Eigen::MatrixXd::Zero(C.cols(), C.cols());
+  Eigen::Index first = 0;
+  for (const Eigen::Index size : blocks) {
+    reduced.gram.block(first, first, size, size) =
+        Eigen::MatrixXd(own.block(first, first, size, size)) - gramOf(U.middleCols(first, size));
+    first += size;
+  }
   return reduced;
 }
 

@@ -20,7 +20,9 @@ class Nuisances {
   explicit Nuisances(Eigen::SparseMatrix<double> J);
 
   const Eigen::SparseMatrix<double>& J() const { return J_; }
-  Reduced reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r) const;
+  /// `blocks`: sizes of the gram's diagonal blocks that are wanted, everything else is zero; none: all of it.
+  Reduced reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r,
+                 const std::vector<Eigen::Index>& blocks = {}) const;
   /// P R.
   Eigen::MatrixXd project(const Eigen::MatrixXd& R) const;
   /// Covariance of these unknowns.

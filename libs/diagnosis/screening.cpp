@@ -33,6 +33,12 @@ bool isEstimated(const Linearization& linear, std::size_t effect) {
 
 }  // namespace
 
+double logPriorOf(const Candidate& candidate, int segments) {
+  const auto n = static_cast<double>(segments);
+  if (candidate.time_s) return -std::log(n);
+  return candidate.isForGood() ? 0 : -kForAPart - std::log(0.5 * n * (n + 1));
+}
+
 double logBayesFactor(const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
                       const Eigen::VectorXd& prior_sigma) {
   const Eigen::MatrixXd S = prior_sigma.asDiagonal();
@@ -57,7 +63,9 @@ Screening::Screening(const WhitenedModel& model, int segments, const std::set<st
     : model_(model) {
   layOut(model.linear(), segments, lasting_only);
   columns_ = model.whitened(columns(model.linear()));
-  reduced_ = model.nuisances().reduce(columns_, model.residual());
+  std::vector<Eigen::Index> sizes;
+  for (const Family& family : families_) sizes.push_back(family.size * family.segments);
+  reduced_ = model.nuisances().reduce(columns_, model.residual(), sizes);
   for (std::size_t family = 0; family < families_.size(); ++family) {
     const std::vector<Run> all = runsOf(family);
     std::optional<std::size_t> best;
@@ -79,7 +87,7 @@ Screening::Screening(const WhitenedModel& model, int segments, const std::set<st
     if (!best) continue;
     tested_.push_back(tested[*best]);
     runs_.push_back(all[*best]);
-    log_prior_.push_back(-kForAPart - std::log(static_cast<double>(all.size())));
+    log_prior_.push_back(logPriorOf(tested[*best].candidate, segments));
   }
   // One of the markers is one of many, too.
   std::map<std::size_t, double> markers;
@@ -89,6 +97,29 @@ Screening::Screening(const WhitenedModel& model, int segments, const std::set<st
     if (tested_[i].candidate.marker_id) log_prior_[i] -= std::log(markers[tested_[i].candidate.effect]);
     tested_[i].log_evidence += log_prior_[i];
   }
+  combine();
+}
+
+void Screening::combine() {
+  std::vector<Eigen::Triplet<double>> sums;
+  Eigen::Index width = 0;
+  for (const Run& run : runs_) {
+    const Family& family = families_[run.family];
+    place_.push_back(width);
+    for (int segment = run.from; segment < run.to; ++segment)
+      for (Eigen::Index k = 0; k < family.size; ++k)
+        sums.emplace_back(static_cast<int>(family.first + segment * family.size + k),
+                          static_cast<int>(width + k), 1.0);
+    width += family.size;
+  }
+  Eigen::SparseMatrix<double> sum(columns_.cols(), width);
+  sum.setFromTriplets(sums.begin(), sums.end());
+  combined_ = model_.nuisances().reduce(columns_ * sum, model_.residual());
+}
+
+Eigen::MatrixXd Screening::gramOf(std::size_t a, std::size_t b) const {
+  return combined_.gram.block(place_[a], place_[b], families_[runs_[a].family].size,
+                              families_[runs_[b].family].size);
 }
 
 void Screening::layOut(const Linearization& linear, int segments, const std::set<std::size_t>& lasting_only) {
@@ -174,12 +205,13 @@ Candidate Screening::candidateOf(const Run& run) const {
   return candidate;
 }
 
-Eigen::MatrixXd Screening::gramOf(const Run& a, const Run& b) const {
-  const Family &fa = families_[a.family], &fb = families_[b.family];
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(fa.size, fb.size);
-  for (int i = a.from; i < a.to; ++i)
-    for (int j = b.from; j < b.to; ++j)
-      sum += reduced_.gram.block(fa.first + i * fa.size, fb.first + j * fb.size, fa.size, fb.size);
+Eigen::MatrixXd Screening::gramOf(const Run& run) const {
+  const Family& family = families_[run.family];
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(family.size, family.size);
+  for (int i = run.from; i < run.to; ++i)
+    for (int j = run.from; j < run.to; ++j)
+      sum += reduced_.gram.block(family.first + i * family.size, family.first + j * family.size, family.size,
+                                 family.size);
   return sum;
 }
 
@@ -206,14 +238,12 @@ Eigen::VectorXd Screening::normsOf(const Run& run) const {
   return squares.cwiseSqrt();
 }
 
-Information Screening::informationOf(const Run& run) const {
-  return Information(gramOf(run, run), normsOf(run));
-}
+Information Screening::informationOf(const Run& run) const { return Information(gramOf(run), normsOf(run)); }
 
 TestedCandidate Screening::test(const Test& test) const {
   const auto& [run, information] = test;
   const Family& family = families_[run.family];
-  const Eigen::MatrixXd A = gramOf(run, run);
+  const Eigen::MatrixXd A = gramOf(run);
   const Eigen::VectorXd g = scoreOf(run, reduced_.score);
   TestedCandidate tested;
   tested.candidate = candidateOf(run);
@@ -243,10 +273,10 @@ double Screening::logEvidence(const std::vector<std::size_t>& members) const {
     Eigen::Index column = 0;
     for (const std::size_t b : members) {
       const Eigen::Index columns = families_[runs_[b].family].size;
-      A.block(row, column, rows, columns) = gramOf(runs_[a], runs_[b]);
+      A.block(row, column, rows, columns) = gramOf(a, b);
       column += columns;
     }
-    g.segment(row, rows) = scoreOf(runs_[a], reduced_.score);
+    g.segment(row, rows) = combined_.score.segment(place_[a], rows);
     sigma.segment(row, rows) = priorOf(runs_[a]);
     prior += log_prior_[a];
     row += rows;
@@ -284,13 +314,13 @@ std::vector<TestedSet> Screening::bestSets(std::size_t size, std::size_t count) 
 
 double Screening::alignment(std::size_t a, std::size_t b) const {
   const auto root = [&](std::size_t m) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gramOf(runs_[m], runs_[m]));
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gramOf(m, m));
     const double least = kLeastKept * kLeastKept * eigen.eigenvalues().maxCoeff();
     const Eigen::VectorXd inverse =
         eigen.eigenvalues().unaryExpr([&](double l) { return l > least ? 1 / std::sqrt(l) : 0.0; });
     return Eigen::MatrixXd(eigen.eigenvectors() * inverse.asDiagonal());
   };
-  const Eigen::MatrixXd cosines = root(a).transpose() * gramOf(runs_[a], runs_[b]) * root(b);
+  const Eigen::MatrixXd cosines = root(a).transpose() * gramOf(a, b) * root(b);
   return std::min(1.0, cosines.jacobiSvd().singularValues()[0]);
 }
 

@@ -30,6 +30,10 @@ struct TestedCandidate {
   std::vector<EffectEstimate> one_step;  ///< its parameters so
 };
 
+/// ln of a candidate's odds against one that lasts for good, before looking: a part of the recording, or a
+/// time, is one of the many between so many segments.
+double logPriorOf(const Candidate& candidate, int segments);
+
 /// Candidates that are on together.
 struct TestedSet {
   std::vector<std::size_t> members;  ///< in Screening::candidates()
@@ -79,7 +83,9 @@ class Screening {
   Information informationOf(const Run& run) const;
   std::vector<Run> runsOf(std::size_t family) const;
   Candidate candidateOf(const Run& run) const;
-  Eigen::MatrixXd gramOf(const Run& a, const Run& b) const;
+  Eigen::MatrixXd gramOf(const Run& run) const;
+  Eigen::MatrixXd gramOf(std::size_t a, std::size_t b) const;
+  void combine();
   Eigen::VectorXd scoreOf(const Run& run, const Eigen::VectorXd& score) const;
   Eigen::VectorXd priorOf(const Run& run) const;
   TestedCandidate test(const Test& test) const;
@@ -90,8 +96,10 @@ class Screening {
   double first_s_ = 0, segment_s_ = 0;
   std::vector<Family> families_;
   std::vector<double> prior_sigma_;  // of EffectParameters::values
-  Reduced reduced_;
-  std::vector<Test> all_;  // that were tried
+  Reduced reduced_;                  // of all segments, gram within each family only
+  Reduced combined_;                 // of the tested ones, side by side
+  std::vector<Eigen::Index> place_;  // of the tested ones' columns there
+  std::vector<Test> all_;            // that were tried
   std::vector<TestedCandidate> tested_;
   std::vector<Run> runs_;          // of the tested ones
   std::vector<double> log_prior_;  // of the tested ones: an interval is one of many
