@@ -115,6 +115,13 @@ Json effectsJson(const std::vector<FoundEffect>& effects, const DiagnosisStory& 
   return list;
 }
 
+Json adviceJson(const Advice& advice) {
+  if (advice.manoeuvre.empty()) return nullptr;
+  return {{"manoeuvre", advice.manoeuvre},
+          {"separation", advice.separation},
+          {"separation_now", advice.separation_now}};
+}
+
 Json alternativesJson(const DiagnosisStory& story) {
   Json list = Json::array();
   for (const Alternatives& set : story.diagnosis.alternatives) {
@@ -126,7 +133,8 @@ Json alternativesJson(const DiagnosisStory& story) {
     list.push_back({{"effects", ids},
                     {"candidates", candidates},
                     {"log_evidence", set.log_evidence},
-                    {"alignment", set.alignment}});
+                    {"alignment", set.alignment},
+                    {"advice", adviceJson(set.advice)}});
   }
   return list;
 }

@@ -190,6 +190,11 @@ void addAlternatives(const DiagnosisStory& story, HtmlReport& report) {
                             i < set.alignment.size() ? fixed(set.alignment[i], 3) : "-",
                             std::string(allEffects()[set.candidates[i].effect].text.told_apart)});
     report.table(table, "Log evidence against the first. Alignment: 1 is the same to this recording.");
+    if (!set.advice.manoeuvre.empty())
+      report.paragraph(
+          print("A manoeuvre that tells the first from the one most like it: %s. A minute of it makes them "
+                "differ by %.1f times what can be resolved; in this recording they differ by %.1f.",
+                set.advice.manoeuvre.c_str(), set.advice.separation, set.advice.separation_now));
   }
 }
 

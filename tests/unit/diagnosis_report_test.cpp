@@ -126,7 +126,8 @@ DiagnosisStory explainedStory() {
   d.heldout.channels = {heldOutDvl()};
   d.alternatives = {{.candidates = {d.effects[0].candidate, {kEffectIndex<MarkerSize>, {}, {}, {}}},
                      .log_evidence = {300, 299},
-                     .alignment = {1, 0.99}}};
+                     .alignment = {1, 0.99},
+                     .advice = {"turn on the spot", 7, 0.5}}};
   TestedCandidate tested;
   tested.candidate = d.effects[0].candidate;
   tested.statistic = 620;
@@ -227,6 +228,8 @@ TEST(DiagnosisReport, SetsThatCannotBeToldApart) {
   EXPECT_EQ(sets[0]["effects"], nlohmann::json({"marker-moved", "marker-size"}));
   EXPECT_EQ(sets[0]["log_evidence"], nlohmann::json({300.0, 299.0}));
   EXPECT_EQ(sets[0]["alignment"], nlohmann::json({1.0, 0.99}));
+  EXPECT_EQ(sets[0]["advice"]["manoeuvre"], "turn on the spot");
+  EXPECT_EQ(sets[0]["advice"]["separation"], 7.0);
 }
 
 TEST(DiagnosisReport, HeldOutIsTheFirstMetric) {
@@ -294,8 +297,9 @@ TEST(DiagnosisReport, WritesFilesThatReadBack) {
   EXPECT_EQ(json["rerun"]["rows"][0][0], "as found");
   EXPECT_TRUE(json["simulate"].get<std::string>().starts_with("fathom simulate --trajectory "));
   const std::string html = readTextFile(story.folder / "report.html");
-  for (const char* part : {"marker-moved 14", "water-current", "Because.", "0.021", "speed", "0.0102",
-                           "0123456789abcdef", "What this recording cannot tell apart", "as found"})
+  for (const char* part :
+       {"marker-moved 14", "water-current", "Because.", "0.021", "speed", "0.0102", "0123456789abcdef",
+        "What this recording cannot tell apart", "turn on the spot", "as found"})
     EXPECT_NE(html.find(part), std::string::npos) << part;
 }
 
