@@ -1,6 +1,5 @@
 #include <iostream>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 #include <stdexcept>
 
@@ -11,6 +10,7 @@
 #include "evaluation/fiducial_sheet.h"
 #include "fiducial_report.h"
 #include "recorded_fiducials_report.h"
+#include "render/images.h"
 #include "tasks/companions.h"
 
 namespace fathom {
@@ -41,12 +41,6 @@ std::vector<Kind> kindsNamed(const std::string& option, const std::vector<std::s
 void checkFamilies(const std::vector<std::string>& families, const std::vector<Backend>& backends) {
   if (const auto why = complaintAbout(families, backends); !why.empty())
     throw Error("command line", "--family", why);
-}
-
-void writeSheet(const fs::path& file, const cv::Mat& sheet) {
-  std::vector<unsigned char> png;
-  if (!cv::imencode(".png", sheet, png)) throw Error(file.string(), "", "cannot be encoded");
-  writeTextFile(file, std::string(png.begin(), png.end()));
 }
 
 void sayWhere(const fs::path& folder) {
@@ -82,7 +76,7 @@ void compareOnGrid(const CompareOptions& options, const RunContext& context) {
 
   const fs::path folder = options.folder;
   story.results = compareFiducials(story.grid, map, *vehicle.camera, folder / "chunks");
-  writeSheet(folder / "contact_sheet.png", fiducialSheet(story.grid, map, *vehicle.camera));
+  writeTextFile(folder / "contact_sheet.png", pngBytes(fiducialSheet(story.grid, map, *vehicle.camera)));
   writeOutputs(story, folder);
   std::cout << story.grid.imageCount() << " images\n\n"
             << formatTable(overallTable(story)) << "\n"
@@ -158,7 +152,7 @@ void compareOnRecording(const CompareOptions& options, const RunContext& context
 
   const fs::path folder = options.folder;
   story.results = readRecordedFiducials(images, story.options, folder / "chunks");
-  writeSheet(folder / "contact_sheet.png", recordingSheet(images, story.options));
+  writeTextFile(folder / "contact_sheet.png", pngBytes(recordingSheet(images, story.options)));
   writeOutputs(story, folder);
   if (story.loss) std::cout << "the recording is damaged: " << describe(*story.loss) << "\n";
   std::cout << formatTable(readerTable(story)) << "\n" << formatTable(agreementTable(story));

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include "commands.h"
@@ -186,12 +185,6 @@ std::string fileName(std::string name) {
   return name;
 }
 
-void writePicture(const fs::path& target, const cv::Mat& picture) {
-  std::vector<unsigned char> png;
-  cv::imencode(".png", picture, png);
-  writeTextFile(target, std::string(png.begin(), png.end()));
-}
-
 void writeScene(const fs::path& target, const mrpt::opengl::COpenGLScene& scene) {
   PendingFile file(target);
   if (!scene.saveToFile(file.path().string())) throw Error(target.string(), "", "cannot be written");
@@ -209,7 +202,7 @@ void showMap(const ShowOptions& options) {
   const fs::path base = fs::path(options.folder) / fileName(name);
   const fs::path scene_file = base.string() + ".3Dscene", picture_file = base.string() + ".png";
   writeScene(scene_file, panelScene(panels));
-  writePicture(picture_file, pictureOf(panels, eye_panel));
+  writeTextFile(picture_file, pngBytes(pictureOf(panels, eye_panel)));
   std::cout << "wrote " << scene_file.string() << "\nwrote " << picture_file.string() << "\n";
 }
 

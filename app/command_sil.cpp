@@ -73,7 +73,8 @@ void sil(const SilCommandOptions& options, const RunContext& context) {
   const PairMeasurer known(options.sil.measures);  // complains of others before anything takes long
 
   const fs::path folder = options.folder;
-  const PosedImages images = posedImages(options.recording, world.panels, story.options.detection);
+  const PosedImages images =
+      posedImages(options.recording, world.panels, story.options.detection, world.effects);
   story.remarks = images.remarks;
   const PairMaker maker(world, story.options.pairs, story.options.detection);
   const SilTarget target = targetOf(story, folder);
@@ -134,7 +135,8 @@ void addSil(const RunContext& context) {
   command->add_option("--water", options->water, "Water and light to simulate with")
       ->type_name(values::kYaml)
       ->capture_default_str();
-  command->add_option("--calibration", options->calibration, "Effects to switch on")
+  command
+      ->add_option("--calibration", options->calibration, "Effects to switch on, as the recording had them")
       ->type_name(values::kYaml);
   command->add_option("--vehicle", options->vehicle, "Vehicle file (default: the one the recording names)")
       ->type_name(values::kYaml);

@@ -103,7 +103,7 @@ Json effectJson(const FoundEffect& effect, const DiagnosisStory& story) {
   json["sqrt_lambda"] = effect.sqrt_lambda;
   json["evidence"] = {{"heldout_log_likelihood_gain", effect.heldout_log_likelihood_gain},
                       {"bic_gain", effect.bic_gain},
-                      {"log_evidence", effect.log_evidence},
+                      {"support", effect.support},
                       {"log_likelihood_gain", effect.log_likelihood_gain}};
   json["interactions"] = interactionsJson(effect.interactions);
   return json;
@@ -132,7 +132,7 @@ Json alternativesJson(const DiagnosisStory& story) {
     }
     list.push_back({{"effects", ids},
                     {"candidates", candidates},
-                    {"log_evidence", set.log_evidence},
+                    {"support", set.support},
                     {"alignment", set.alignment},
                     {"advice", adviceJson(set.advice)}});
   }
@@ -187,7 +187,7 @@ Json testedJson(const DiagnosisStory& story) {
     json["dof"] = tested.dof;
     json["p_value"] = std::exp(tested.log_p);
     json["log_p"] = tested.log_p;
-    json["log_evidence"] = tested.log_evidence;
+    json["support"] = tested.support;
     json["kept"] = tested.kept;
     json["one_step"] = Json::object();
     for (const EffectEstimate& e : tested.one_step)

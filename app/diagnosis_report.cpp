@@ -121,9 +121,9 @@ void addEffects(const DiagnosisStory& story, HtmlReport& report) {
     report.paragraph(nameOf(effect.candidate) + ": " +
                      std::string(allEffects()[effect.candidate.effect].text.title) + ".");
   report.table(effectTable(story));
-  Table evidence{{"effect", "log evidence", "log likelihood", "on held-out stretches", "BIC"}, {}};
+  Table evidence{{"effect", "support", "log likelihood", "on held-out stretches", "BIC"}, {}};
   for (const FoundEffect& effect : effects)
-    evidence.rows.push_back({nameOf(effect.candidate), fixed(effect.log_evidence, 1),
+    evidence.rows.push_back({nameOf(effect.candidate), fixed(effect.support, 1),
                              fixed(effect.log_likelihood_gain, 1),
                              fixed(effect.heldout_log_likelihood_gain, 1), fixed(effect.bic_gain, 1)});
   report.table(evidence, "Gained over the model without it, all else estimated again.");
@@ -163,15 +163,16 @@ void addCandidates(const DiagnosisStory& story, HtmlReport& report) {
   const Diagnosis& d = story.diagnosis;
   if (d.tested.empty()) return;
   report.heading("What else was tried");
-  Table table{{"candidate", "log evidence", "chi-square", "dof", "p", "kept [%]"}, {}};
+  Table table{{"candidate", "support", "chi-square", "dof", "p", "kept [%]"}, {}};
   for (const TestedCandidate& t : d.tested) {
     if (table.rows.size() == kMostRows) break;
-    table.rows.push_back({nameOf(t.candidate), fixed(t.log_evidence, 1), fixed(t.statistic, 1),
+    table.rows.push_back({nameOf(t.candidate), fixed(t.support, 1), fixed(t.statistic, 1),
                           std::to_string(t.dof), probabilityText(t.log_p), fixed(100 * t.kept, 1)});
   }
   std::string caption =
-      "Each alone against the nominal model, best evidence first. Kept: what of it the path, biases and "
-      "offsets that are estimated anyway cannot imitate. p: for this candidate alone.";
+      "Each alone against the nominal model, best supported first. p: for this candidate alone. Support: -ln "
+      "p, what was expected before and having looked elsewhere accounted for. Kept: what of it the path, "
+      "biases and offsets that are estimated anyway cannot imitate.";
   if (d.tested.size() > table.rows.size())
     caption += print(" %zu more are in result.json.", d.tested.size() - table.rows.size());
   report.table(table, caption);
@@ -183,13 +184,13 @@ void addAlternatives(const DiagnosisStory& story, HtmlReport& report) {
   if (story.diagnosis.alternatives.empty()) return;
   report.heading("What this recording cannot tell apart");
   for (const Alternatives& set : story.diagnosis.alternatives) {
-    Table table{{"effect", "log evidence", "alignment", "what tells it apart"}, {}};
+    Table table{{"effect", "support", "alignment", "what tells it apart"}, {}};
     for (std::size_t i = 0; i < set.candidates.size(); ++i)
       table.rows.push_back({nameOf(set.candidates[i]),
-                            i < set.log_evidence.size() ? fixed(set.log_evidence[i], 1) : "-",
+                            i < set.support.size() ? fixed(set.support[i], 1) : "-",
                             i < set.alignment.size() ? fixed(set.alignment[i], 3) : "-",
                             std::string(allEffects()[set.candidates[i].effect].text.told_apart)});
-    report.table(table, "Log evidence against the first. Alignment: 1 is the same to this recording.");
+    report.table(table, "Support: against the first's. Alignment: 1 is the same to this recording.");
     if (!set.advice.manoeuvre.empty())
       report.paragraph(
           print("A manoeuvre that tells the first from the one most like it: %s. A minute of it makes them "

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 
-#include "core/error.h"
 #include "core/files.h"
 #include "core/text.h"
 #include "evaluation/statistics.h"
+#include "render/images.h"
 #include "report/html_report.h"
 
 namespace fathom {
@@ -156,12 +155,6 @@ void addMeasures(const SilStory& story, HtmlReport& report) {
   }
 }
 
-std::string jpegOf(const cv::Mat& picture) {
-  std::vector<unsigned char> bytes;
-  cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, 85});
-  return {bytes.begin(), bytes.end()};
-}
-
 HtmlReport reportOf(const SilStory& story) {
   const SilResults& results = story.results;
   HtmlReport report("Simulation in the loop: " + fs::path(story.recording).filename().string());
@@ -176,12 +169,13 @@ HtmlReport reportOf(const SilStory& story) {
       "Each recorded image beside what the forward model makes of the same moment: the robot's pose from "
       "the panel's markers, the panel of " +
       story.map + " rendered from there, seen through the water of " + story.water + ", " +
-      (story.options.pairs.noise ? "with" : "without") + " the camera's noise. Compared is " +
+      (story.options.pairs.noise ? "with" : "without") +
+      " the camera's noise, and through JPEG where the recorded image is one. Compared is " +
       regionText(story) + ".");
   addMeasures(story, report);
   report.heading("Pairs");
   report.picture(
-      jpegOf(story.sheet),
+      jpegBytes(story.sheet, 85),
       "Pairs spread over range. Residual: recorded minus simulated in linear light (luminance), blue " +
           print("down to -%g, white 0, orange up to +%g", story.options.residual.full_scale,
                 story.options.residual.full_scale) +
@@ -192,12 +186,6 @@ HtmlReport reportOf(const SilStory& story) {
   }
   report.footer(story.run);
   return report;
-}
-
-void writeSilSheet(const fs::path& file, const cv::Mat& sheet) {
-  std::vector<unsigned char> png;
-  if (!cv::imencode(".png", sheet, png)) throw Error(file.string(), "", "cannot be encoded");
-  writeTextFile(file, std::string(png.begin(), png.end()));
 }
 
 }  // namespace
@@ -226,7 +214,7 @@ Table unpairedTable(const SilStory& story) {
 void writeOutputs(const SilStory& story, const fs::path& folder) {
   writeTextFile(folder / "measures.csv", measuresCsv(story));
   writeTextFile(folder / "unpaired.csv", unpairedCsv(story));
-  writeSilSheet(folder / "contact_sheet.png", story.sheet);
+  writeTextFile(folder / "contact_sheet.png", pngBytes(story.sheet));
   writeJson(folder / "result.json", jsonOf(story));
   reportOf(story).write(folder / "report.html");
 }

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 
-#include "core/error.h"
 #include "core/files.h"
 #include "core/text.h"
+#include "render/images.h"
 #include "report/html_report.h"
 
 namespace fathom {
@@ -190,12 +189,6 @@ void addPanelPoses(const WaterStory& story, HtmlReport& report) {
       "interval of the mean; they agree where the difference is within both together.");
 }
 
-std::string pngOf(const cv::Mat& image) {
-  std::vector<unsigned char> png;
-  if (!cv::imencode(".png", image, png)) throw Error("waters.png", "", "cannot be encoded");
-  return {png.begin(), png.end()};
-}
-
 HtmlReport reportOf(const WaterStory& story, const std::string& sheet_png, const std::string& water) {
   const WaterStudy& study = story.study;
   HtmlReport report("The water of a recording: task T_E");
@@ -364,7 +357,7 @@ fs::path writeOutputs(const WaterStory& story, const fs::path& folder) {
       water.environment, "Water and light of " + fs::path(story.recording).filename().string() + " (" +
                              water.name + "), by fathom fit-water. Colours are linear red, green, blue.\n" +
                              "Form: config/water_clear.yaml.");
-  const std::string sheet_png = pngOf(story.study.sheet);
+  const std::string sheet_png = pngBytes(story.study.sheet);
   writeTextFile(water_file, text);
   writeTextFile(folder / "waters.png", sheet_png);
   writeJson(folder / "result.json", toJson(story));

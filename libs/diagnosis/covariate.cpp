@@ -38,11 +38,6 @@ std::vector<Covariate> allOf(BatchChannel channel) {
   return all;
 }
 
-/// 1/sigma of each row of a channel: its residual over its raw one.
-double perUnit(const RowInfo& row, double residual, double typical) {
-  return std::abs(row.raw) > 1e-12 && std::abs(residual) > 1e-12 ? residual / row.raw : typical;
-}
-
 }  // namespace
 
 std::vector<Covariate> covariatesOf(const Linearization& linear, BatchChannel channel) {
@@ -88,17 +83,12 @@ std::vector<Direction> directionsOf(const Linearization& linear, BatchChannel ch
     }
     return directions;
   }
-  double typical = 1 / std::max(1e-300, noiseUnit(linear, channel));
   for (int axis = 0; axis < 3; ++axis) {
     Direction direction{std::string(1, "xyz"[axis]), std::vector<double>(rows, 0)};
     bool any = false;
     for (std::size_t i = 0; i < rows; ++i)
       if (linear.rows[i].channel == channel && linear.rows[i].component == axis) {
-        direction.values[i] = std::sqrt(linear.rows[i].robust_weight) *
-                              std::abs(perUnit(linear.rows[i],
-                                               linear.residual[static_cast<Eigen::Index>(i)] /
-                                                   std::sqrt(linear.rows[i].robust_weight),
-                                               typical));
+        direction.values[i] = std::sqrt(linear.rows[i].robust_weight) * linear.rows[i].per_unit;
         any = true;
       }
     if (any) directions.push_back(std::move(direction));
@@ -129,15 +119,13 @@ ReadingUnit unitOf(BatchChannel channel) {
 }
 
 double noiseUnit(const Linearization& linear, BatchChannel channel) {
-  double raw = 0, residual = 0;
-  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
-    const RowInfo& row = linear.rows[i];
-    if (row.channel != channel) continue;
-    raw += row.raw * row.raw;
-    residual += linear.residual[static_cast<Eigen::Index>(i)] *
-                linear.residual[static_cast<Eigen::Index>(i)] / row.robust_weight;
-  }
-  return residual > 0 ? std::sqrt(raw / residual) : 0;
+  double variance = 0, rows = 0;
+  for (const RowInfo& row : linear.rows)
+    if (row.channel == channel) {
+      variance += 1 / (row.per_unit * row.per_unit);
+      ++rows;
+    }
+  return rows > 0 ? std::sqrt(variance / rows) : 0;
 }
 
 std::vector<double> binLimits(const Linearization& linear, BatchChannel channel, const Covariate& covariate) {

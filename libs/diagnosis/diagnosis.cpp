@@ -16,15 +16,15 @@ namespace {
 
 constexpr int kNoisePasses = 2;
 constexpr double kLogOdds = 8.0;        // ln of the odds against an effect besides another, before looking
-constexpr double kSameEvidence = 2.7;   // half of the 5.4 by which the right one loses once in a hundred
-constexpr double kContenderMargin = 8;  // ln evidence to first order, plus a share of the best's:
+constexpr double kSameSupport = 2.7;    // half of the 5.4 by which the right one loses once in a hundred
+constexpr double kContenderMargin = 8;  // ln p to first order, plus a share of the best's:
 constexpr double kContenderShare = 0.1;
 constexpr std::size_t kContenders = 5, kRivals = 4;
 constexpr double kConfirmed = 0.3;  // of the likelihood it gains, on stretches that it was not fitted to
 constexpr double kUnexplained_p = 0.01;
 constexpr double kDetectable = 18;   // information times prior variance: 5 % over the catalogue, power 90 %
 constexpr double kLeastShare = 0.2;  // of the catalogue to be within reach, for "none" to mean something
-constexpr double kMaterialTolerance_m = 0.002;
+constexpr double kMaterialTolerance_m = 0.001;
 
 /// The course of a diagnosis.
 class Course {
@@ -59,7 +59,7 @@ class Course {
     if (!fit.succeeded) return -1e300;
     double odds = oddsAgainst(fit.effects.size());
     for (const Candidate& effect : fit.effects) odds -= logPriorOf(effect, options_.segments);
-    return logEvidence(fit, nominal_) - odds;
+    return supportOver(fit, nominal_) - odds;
   }
   static double oddsAgainst(std::size_t effects) { return kLogOdds * (static_cast<double>(effects) - 1); }
   double segment_s() const { return (data_.last_s - data_.first_s) / options_.segments; }
@@ -156,9 +156,7 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
   const std::vector<TestedSet> sets = screening.bestSets(size, 200);
   std::optional<Refit> best;
   std::size_t tried = 0;
-  const auto adjusted = [](const TestedSet& set) {
-    return set.log_evidence - oddsAgainst(set.members.size());
-  };
+  const auto adjusted = [](const TestedSet& set) { return set.support - oddsAgainst(set.members.size()); };
   double largest = -1e300;
   for (const TestedSet& set : sets) largest = std::max(largest, adjusted(set));
   std::vector<TestedSet> order = sets;
@@ -213,7 +211,7 @@ void Course::attribute() {
       diagnosis_.tested = screening.candidates();
       std::stable_sort(
           diagnosis_.tested.begin(), diagnosis_.tested.end(),
-          [](const TestedCandidate& a, const TestedCandidate& b) { return a.log_evidence > b.log_evidence; });
+          [](const TestedCandidate& a, const TestedCandidate& b) { return a.support > b.support; });
     }
     if (alarm > options_.false_alarm) break;
     const std::size_t left = options_.max_effects - final_.effects.size();
@@ -221,6 +219,8 @@ void Course::attribute() {
     if (!best) break;
     Refit better = onlyNeeded(settled(std::move(*best)));
     if (!final_.effects.empty() && worth(better) <= worth(final_)) break;
+    // What has raised the alarm may be another than what is best supported.
+    if (screening.alarm(-supportOver(better, final_), options_.seed) > options_.false_alarm) break;
     if (leaveOutUnconfirmed(better)) continue;
     final_ = std::move(better);
   }
@@ -265,20 +265,19 @@ void Course::addAlternatives(std::size_t effect) {
   std::optional<std::size_t> own;
   std::vector<std::size_t> order;
   for (std::size_t m = 0; m < candidates.size(); ++m) {
-    if (isOwn(m) && (!own || candidates[m].log_evidence > candidates[*own].log_evidence)) own = m;
+    if (isOwn(m) && (!own || candidates[m].support > candidates[*own].support)) own = m;
     if (!isOwn(m)) order.push_back(m);
   }
   if (!own) return;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return candidates[a].log_evidence > candidates[b].log_evidence;
+    return candidates[a].support > candidates[b].support;
   });
   Alternatives set{{final_.effects[effect]}, {0}, {1}, {}};
   std::optional<Refit> like;
-  const double first_order = candidates[*own].log_evidence;
+  const double first_order = candidates[*own].support;
   std::size_t tried = 0;
   for (const std::size_t m : order) {
-    if (candidates[m].log_evidence <
-            first_order - kContenderMargin - kContenderShare * std::abs(first_order) ||
+    if (candidates[m].support < first_order - kContenderMargin - kContenderShare * std::abs(first_order) ||
         tried++ == kRivals)
       break;
     const bool listed =
@@ -290,9 +289,9 @@ void Course::addAlternatives(std::size_t effect) {
     const Refit rival = fit(rest, effects);
     if (!rival.succeeded) continue;
     const double difference = worth(rival) - worth(final_);
-    if (difference < -kSameEvidence) continue;
+    if (difference < -kSameSupport) continue;
     set.candidates.push_back(rival.effects.back());
-    set.log_evidence.push_back(difference);
+    set.support.push_back(difference);
     set.alignment.push_back(screening.alignment(*own, m));
     if (set.candidates.size() == 2) like = rival;
   }
@@ -315,7 +314,7 @@ FoundEffect Course::describe(std::size_t effect) {
   found.sqrt_lambda = sqrtLambda(final_, found.candidate.effect);
   const Refit rest = without(final_, effect);
   if (rest.succeeded) {
-    found.log_evidence = logEvidence(final_, rest);
+    found.support = supportOver(final_, rest);
     found.log_likelihood_gain = rest.cost - final_.cost;
     std::size_t rows = 0;
     for (const RowInfo& row : final_.model->linear().rows) rows += row.channel != BatchChannel::prior;

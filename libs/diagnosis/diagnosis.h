@@ -27,7 +27,7 @@ struct FoundEffect {
   Candidate candidate;
   std::vector<EffectEstimate> estimates;
   double sqrt_lambda = 0;          ///< its size in units of what the recording could resolve at best
-  double log_evidence = 0;         ///< against the model without it, everything refitted
+  double support = 0;              ///< -ln p against the model without it, everything refitted
   double log_likelihood_gain = 0;  ///< the same, of the best fits
   double bic_gain = 0;
   double heldout_log_likelihood_gain = 0;
@@ -37,7 +37,7 @@ struct FoundEffect {
 /// Effects among which the recording cannot choose: each explains what the first does.
 struct Alternatives {
   std::vector<Candidate> candidates;  ///< the effect stated, then those as good
-  std::vector<double> log_evidence;   ///< against the first, 0 or a little less
+  std::vector<double> support;        ///< against the first's, 0 or a little less
   std::vector<double> alignment;      ///< |cos| with the first: 1 is the same to this recording
   Advice advice;                      ///< for telling the first from the one most like it
 };
@@ -46,7 +46,7 @@ struct Diagnosis {
   Verdict verdict = Verdict::none;
   std::string why;  ///< a paragraph for a person
   NoiseModel noise;
-  std::vector<TestedCandidate> tested;  ///< at the nominal model, best evidence first
+  std::vector<TestedCandidate> tested;  ///< at the nominal model, best supported first
   /// Of the most improbable of all that were believed possible, having looked at all.
   double alarm_p = 1;
   std::string most_improbable;

@@ -226,7 +226,7 @@ class Placebo {
       A += fold.A_test.block(k, k, n, n);
       g += fold.g_test.col(draw).segment(k, n);
     }
-    return logBayesFactor(A, g, sigma_.segment(k, n));
+    return support(A, g, sigma_.segment(k, n));
   }
   double gainOf(std::size_t c, Eigen::Index draw) const {
     const Eigen::Index k = first_[c], n = size_[c];

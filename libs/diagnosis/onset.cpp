@@ -9,9 +9,9 @@ namespace fathom {
 namespace {
 
 constexpr double kFinest_s = 0.1;
-constexpr double kBetter = 5.0;  // ln evidence, for having looked at so many intervals
+constexpr double kBetter = 5.0;  // ln p, for having looked at so many intervals
 
-/// ln of the Bayes factor of each.
+/// -ln p of each.
 std::vector<double> evidences(const WhitenedModel& model, const std::vector<Candidate>& candidates) {
   const Reduced reduced = model.reduce(candidates);
   std::vector<double> evidences;
@@ -22,8 +22,8 @@ std::vector<double> evidences(const WhitenedModel& model, const std::vector<Cand
     Eigen::VectorXd prior(size);
     for (Eigen::Index k = 0; k < size; ++k)
       prior[k] = model.linear().columns[columns[static_cast<std::size_t>(k)]].prior_sigma;
-    evidences.push_back(logBayesFactor(reduced.gram.block(first, first, size, size),
-                                       reduced.score.segment(first, size), prior));
+    evidences.push_back(
+        support(reduced.gram.block(first, first, size, size), reduced.score.segment(first, size), prior));
     first += size;
   }
   return evidences;

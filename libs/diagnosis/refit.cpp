@@ -1,9 +1,10 @@
 #include "diagnosis/refit.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 #include <stdexcept>
+
+#include "core/chi_square.h"
 
 namespace fathom {
 namespace {
@@ -39,10 +40,8 @@ void finish(Refit& fit) {
     fit.estimates[i].sigma = std::sqrt(fit.covariance(k, k));
     fit.estimate.state.effects.values[fit.estimates[i].scalar] = fit.estimates[i].value;
   }
-  const Eigen::VectorXd prior = priorsOf(fit);
-  const Eigen::MatrixXd scaled =
-      prior.cwiseInverse().asDiagonal() * fit.covariance * prior.cwiseInverse().asDiagonal();
-  fit.log_occam = Eigen::MatrixXd(scaled.llt().matrixL()).diagonal().array().log().sum();
+  const Eigen::VectorXd precision = priorsOf(fit).array().square().inverse();
+  fit.freedom = static_cast<double>(columns.size()) - precision.dot(fit.covariance.diagonal());
 }
 
 }  // namespace
@@ -71,8 +70,9 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
   return fit;
 }
 
-double logEvidence(const Refit& fit, const Refit& against) {
-  return (against.cost - against.log_occam) - (fit.cost - fit.log_occam);
+double supportOver(const Refit& fit, const Refit& fewer) {
+  const double freedom = fit.freedom - fewer.freedom;
+  return freedom > 1e-6 ? -chiSquareLogTail(freedom, 2 * (fewer.cost - fit.cost)) : 0;
 }
 
 double sqrtLambda(const Refit& fit, std::size_t effect) {

@@ -18,16 +18,15 @@ struct Refit {
   std::vector<EffectEstimate> estimates;       ///< of the effects, for the noise as it is
   Eigen::MatrixXd covariance;                  ///< of `estimates`
   double cost = 0;                             ///< half the sum of squares, priors and robust loss in it
-  /// ln of the prior-weighted volume that the data leave of the parameters: what flexibility costs.
-  double log_occam = 0;
+  double freedom = 0;  ///< parameters of the effects that the readings determine, not their priors
 };
 
 /// Everything estimated from where another fit ended; `base`: with the effects known already.
 Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions& base,
             const std::vector<Candidate>& effects, const NoiseModel& noise);
 
-/// ln of the Bayes factor of a fit against another.
-double logEvidence(const Refit& fit, const Refit& against);
+/// -ln of the probability that a fit's likelihood exceeds that of one with fewer effects so much by chance.
+double supportOver(const Refit& fit, const Refit& fewer);
 
 /// Sizes of each effect in units of what the recording can resolve: sqrt(value^T information value).
 double sqrtLambda(const Refit& fit, std::size_t effect);

@@ -39,12 +39,13 @@ double logPriorOf(const Candidate& candidate, int segments) {
   return candidate.isForGood() ? 0 : -kForAPart - std::log(0.5 * n * (n + 1));
 }
 
-double logBayesFactor(const Eigen::MatrixXd& A, const Eigen::VectorXd& g,
-                      const Eigen::VectorXd& prior_sigma) {
+double support(const Eigen::MatrixXd& A, const Eigen::VectorXd& g, const Eigen::VectorXd& prior_sigma) {
   const Eigen::MatrixXd S = prior_sigma.asDiagonal();
-  const Eigen::LLT<Eigen::MatrixXd> M(Eigen::MatrixXd::Identity(A.rows(), A.rows()) + S * A * S);
-  const Eigen::VectorXd scaled = S * g;
-  return 0.5 * scaled.dot(M.solve(scaled)) - Eigen::MatrixXd(M.matrixL()).diagonal().array().log().sum();
+  const Eigen::MatrixXd scaled = S * A * S;
+  const Eigen::LLT<Eigen::MatrixXd> M(Eigen::MatrixXd::Identity(A.rows(), A.rows()) + scaled);
+  const double freedom = M.solve(scaled).trace();
+  const Eigen::VectorXd own = S * g;
+  return freedom > 1e-6 ? -chiSquareLogTail(freedom, own.dot(M.solve(own))) : 0;
 }
 
 Information::Information(const Eigen::MatrixXd& A, const Eigen::VectorXd& norms)
@@ -77,8 +78,7 @@ Screening::Screening(const WhitenedModel& model, int segments, const std::set<st
     }
     for (std::size_t i = 0; i < all.size(); ++i) {
       const bool for_good = tested[i].candidate.isForGood() && !tested[i].candidate.time_s;
-      if (!for_good && tested[i].dof > 0 && (!best || tested[i].log_evidence > tested[*best].log_evidence))
-        best = i;
+      if (!for_good && tested[i].dof > 0 && (!best || tested[i].support > tested[*best].support)) best = i;
       if (!for_good || tested[i].dof == 0) continue;
       tested_.push_back(tested[i]);
       runs_.push_back(all[i]);
@@ -95,7 +95,7 @@ Screening::Screening(const WhitenedModel& model, int segments, const std::set<st
     if (t.candidate.marker_id) ++markers[t.candidate.effect];
   for (std::size_t i = 0; i < tested_.size(); ++i) {
     if (tested_[i].candidate.marker_id) log_prior_[i] -= std::log(markers[tested_[i].candidate.effect]);
-    tested_[i].log_evidence += log_prior_[i];
+    tested_[i].support += log_prior_[i];
   }
   combine();
 }
@@ -251,7 +251,7 @@ TestedCandidate Screening::test(const Test& test) const {
   if (tested.dof == 0) return tested;
   tested.statistic = g.dot(information.inverse * g);
   tested.log_p = chiSquareLogTail(tested.dof, tested.statistic);
-  tested.log_evidence = logBayesFactor(A, g, priorOf(run));
+  tested.support = fathom::support(A, g, priorOf(run));
   tested.kept = std::sqrt(std::max(0.0, A.trace()) / normsOf(run).squaredNorm());
   const Eigen::VectorXd value = information.inverse * g;
   for (Eigen::Index k = 0; k < family.size; ++k)
@@ -261,7 +261,7 @@ TestedCandidate Screening::test(const Test& test) const {
   return tested;
 }
 
-double Screening::logEvidence(const std::vector<std::size_t>& members) const {
+double Screening::supportOf(const std::vector<std::size_t>& members) const {
   Eigen::Index size = 0;
   for (const std::size_t m : members) size += families_[runs_[m].family].size;
   Eigen::MatrixXd A(size, size);
@@ -281,14 +281,12 @@ double Screening::logEvidence(const std::vector<std::size_t>& members) const {
     prior += log_prior_[a];
     row += rows;
   }
-  return logBayesFactor(A, g, sigma) + prior;
+  return support(A, g, sigma) + prior;
 }
 
 std::vector<TestedSet> Screening::bestSets(std::size_t size, std::size_t count) const {
   std::vector<TestedSet> all, latest{{{}, 0}};
-  const auto byEvidence = [](const TestedSet& a, const TestedSet& b) {
-    return a.log_evidence > b.log_evidence;
-  };
+  const auto byEvidence = [](const TestedSet& a, const TestedSet& b) { return a.support > b.support; };
   for (std::size_t k = 1; k <= size; ++k) {
     std::map<std::vector<std::size_t>, double> grown;
     for (const TestedSet& set : latest)
@@ -299,7 +297,7 @@ std::vector<TestedSet> Screening::bestSets(std::size_t size, std::size_t count) 
         if (there) continue;
         std::vector<std::size_t> members = set.members;
         members.insert(std::upper_bound(members.begin(), members.end(), m), m);
-        if (!grown.contains(members)) grown[members] = logEvidence(members);
+        if (!grown.contains(members)) grown[members] = supportOf(members);
       }
     latest.clear();
     for (const auto& [members, evidence] : grown) latest.push_back({members, evidence});

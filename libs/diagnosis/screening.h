@@ -24,9 +24,9 @@ struct TestedCandidate {
   Candidate candidate;
   double statistic = 0;  ///< score statistic: chi-square of `dof` where the effect is not there
   int dof = 0;
-  double log_p = 0;         ///< ln of its probability where nothing is missing, for this candidate alone
-  double log_evidence = 0;  ///< ln of the Bayes factor against "not there", with its parameters' priors
-  double kept = 0;          ///< |P C| / |C|: what the nuisances leave of it
+  double log_p = 0;    ///< ln of its probability where nothing is missing, for this candidate alone
+  double support = 0;  ///< -ln p, prior and looking elsewhere accounted for
+  double kept = 0;     ///< |P C| / |C|: what the nuisances leave of it
   std::vector<EffectEstimate> one_step;  ///< its parameters so
 };
 
@@ -37,7 +37,7 @@ double logPriorOf(const Candidate& candidate, int segments);
 /// Candidates that are on together.
 struct TestedSet {
   std::vector<std::size_t> members;  ///< in Screening::candidates()
-  double log_evidence = 0;
+  double support = 0;
 };
 
 class Screening {
@@ -89,7 +89,7 @@ class Screening {
   Eigen::VectorXd scoreOf(const Run& run, const Eigen::VectorXd& score) const;
   Eigen::VectorXd priorOf(const Run& run) const;
   TestedCandidate test(const Test& test) const;
-  double logEvidence(const std::vector<std::size_t>& members) const;
+  double supportOf(const std::vector<std::size_t>& members) const;
 
   const WhitenedModel& model_;
   Eigen::SparseMatrix<double> columns_;  // of all families, whitened
@@ -105,7 +105,9 @@ class Screening {
   std::vector<double> log_prior_;  // of the tested ones: an interval is one of many
 };
 
-/// ln of the Bayes factor of parameters with a normal prior against zero: information A, score g.
-double logBayesFactor(const Eigen::MatrixXd& A, const Eigen::VectorXd& g, const Eigen::VectorXd& prior_sigma);
+/// -ln of the probability that parameters of no effect raise the likelihood so much: information A, score g.
+/// With a normal prior, which keeps sizes that nobody would expect from counting, and of parameters that the
+/// readings do not determine, the freedom.
+double support(const Eigen::MatrixXd& A, const Eigen::VectorXd& g, const Eigen::VectorXd& prior_sigma);
 
 }  // namespace fathom

@@ -4,6 +4,7 @@
 
 #include "effects/effect_text.h"
 #include "effects/parameter.h"
+#include "effects/rotation_vector.h"
 #include "effects/stages.h"
 
 namespace fathom {
@@ -29,8 +30,7 @@ struct CameraMisalignment {
                                                    .usual = "rotation vector, camera frame, within 2 deg"}};
   template <class T>
   static void apply(const T* p, Stage<T>& mounting) {
-    const Vector3<T> rotation(p[0], p[1], p[2]);
-    mounting.R_robot_sensor = mounting.R_robot_sensor * expSO3<T>(rotation * T(radians(1.0)));
+    mounting.R_robot_sensor = mounting.R_robot_sensor * rotationFromDegrees<T>({p[0], p[1], p[2]});
   }
 };
 

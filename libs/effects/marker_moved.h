@@ -6,6 +6,7 @@
 #include "core/scalar.h"
 #include "effects/effect_text.h"
 #include "effects/parameter.h"
+#include "effects/rotation_vector.h"
 #include "effects/stages.h"
 
 namespace fathom {
@@ -44,8 +45,7 @@ struct MarkerMoved {
   static void apply(const T* p, Stage<T>& marker) {
     if (static_cast<int>(std::lround(valueOf(p[0]))) != marker.id) return;
     marker.position_panel += Vector3<T>(p[1], p[2], p[3]);
-    const Vector3<T> rotation(T(0), T(0), p[4] * T(radians(1.0)));
-    marker.R_panel_marker = expSO3<T>(rotation) * marker.R_panel_marker;
+    marker.R_panel_marker = rotationFromDegrees<T>({T(0), T(0), p[4]}) * marker.R_panel_marker;
   }
 };
 

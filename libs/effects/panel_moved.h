@@ -5,6 +5,7 @@
 #include "core/scalar.h"
 #include "effects/effect_text.h"
 #include "effects/parameter.h"
+#include "effects/rotation_vector.h"
 #include "effects/stages.h"
 
 namespace fathom {
@@ -41,9 +42,8 @@ struct PanelMoved {
   template <class T>
   static void apply(const T* p, Stage<T>& panel) {
     if (panel.t_s < valueOf(p[0])) return;
-    const Vector3<T> rotation(p[4], p[5], p[6]);
     panel.position_odom += panel.R_odom_panel * Vector3<T>(p[1], p[2], p[3]);
-    panel.R_odom_panel = panel.R_odom_panel * expSO3<T>(rotation * T(radians(1.0)));
+    panel.R_odom_panel = panel.R_odom_panel * rotationFromDegrees<T>({p[4], p[5], p[6]});
   }
 };
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/evenly.h"
+
 namespace fathom {
 namespace {
 
@@ -13,10 +15,6 @@ constexpr double kRangeWeight = 3, kPlaceWeight = 0.5;
 
 using Features = Eigen::Matrix<double, 5, 1>;
 
-double range_m(const PosedImage& image, const std::vector<PanelMap>& panels) {
-  return (image.T_odom_camera.position - panels[image.panel].T_odom_panel.position).norm();
-}
-
 bool isCertain(const PosedImage& image, const std::vector<PanelMap>& panels, double largest_share) {
   const double variance = image.T_odom_robot.covariance.topLeftCorner<3, 3>().trace();
   return std::sqrt(variance) <= largest_share * range_m(image, panels);
@@ -25,17 +23,17 @@ bool isCertain(const PosedImage& image, const std::vector<PanelMap>& panels, dou
 /// Logarithm of the range, direction to the camera from the panel, the panel's place in the image.
 Features featuresOf(const PosedImage& image, const std::vector<PanelMap>& panels) {
   const Pose& T_odom_panel = panels[image.panel].T_odom_panel;
-  const Vector3d camera_panel = T_odom_panel.inverse() * image.T_odom_camera.position;
-  const Vector3d panel_camera = image.T_odom_camera.inverse() * T_odom_panel.position;
+  const Vector3d camera_panel = T_odom_panel.inverse() * image.T_odom_camera().position;
+  const Vector3d panel_camera = image.T_odom_camera().inverse() * T_odom_panel.position;
   Features features;
   features << kRangeWeight * std::log(camera_panel.norm()), camera_panel.head<2>() / camera_panel.norm(),
       kPlaceWeight * panel_camera.head<2>() / panel_camera.norm();
   return features;
 }
 
-/// So many of the candidates; see chooseImages().
-std::vector<std::size_t> spread(const std::vector<std::size_t>& candidates, std::size_t count,
-                                const std::vector<PosedImage>& posed, const std::vector<PanelMap>& panels) {
+/// So many of the candidates, each the farthest from all before; see chooseImages().
+std::vector<std::size_t> farApart(const std::vector<std::size_t>& candidates, std::size_t count,
+                                  const std::vector<PosedImage>& posed, const std::vector<PanelMap>& panels) {
   std::vector<Features> features;
   for (const std::size_t i : candidates) features.push_back(featuresOf(posed[i], panels));
   std::vector<double> distance(candidates.size(), std::numeric_limits<double>::infinity());
@@ -52,14 +50,6 @@ std::vector<std::size_t> spread(const std::vector<std::size_t>& candidates, std:
     next = std::max_element(distance.begin(), distance.end()) - distance.begin();
   }
   std::sort(chosen.begin(), chosen.end());
-  return chosen;
-}
-
-std::vector<std::size_t> evenly(const std::vector<std::size_t>& candidates, std::size_t count) {
-  if (candidates.size() <= count) return candidates;
-  std::vector<std::size_t> chosen;
-  for (std::size_t k = 0; k < count; ++k)
-    chosen.push_back(candidates[(2 * k + 1) * candidates.size() / (2 * count)]);
   return chosen;
 }
 
@@ -81,7 +71,7 @@ ImageChoice chooseImages(const std::vector<PosedImage>& posed, const std::vector
     const bool held_out = stretch % options.held_out_every == options.held_out_every / 2;
     (held_out ? to_judge : to_fit).push_back(certain[k]);
   }
-  choice.fitted = spread(to_fit, options.images, posed, panels);
+  choice.fitted = farApart(to_fit, options.images, posed, panels);
   choice.held_out = evenly(to_judge, options.held_out);
   return choice;
 }

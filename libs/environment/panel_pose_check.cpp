@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "core/evenly.h"
 #include "core/for_each.h"
 #include "evaluation/recorded_fiducials.h"
 
@@ -26,15 +27,13 @@ struct TruePose {
 std::vector<TruePose> truePoses(const fs::path& rawlog, const std::vector<PosedImage>& posed,
                                 const PanelMap& panel, std::size_t count) {
   const auto truth = truthByImage(rawlog);
-  std::vector<TruePose> all, some;
+  std::vector<TruePose> all;
   for (const PosedImage& image : posed) {
     const auto known = truth.find(image.image.file);
     if (known == truth.end() || image.eye != 0) continue;
     all.push_back({&image, panel.T_odom_panel.inverse() * known->second * image.T_robot_camera});
   }
-  for (std::size_t k = 0; k < std::min(count, all.size()); ++k)
-    some.push_back(all[(2 * k + 1) * all.size() / (2 * std::min(count, all.size()))]);
-  return some;
+  return evenly(all, count);
 }
 
 MeanScore meanError(const std::vector<PanelViewResult>& results, const PanelPoseCheck& check,

@@ -3,7 +3,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/text.h"
-#include "render/images.h"
 #include "sensors/image_model.h"
 
 namespace fathom {
@@ -106,10 +105,6 @@ std::string whyUnusable(const PatchSet& set) {
 }
 
 }  // namespace
-
-cv::Mat cosinesOf(const CameraModel& camera) {
-  return depthAlongAxis(cv::Mat::ones(camera.height_px, camera.width_px, CV_32FC1), camera);
-}
 
 PatchSet patchesOf(const cv::Mat& image, const View& clean, const cv::Mat& mask, const cv::Mat& z_per_range,
                    const CameraSheet& sheet, const PatchOptions& options) {

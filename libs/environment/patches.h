@@ -43,7 +43,4 @@ struct PatchSet {
 PatchSet patchesOf(const cv::Mat& image, const View& clean, const cv::Mat& mask, const cv::Mat& z_per_range,
                    const CameraSheet& sheet, const PatchOptions& options = {});
 
-/// Cosine of each pixel's line of sight to the optical axis; CV_32FC1.
-cv::Mat cosinesOf(const CameraModel& camera);
-
 }  // namespace fathom

@@ -29,8 +29,4 @@ class WaterCamera {
   std::uint64_t seed_;
 };
 
-/// The quality (1 to 100) with which libjpeg wrote a file, from its table of luminance; nothing where it is
-/// no JPEG file. To one or two; of other encoders, that which has about the same table.
-std::optional<int> jpegQuality(const std::filesystem::path& file);
-
 }  // namespace fathom

@@ -6,17 +6,17 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
 #include "core/error.h"
-#include "core/files.h"
+#include "core/evenly.h"
 #include "core/for_each.h"
 #include "core/text.h"
 #include "evaluation/contact_sheet.h"
-#include "evaluation/input_fingerprints.h"
+#include "fiducials/jpeg.h"
 #include "fiducials/one_opencv_thread.h"
+#include "sensors/fingerprints.h"
 #include "sil/pair_picture.h"
 
 namespace fathom {
@@ -29,17 +29,13 @@ constexpr int kTile_px = 320;
 
 // ---- synchronized pixels
 
-double distance_m(const PosedImage& image, const PairMaker& maker) {
-  return (image.T_odom_camera.position - maker.world().panels[image.panel].T_odom_panel.position).norm();
-}
-
 /// Pixels by which pose and blur may move or smear an edge, and one or two for JPEG and rounding.
-int margin_px(const PosedImage& image, double distance_m) {
+int margin_px(const PosedImage& image, double range) {
   double blur_px = 0;
   for (const Detection& detection : image.detections)
     if (std::isfinite(detection.blur_sigma_px)) blur_px = std::max(blur_px, detection.blur_sigma_px);
   const double position_m = std::sqrt(image.T_odom_robot.covariance.topLeftCorner<3, 3>().trace());
-  const double pose_px = image.image.camera.fx_px * position_m / distance_m;
+  const double pose_px = image.image.camera.fx_px * position_m / range;
   return std::clamp(static_cast<int>(std::ceil(1.5 + 2 * blur_px + 3 * pose_px)), 2, 8);
 }
 
@@ -53,7 +49,7 @@ OneImage patchesFrom(const PosedImage& posed, const PairMaker& maker, const cv::
   try {
     const CleanPair pair = maker.clean(posed);
     PatchOptions options;
-    options.margin_px = margin_px(posed, distance_m(posed, maker));
+    options.margin_px = margin_px(posed, range_m(posed, maker.world().panels));
     CameraSheet sheet = maker.camera();
     sheet.bits = 8;
     one.set = patchesOf(pair.recorded, pair.clean, pair.panel_mask, z_per_range, sheet, options);
@@ -72,13 +68,13 @@ class Cameras {
   Cameras(const std::vector<PosedImage>& posed, const PairMaker& maker, std::optional<int> jpeg_quality,
           std::uint64_t seed) {
     for (const PosedImage& image : posed) {
-      auto& camera = cameras_[fingerprintOf(image.image.camera)];
+      auto& camera = cameras_[fingerprintOf(image.camera.lens)];
       if (!camera)
-        camera = std::make_unique<WaterCamera>(maker.camera(), image.image.camera, jpeg_quality, seed);
+        camera = std::make_unique<WaterCamera>(maker.camera(), image.camera.lens, jpeg_quality, seed);
     }
   }
   const WaterCamera& of(const PosedImage& image) const {
-    return *cameras_.at(fingerprintOf(image.image.camera));
+    return *cameras_.at(fingerprintOf(image.camera.lens));
   }
 
  private:
@@ -92,17 +88,15 @@ struct Studio {
   Cameras cameras;
   FsimComparer fsim;
   const WaterStudyOptions& options;
+
+  double range(std::size_t image) const { return range_m(posed[image], maker.world().panels); }
 };
 
 /// So many of the images, spread evenly over range, nearest first.
 std::vector<std::size_t> byRange(std::vector<std::size_t> images, std::size_t count, const Studio& studio) {
-  std::stable_sort(images.begin(), images.end(), [&](std::size_t a, std::size_t b) {
-    return distance_m(studio.posed[a], studio.maker) < distance_m(studio.posed[b], studio.maker);
-  });
-  if (images.size() <= count) return images;
-  std::vector<std::size_t> some;
-  for (std::size_t k = 0; k < count; ++k) some.push_back(images[(2 * k + 1) * images.size() / (2 * count)]);
-  return some;
+  std::stable_sort(images.begin(), images.end(),
+                   [&](std::size_t a, std::size_t b) { return studio.range(a) < studio.range(b); });
+  return evenly(images, count);
 }
 
 // ---- the paper's search
@@ -161,7 +155,7 @@ cv::Mat sheetOf(const std::vector<std::size_t>& images, const Studio& studio, co
     const PosedImage& posed = studio.posed[i];
     const WaterCamera& camera = studio.cameras.of(posed);
     const CleanPair pair = studio.maker.clean(posed);
-    SheetRow row{{print("%.1f m", distance_m(posed, studio.maker))}, {tile(pair.recorded, camera.sheet())}};
+    SheetRow row{{print("%.1f m", studio.range(i))}, {tile(pair.recorded, camera.sheet())}};
     for (const WaterCandidate& candidate : study.candidates)
       row.tiles.push_back(
           tile(camera.image(pair.clean, candidate.environment, posed.number), camera.sheet()));
@@ -192,10 +186,6 @@ void requireImages(const fs::path& rawlog, const SynchronizedImages& synchronize
       "only " + count + " images can be fitted on; " + first.file.filename().string() + ": " + first.why);
 }
 
-Vector3d colourOf(const nlohmann::json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
-}
-
 }  // namespace
 
 SynchronizedImages synchronize(const std::vector<PosedImage>& posed, const std::vector<std::size_t>& images,
@@ -203,13 +193,13 @@ SynchronizedImages synchronize(const std::vector<PosedImage>& posed, const std::
   const OneOpenCvThread one_thread;
   std::map<std::string, cv::Mat> z_per_range;
   for (const std::size_t i : images) {
-    cv::Mat& cosines = z_per_range[fingerprintOf(posed[i].image.camera)];
-    if (cosines.empty()) cosines = cosinesOf(posed[i].image.camera);
+    cv::Mat& cosines = z_per_range[fingerprintOf(posed[i].camera.lens)];
+    if (cosines.empty()) cosines = cosinesOf(posed[i].camera.lens);
   }
   std::vector<OneImage> each(images.size());
   forEachIndex(images.size(), "rendering where images were taken", [&](std::size_t k) {
     const PosedImage& image = posed[images[k]];
-    each[k] = patchesFrom(image, maker, z_per_range.at(fingerprintOf(image.image.camera)));
+    each[k] = patchesFrom(image, maker, z_per_range.at(fingerprintOf(image.camera.lens)));
   });
   SynchronizedImages result;
   for (std::size_t k = 0; k < images.size(); ++k) {
@@ -235,6 +225,10 @@ WaterStudy studyWater(const fs::path& rawlog, const PosedImages& images, const P
   study.images = images.posed.size() + images.unposed.size();
   study.posed = images.posed.size();
   study.remarks = images.remarks;
+  if (const auto panels = maker.world().panels.size(); panels > 1)
+    study.remarks.push_back(
+        "panel poses (task T_P) are not checked: that takes a map of one panel, this one has " +
+        std::to_string(panels));
   study.choice = chooseImages(images.posed, maker.world().panels, options.choice);
   study.synchronized = synchronize(images.posed, study.choice.fitted, maker);
   requireImages(rawlog, study.synchronized);
@@ -260,21 +254,6 @@ WaterStudy studyWater(const fs::path& rawlog, const PosedImages& images, const P
   study.panel_poses =
       checkPanelPoses(rawlog, images.posed, maker.world(), study.recommendedWater().environment, poses);
   return study;
-}
-
-std::optional<Environment> trueEnvironment(const fs::path& rawlog) {
-  const fs::path file = rawlog.parent_path() / (rawlog.stem().string() + "_simulation.json");
-  if (!fs::exists(file)) return std::nullopt;
-  try {
-    const auto json = nlohmann::json::parse(readTextFile(file));
-    if (!json.contains("environment")) return std::nullopt;
-    const auto& known = json.at("environment");
-    return Environment{{colourOf(known.at("attenuation_per_m")), colourOf(known.at("veil"))},
-                       colourOf(known.at("ambient")),
-                       {}};
-  } catch (const nlohmann::json::exception& problem) {
-    throw Error(file.string(), "", std::string("does not tell the water: ") + problem.what());
-  }
 }
 
 std::string formatEnvironment(const Environment& environment, const std::string& comment) {

@@ -64,10 +64,6 @@ SynchronizedImages synchronize(const std::vector<PosedImage>& posed, const std::
 WaterStudy studyWater(const std::filesystem::path& rawlog, const PosedImages& images, const PairMaker& maker,
                       const WaterStudyOptions& options);
 
-/// What stands in NAME_simulation.json beside a simulated recording; nothing where there is none. Throws
-/// Error.
-std::optional<Environment> trueEnvironment(const std::filesystem::path& rawlog);
-
 /// A water file that readEnvironment() takes; `comment` becomes its first lines.
 std::string formatEnvironment(const Environment& environment, const std::string& comment);
 

@@ -123,6 +123,7 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
     for (Eigen::Index k = 0; k < r.size(); ++k) {
       info.component = static_cast<int>(k);
       info.raw = raw[k];
+      info.per_unit = 1 / cost.raw(Eigen::VectorXd::Unit(r.size(), k))[k];
       if (info.marker >= 0) setCorner(info, data.markers[static_cast<std::size_t>(info.marker)]);
       linear.rows[static_cast<std::size_t>(first[i] + k)] = info;
     }

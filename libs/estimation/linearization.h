@@ -17,6 +17,7 @@ struct RowInfo {
   std::size_t reading = 0;   ///< rows of one reading have this in common
   int track = -1;            ///< index in Linearization::tracks; -1: a prior
   double raw = 0;            ///< reading - prediction in the reading's unit
+  double per_unit = 0;       ///< residual by raw: one over the sigma
   double robust_weight = 1;  ///< Huber's weight of its reading, on the squared residual
 
   // The motion of the robot then.

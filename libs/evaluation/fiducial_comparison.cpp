@@ -12,9 +12,10 @@
 #include "core/text.h"
 #include "evaluation/chunk_store.h"
 #include "evaluation/family_swap.h"
-#include "evaluation/input_fingerprints.h"
 #include "evaluation/timed_detection.h"
 #include "fiducials/one_opencv_thread.h"
+#include "sensors/fingerprints.h"
+#include "sensors/image_model.h"
 
 namespace fathom {
 namespace {

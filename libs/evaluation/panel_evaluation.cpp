@@ -1,11 +1,13 @@
 #include "evaluation/panel_evaluation.h"
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <Eigen/Cholesky>
 #include <functional>
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include "core/for_each.h"
+#include "fiducials/jpeg.h"
 #include "fiducials/single_marker_pose.h"
 
 namespace fathom {
@@ -36,13 +38,6 @@ std::unique_ptr<Detector> detectorFor(const PanelMap& map, const CameraModel& ca
   if (!options.fallback || readable.empty()) return first;
   return std::make_unique<FallbackDetector>(
       std::move(first), makeDetector(otherThan(options.backend), readable, detector), map.markers.size());
-}
-
-cv::Mat asStored(const cv::Mat& image, const PanelEvaluationOptions& options) {
-  if (!options.jpeg_quality) return image;
-  std::vector<unsigned char> bytes;
-  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, *options.jpeg_quality});
-  return cv::imdecode(bytes, cv::IMREAD_COLOR);
 }
 
 /// Means by which the methods compare: over the views in which both have a pose.
@@ -142,7 +137,7 @@ std::vector<PanelViewResult> evaluatePanel(const PanelMap& map, const Vehicle& v
     const Pose T_panel_camera = result.view.T_panel_camera();
     result.markers_whole = wholeMarkers(map, camera, T_panel_camera);
     const auto detections =
-        detectors.local()->detect(asStored(studio.image(result.view, options.seed), options));
+        detectors.local()->detect(throughJpeg(studio.image(result.view, options.seed), options.jpeg_quality));
     judge(detections, map, camera, T_panel_camera.inverse(), result);
   };
 

@@ -11,12 +11,13 @@
 #include "core/for_each.h"
 #include "core/text.h"
 #include "evaluation/chunk_store.h"
-#include "evaluation/input_fingerprints.h"
 #include "evaluation/timed_detection.h"
 #include "fiducials/image_file.h"
 #include "fiducials/one_opencv_thread.h"
+#include "fiducials/single_marker_pose.h"
 #include "recording/recorded_camera.h"
 #include "render/renderer.h"
+#include "sensors/fingerprints.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -55,21 +56,6 @@ Tools& toolsFor(const CameraModel& camera, const RecordedFiducialsOptions& optio
   return entry->second;
 }
 
-bool isOnMap(const Detection& detection, const PanelMap& map) {
-  return std::any_of(map.markers.begin(), map.markers.end(), [&](const Marker& marker) {
-    return marker.family == detection.family && marker.id == detection.id;
-  });
-}
-
-cv::Mat readChecked(const RecordedImage& image) {
-  cv::Mat pixels = readImage(image.file);
-  if (pixels.cols != image.camera.width_px || pixels.rows != image.camera.height_px)
-    throw Error(image.file.string(), "",
-                print("is of %d x %d pixels, its camera of %d x %d", pixels.cols, pixels.rows,
-                      image.camera.width_px, image.camera.height_px));
-  return pixels;
-}
-
 Pose T_panel_camera(const RecordedImage& image, const PanelMap& map) {
   return map.T_odom_panel.inverse() * *image.T_odom_robot * image.T_robot_camera;
 }
@@ -83,7 +69,7 @@ std::optional<std::vector<MarkerPlace>> placesIn(const RecordedImage& image,
 }
 
 RecordedResult read(const RecordedImage& image, const RecordedFiducialsOptions& options, Tools& tools) {
-  const cv::Mat pixels = readChecked(image);
+  const cv::Mat pixels = readImage(image.file, image.camera);
   const auto places = placesIn(image, options, tools);
   RecordedResult result;
   result.truth_known = places.has_value();
@@ -96,7 +82,7 @@ RecordedResult read(const RecordedImage& image, const RecordedFiducialsOptions& 
     reading.detect_s = timed.cpu_s;
     if (options.map)
       for (const Detection& detection : timed.detections)
-        reading.not_on_map += isOnMap(detection, *options.map) ? 0 : 1;
+        reading.not_on_map += markerOf(detection, *options.map) == nullptr ? 1 : 0;
     if (!places) continue;
     reading.score = scoreDetections(timed.detections, *places, options.match_px);
     scorePose(timed.detections, *options.map, image.camera, T_panel_camera(image, *options.map).inverse(),
@@ -139,10 +125,6 @@ std::optional<RecordedResult> parse(const std::string& text, const std::string& 
     words >> a.both >> a.only_first >> a.only_second >> a.squares_px2;
   if (!words) return std::nullopt;
   return result;
-}
-
-void add(Fingerprint& fingerprint, const Pose& pose) {
-  fingerprint.add(pose.rotation.data(), sizeof(double) * 9).add(pose.position.data(), sizeof(double) * 3);
 }
 
 std::string inputsOf(const std::vector<RecordedImage>& images, const RecordedFiducialsOptions& options) {
@@ -245,7 +227,7 @@ std::vector<RecordedPicture> recordedPictures(const std::vector<RecordedImage>& 
   for (const RecordedImage& image : images) {
     Tools& tools = toolsFor(image.camera, options, tools_by_camera);
     RecordedPicture& picture = pictures.emplace_back();
-    picture.image = readChecked(image);
+    picture.image = readImage(image.file, image.camera);
     picture.places = placesIn(image, options, tools);
     for (const auto& detector : tools.detectors)
       picture.detections.push_back(detector->detect(picture.image));

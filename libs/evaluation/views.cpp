@@ -21,6 +21,11 @@ void check(const ViewRanges& r) {
     throw std::invalid_argument("roll must be between 0 and 180 degrees, the aim within the nearest range");
 }
 
+PanelMap atOrigin(PanelMap map) {
+  map.T_odom_panel = {};
+  return map;
+}
+
 const CameraSheet& cameraOf(const Vehicle& vehicle) {
   if (!vehicle.camera) throw std::invalid_argument("ViewStudio needs a camera");
   return *vehicle.camera;
@@ -84,36 +89,21 @@ std::size_t wholeMarkers(const PanelMap& map, const CameraModel& camera, const P
                     [&](const Marker& marker) { return isWhole(marker, camera, T_panel_camera); }));
 }
 
-ViewStudio::ViewStudio(const PanelMap& map, const Vehicle& vehicle, const Environment& environment,
-                       const EffectParameters<double>& effects)
-    : vehicle_(vehicle),
-      environment_(environment),
-      model_(cameraOf(vehicle), environment.water, effects),
-      renderers_([scene = surfaceOf(map), camera = vehicle.camera->model] {
-        Renderer renderer(camera);
-        renderer.setScene(scene);
-        return renderer;
-      }) {}
+ViewStudio::ViewStudio(const PanelMap& map, const Vehicle& vehicle, const Environment& environment)
+    : sheet_(cameraOf(vehicle)), studio_({{atOrigin(map)}, {}, environment}, sheet_, vehicle.lamps, {}) {}
 
-cv::Mat ViewStudio::light(const CameraView& view) const {
-  const Pose T_panel_camera = view.T_panel_camera();
-  const Pose T_panel_robot = T_panel_camera * vehicle_.camera->T_robot_camera.inverse();
-  Lighting lighting{environment_.ambient.cast<float>(), {}};
-  if (const auto& irradiance = environment_.lamps_irradiance_1m)
-    for (const LampSheet& lamp : vehicle_.lamps)
-      lighting.spots.push_back(
-          {T_panel_robot * lamp.T_robot_lamp, lamp.half_angle_rad, irradiance->cast<float>()});
-  const View clean = renderers_.local().render(T_panel_camera, lighting);
-  return model_.light(clean.radiance, clean.range_m);
+CameraShot ViewStudio::shot(const CameraView& view) const {
+  return {view.T_panel_camera() * sheet_.T_robot_camera.inverse(),
+          trueCamera(sheet_.model, sheet_.T_robot_camera, {}, {}, 0)};
 }
 
 cv::Mat ViewStudio::image(const CameraView& view, std::uint64_t seed) const {
   Random noise = Random::stream(seed, noiseStream(view.number));
-  return model_.expose(light(view), &noise);
+  return studio_.image(shot(view), &noise);
 }
 
 cv::Mat ViewStudio::imageWithoutNoise(const CameraView& view) const {
-  return model_.expose(light(view), nullptr);
+  return studio_.image(shot(view), nullptr);
 }
 
 }  // namespace fathom

@@ -1,15 +1,9 @@
 #pragma once
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <cstdint>
 #include <opencv2/core.hpp>
 
-#include "panel/panel_map.h"
-#include "render/renderer.h"
-#include "sensors/image_model.h"
-#include "sensors/vehicle.h"
-#include "sensors/water.h"
+#include "simulation/camera_studio.h"
 
 /// Views of a panel from all around, and what the vehicle's camera makes of them: the images on which
 /// estimators are judged.
@@ -50,14 +44,13 @@ bool isWhole(const Marker& marker, const CameraModel& camera, const Pose& T_pane
 /// How many of a map's markers do.
 std::size_t wholeMarkers(const PanelMap& map, const CameraModel& camera, const Pose& T_panel_camera);
 
-/// Makes the camera's image of a panel that stands alone in endless water, by the simulator's forward model:
-/// Renderer, then ImageModel. Lamps are on where the environment says so, and move with the camera as they do
-/// on the vehicle. For many threads at once; each gets a renderer of its own.
+/// Makes the camera's image of a panel that stands alone in endless water, by the simulator's forward model
+/// (CameraStudio). Lamps are on where the environment says so, and move with the camera as they do on the
+/// vehicle. For many threads at once.
 class ViewStudio {
  public:
   /// Throws std::invalid_argument where the vehicle has no camera.
-  ViewStudio(const PanelMap& map, const Vehicle& vehicle, const Environment& environment,
-             const EffectParameters<double>& effects = {});
+  ViewStudio(const PanelMap& map, const Vehicle& vehicle, const Environment& environment);
 
   /// Blue, green, red; CV_8UC3, or CV_16UC3 where the sheet has more than 8 bits. The noise depends on the
   /// seed and the view's number only.
@@ -66,12 +59,10 @@ class ViewStudio {
   cv::Mat imageWithoutNoise(const CameraView& view) const;
 
  private:
-  cv::Mat light(const CameraView& view) const;
+  CameraShot shot(const CameraView& view) const;
 
-  Vehicle vehicle_;
-  Environment environment_;
-  ImageModel model_;
-  mutable tbb::enumerable_thread_specific<Renderer> renderers_;
+  CameraSheet sheet_;
+  CameraStudio studio_;  ///< whose odom frame is the panel's
 };
 
 }  // namespace fathom

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "core/text.h"
 
 namespace fathom {
 namespace {
@@ -117,6 +118,15 @@ cv::Mat readImage(const std::filesystem::path& file) {
     throw Error(file.string(), "", "cannot be decoded: " + fault.err);
   }
   if (image.empty()) throw Error(file.string(), "", "cannot be decoded");
+  return image;
+}
+
+cv::Mat readImage(const std::filesystem::path& file, const CameraModel& camera) {
+  cv::Mat image = readImage(file);
+  if (image.cols != camera.width_px || image.rows != camera.height_px)
+    throw Error(file.string(), "",
+                print("is of %d x %d pixels, its camera of %d x %d", image.cols, image.rows, camera.width_px,
+                      camera.height_px));
   return image;
 }
 

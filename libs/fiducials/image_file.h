@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 
+#include "core/camera_model.h"
+
 namespace fathom {
 
 /// Reads a PNG, JPEG or plain BMP image as CV_8UC3 (BGR) or, where it is gray, CV_8UC1; pixels as stored (an
@@ -10,5 +12,7 @@ namespace fathom {
 /// byte where that helps: cannot be read, empty, none of these, cut off, damaged (PNG's checksums), not
 /// decodable.
 cv::Mat readImage(const std::filesystem::path& file);
+/// The same of an image that this camera took. Throws Error, too, where it is not of the camera's size.
+cv::Mat readImage(const std::filesystem::path& file, const CameraModel& camera);
 
 }  // namespace fathom

@@ -8,26 +8,14 @@
 #include "core/files.h"
 #include "core/fingerprint.h"
 #include "core/for_each.h"
-#include "core/text.h"
 #include "fiducials/image_file.h"
 #include "fiducials/one_opencv_thread.h"
 #include "landmarks/kept_detections.h"
+#include "sensors/fingerprints.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
 namespace {
-
-void add(Fingerprint& fingerprint, const CameraModel& m) {
-  for (const double number : {1.0 * m.width_px, 1.0 * m.height_px, m.fx_px, m.fy_px, m.cx_px, m.cy_px, m.k1,
-                              m.k2, m.p1, m.p2, m.k3})
-    fingerprint.add(number);
-}
-
-std::string fingerprintOf(const CameraModel& camera) {
-  Fingerprint fingerprint;
-  add(fingerprint, camera);
-  return fingerprint.hex();
-}
 
 /// All that detections depend on besides image and camera.
 std::string inputsOf(const DetectionSettings& s) {
@@ -48,12 +36,7 @@ std::vector<Detection> search(const CameraImage& image, const DetectionSettings&
                               Detectors& detectors) {
   auto& detector = detectors[fingerprintOf(image.camera)];
   if (!detector) detector = detectorFor(image.camera, settings);
-  const cv::Mat pixels = readImage(image.file);
-  if (pixels.cols != image.camera.width_px || pixels.rows != image.camera.height_px)
-    throw Error(image.file.string(), "",
-                print("is of %d x %d pixels, its camera of %d x %d", pixels.cols, pixels.rows,
-                      image.camera.width_px, image.camera.height_px));
-  return detector->detect(pixels);
+  return detector->detect(readImage(image.file, image.camera));
 }
 
 /// What becomes of one image.

@@ -3,64 +3,37 @@
 #include <atomic>
 
 #include "core/for_each.h"
-#include "sensors/camera_geometry.h"
 #include "sensors/true_panel.h"
 
 namespace fathom {
 namespace {
 
-/// One entry's camera and panels as they truly are.
-class TrueEntry {
- public:
-  TrueEntry(const ImageEntry& entry, const LandmarkCalibration& calibration)
-      : entry_(entry),
-        effects_(calibration.effects),
-        t_s_(effects_.on.any() ? secondsBetween(calibration.time_zero, entry.time) : 0.0) {
-    motion_.velocity_robot = entry.velocity_robot;
-    motion_.angular_velocity_robot = entry.angular_velocity_robot;
+std::vector<CameraDetections> seenIn(const ImageEntry& entry, const Detections& detections,
+                                     const LandmarkCalibration& calibration) {
+  std::vector<CameraDetections> cameras;
+  for (const ImageEntry::Eye& eye : entry.eyes) {
+    const auto* found = detections.find(eye.image.file);
+    if (found == nullptr) continue;
+    const TrueCamera camera = trueCamera(entry, eye, calibration);
+    CameraDetections& seen = cameras.emplace_back(CameraDetections{*found, camera.lens, eye.T_first_camera});
+    if (camera.bends()) seen.projector = camera.projector;
   }
+  return cameras;
+}
 
-  Pose T_robot_camera() const {
-    const auto mount = cameraMounting(entry_.T_robot_camera, effects_, t_s_);
-    return {mount.R_robot_sensor, mount.position_robot};
+/// With the markers where they truly are, in the frame in which T_odom_panel holds.
+std::vector<PanelMap> truePanels(const std::vector<PanelMap>& maps, const EffectParameters<double>& effects,
+                                 double t_s) {
+  std::vector<PanelMap> there;
+  for (const PanelMap& map : maps) {
+    PanelMap panel = truePanel(map, effects, t_s);
+    const Pose T_map_panel = map.T_odom_panel.inverse() * panel.T_odom_panel;
+    for (Marker& marker : panel.markers) marker.T_panel_marker = T_map_panel * marker.T_panel_marker;
+    panel.T_odom_panel = map.T_odom_panel;
+    there.push_back(std::move(panel));
   }
-
-  std::vector<CameraDetections> seen(const Detections& detections) const {
-    std::vector<CameraDetections> cameras;
-    for (const ImageEntry::Eye& eye : entry_.eyes)
-      if (const auto* found = detections.find(eye.image.file)) cameras.push_back(seen(eye, *found));
-    return cameras;
-  }
-
-  /// With the markers where they truly are, in the frame in which T_odom_panel holds.
-  std::vector<PanelMap> panels(const std::vector<PanelMap>& maps) const {
-    if (!movesPanels(effects_)) return maps;
-    std::vector<PanelMap> there;
-    for (const PanelMap& map : maps) {
-      PanelMap panel = truePanel(map, effects_, t_s_);
-      const Pose T_map_panel = map.T_odom_panel.inverse() * panel.T_odom_panel;
-      for (Marker& marker : panel.markers) marker.T_panel_marker = T_map_panel * marker.T_panel_marker;
-      panel.T_odom_panel = map.T_odom_panel;
-      there.push_back(std::move(panel));
-    }
-    return there;
-  }
-
- private:
-  CameraDetections seen(const ImageEntry::Eye& eye, const std::vector<Detection>& found) const {
-    const CameraModel& nominal = eye.image.camera;
-    const auto mount = cameraMounting(entry_.T_robot_camera, effects_, t_s_, eye.T_first_camera);
-    const auto projector = movingWith(motion_, mount, cameraProjector(nominal, effects_, t_s_));
-    CameraDetections seen{found, projector.lensModel(nominal), eye.T_first_camera};
-    if (projector.port.present || projector.shutter.rolling) seen.projector = projector;
-    return seen;
-  }
-
-  const ImageEntry& entry_;
-  const EffectParameters<double>& effects_;
-  double t_s_;
-  KinematicState<double> motion_;
-};
+  return there;
+}
 
 void count(Sightings& sightings) {
   for (const Sighting& sighting : sightings.by_entry) {
@@ -72,17 +45,32 @@ void count(Sightings& sightings) {
 
 }  // namespace
 
+TrueCamera trueCamera(const ImageEntry& entry, const ImageEntry::Eye& eye,
+                      const LandmarkCalibration& calibration) {
+  KinematicState<double> motion;
+  motion.velocity_robot = entry.velocity_robot;
+  motion.angular_velocity_robot = entry.angular_velocity_robot;
+  return trueCamera(eye.image.camera, entry.T_robot_camera, motion, calibration.effects,
+                    calibration.stamp_s(entry.time), eye.T_first_camera);
+}
+
 Sightings solveSightings(const std::vector<ImageEntry>& entries, const Detections& detections,
                          const std::vector<PanelMap>& panels, const LandmarkCalibration& calibration,
                          const PanelPoseOptions& options) {
   Sightings sightings;
   sightings.by_entry.resize(entries.size());
   std::atomic<std::size_t> without_file = 0;
+  const bool as_mapped = !movesPanels(calibration.effects);
   forEachIndex(entries.size(), "solving for the panels", [&](std::size_t i) {
-    const TrueEntry entry(entries[i], calibration);
-    const auto cameras = entry.seen(detections);
-    if (cameras.size() < entries[i].eyes.size()) ++without_file;
-    sightings.by_entry[i] = sightingOf(cameras, entry.T_robot_camera(), entry.panels(panels), options);
+    const ImageEntry& entry = entries[i];
+    const double t_s = calibration.stamp_s(entry.time);
+    const auto cameras = seenIn(entry, detections, calibration);
+    if (cameras.size() < entry.eyes.size()) ++without_file;
+    const auto mount = cameraMounting(entry.T_robot_camera, calibration.effects, t_s);
+    const auto solve = [&](const std::vector<PanelMap>& there) {
+      return sightingOf(cameras, {mount.R_robot_sensor, mount.position_robot}, there, options);
+    };
+    sightings.by_entry[i] = as_mapped ? solve(panels) : solve(truePanels(panels, calibration.effects, t_s));
   });
   sightings.without_file = without_file;
   count(sightings);

@@ -8,6 +8,7 @@
 #include "landmarks/detection_cache.h"
 #include "landmarks/image_entry.h"
 #include "landmarks/sighting.h"
+#include "sensors/true_camera.h"
 
 namespace fathom {
 
@@ -24,7 +25,14 @@ struct Sightings {
 struct LandmarkCalibration {
   EffectParameters<double> effects;
   Time time_zero{};  ///< the recording's first entry
+
+  /// Seconds since then; 0 where there is no effect to ask.
+  double stamp_s(Time time) const { return effects.on.any() ? secondsBetween(time_zero, time) : 0.0; }
 };
+
+/// One of an entry's cameras as it truly is.
+TrueCamera trueCamera(const ImageEntry& entry, const ImageEntry::Eye& eye,
+                      const LandmarkCalibration& calibration);
 
 /// Solves every entry for its panels' poses, all cores at once. Of a pair with one file that could not be
 /// read, the other one counts. With a calibration, camera and markers are taken as they truly are; a panel's

@@ -30,7 +30,7 @@ struct FirstReadings {
 template <Sensor S>
 Matrix3d mountedAt(const Pose& nominal, const LocalizationSetup& setup, const Sample& sample) {
   const double t_s = secondsBetween(setup.time_zero, sample.time);
-  return detail::mounting<S>(nominal, setup.calibration, t_s).R_robot_sensor;
+  return sensorMounting<S>(nominal, setup.calibration, t_s).R_robot_sensor;
 }
 
 void read(const InsSample& s, const Matrix3d& R, FirstReadings& first) {

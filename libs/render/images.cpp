@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
+#include <vector>
 
 namespace fathom {
 namespace {
@@ -13,18 +15,14 @@ std::uint8_t displayed(float radiance) {
   return static_cast<std::uint8_t>(std::lround(255.0f * curve));
 }
 
-}  // namespace
-
-cv::Mat depthAlongAxis(const cv::Mat& range_m, const CameraModel& camera) {
-  if (range_m.type() != CV_32FC1 || range_m.size() != cv::Size(camera.width_px, camera.height_px))
-    throw std::invalid_argument("a range image is CV_32FC1 and of the camera's size");
-  cv::Mat depth_m(range_m.size(), CV_32FC1);
-  for (int row = 0; row < depth_m.rows; ++row)
-    for (int column = 0; column < depth_m.cols; ++column)
-      depth_m.at<float>(row, column) =
-          range_m.at<float>(row, column) * static_cast<float>(camera.rayAt(Vector2d(column, row)).z());
-  return depth_m;
+std::string bytesOf(const cv::Mat& image, const char* extension, const std::vector<int>& parameters) {
+  std::vector<unsigned char> bytes;
+  if (!cv::imencode(extension, image, bytes, parameters))
+    throw std::invalid_argument("an image that cannot be encoded");
+  return {bytes.begin(), bytes.end()};
 }
+
+}  // namespace
 
 cv::Mat toDisplay(const cv::Mat& radiance) {
   if (radiance.type() != CV_32FC3) throw std::invalid_argument("a radiance image is CV_32FC3");
@@ -35,6 +33,12 @@ cv::Mat toDisplay(const cv::Mat& radiance) {
       display.at<cv::Vec3b>(row, column) = {displayed(rgb[2]), displayed(rgb[1]), displayed(rgb[0])};
     }
   return display;
+}
+
+std::string pngBytes(const cv::Mat& image) { return bytesOf(image, ".png", {}); }
+
+std::string jpegBytes(const cv::Mat& image, int quality) {
+  return bytesOf(image, ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
 }
 
 }  // namespace fathom

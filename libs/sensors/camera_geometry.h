@@ -150,7 +150,7 @@ CameraProjector<T> cameraProjector(const CameraModel& nominal, const EffectParam
 template <class T>
 Mounting<T, Sensor::camera> cameraMounting(const Pose& nominal, const EffectParameters<T>& effects,
                                            double t_s, const Pose& T_left_right = {}) {
-  auto mount = detail::mounting<Sensor::camera>(nominal, effects, t_s);
+  auto mount = sensorMounting<Sensor::camera>(nominal, effects, t_s);
   mount.position_robot += mount.R_robot_sensor * T_left_right.position.template cast<T>();
   mount.R_robot_sensor = mount.R_robot_sensor * T_left_right.rotation.template cast<T>();
   return mount;

@@ -68,14 +68,6 @@ class NormalTable {
 
 double fullScale(const CameraSheet& sheet) { return static_cast<double>((1 << sheet.bits) - 1); }
 
-cv::Mat cosines(const CameraModel& model) {
-  cv::Mat result(model.height_px, model.width_px, CV_32FC1);
-  for (int v = 0; v < result.rows; ++v)
-    for (int u = 0; u < result.cols; ++u)
-      result.at<float>(v, u) = static_cast<float>(model.rayAt({u, v}).z());
-  return result;
-}
-
 void require(const cv::Mat& image, int type, const cv::Size& size) {
   if (image.type() != type || image.size() != size)
     throw std::invalid_argument("an image of the camera's size and of another type is needed");
@@ -114,8 +106,16 @@ cv::Mat radianceOf(const cv::Mat& image_bgr, const CameraSheet& sheet) {
   return result;
 }
 
+cv::Mat cosinesOf(const CameraModel& camera) {
+  cv::Mat cosines(camera.height_px, camera.width_px, CV_32FC1);
+  for (int v = 0; v < cosines.rows; ++v)
+    for (int u = 0; u < cosines.cols; ++u)
+      cosines.at<float>(v, u) = static_cast<float>(camera.rayAt({u, v}).z());
+  return cosines;
+}
+
 ImageModel::ImageModel(const CameraSheet& sheet, const Water& water, const EffectParameters<double>& effects)
-    : sheet_(sheet), water_(water), effects_(effects), z_per_range_(cosines(sheet.model)) {}
+    : sheet_(sheet), water_(water), effects_(effects), z_per_range_(cosinesOf(sheet.model)) {}
 
 cv::Mat ImageModel::light(const cv::Mat& radiance, const cv::Mat& range_m, double t_s) const {
   require(radiance, CV_32FC3, z_per_range_.size());

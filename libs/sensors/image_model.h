@@ -53,6 +53,10 @@ double radianceOf(int number, const CameraSheet& sheet);
 /// The same for an image as cv::imread() gives it (blue, green, red): CV_32FC3, red, green, blue.
 cv::Mat radianceOf(const cv::Mat& image_bgr, const CameraSheet& sheet);
 
+/// Cosine of each pixel's line of sight to the optical axis, by which z follows from range: CV_32FC1. Solves
+/// every pixel's line of sight (0.2 s at 640 x 480).
+cv::Mat cosinesOf(const CameraModel& camera);
+
 /// The model over whole images. Const and without hidden state, so threads may share one; an image is the
 /// same whoever makes it.
 class ImageModel {
@@ -84,7 +88,7 @@ class ImageModel {
   CameraSheet sheet_;
   Water water_;
   EffectParameters<double> effects_;
-  cv::Mat z_per_range_;  ///< CV_32FC1: cosine of the line of sight's angle to the optical axis
+  cv::Mat z_per_range_;  ///< cosinesOf() the camera
 };
 
 }  // namespace fathom

@@ -13,14 +13,13 @@
 /// camera_geometry.h.
 namespace fathom {
 
-namespace detail {
+/// Where a sensor truly sits: its nominal mounting with what effects make of it.
 template <Sensor S, class T>
-Mounting<T, S> mounting(const Pose& T_robot_sensor, const EffectParameters<T>& effects, double t_s) {
+Mounting<T, S> sensorMounting(const Pose& T_robot_sensor, const EffectParameters<T>& effects, double t_s) {
   Mounting<T, S> m{T_robot_sensor.rotation.cast<T>(), T_robot_sensor.position.cast<T>()};
   applyEffects(effects, t_s, m);
   return m;
 }
-}  // namespace detail
 
 /// When a sensor's reading was valid, seconds after its stamp (negative: before).
 template <Sensor S, class T>
@@ -35,7 +34,7 @@ T validityOffset(const EffectParameters<T>& effects, double t_s) {
 template <class T>
 Vector3<T> predictGyro(const KinematicState<T>& state, const Pose& T_robot_ins,
                        const EffectParameters<T>& effects, double t_s) {
-  const auto mount = detail::mounting<Sensor::ins>(T_robot_ins, effects, t_s);
+  const auto mount = sensorMounting<Sensor::ins>(T_robot_ins, effects, t_s);
   GyroReading<T> reading{mount.R_robot_sensor.transpose() * state.angular_velocity_robot,
                          state.R_odom_robot * mount.R_robot_sensor};
   applyEffects(effects, t_s, reading);
@@ -48,7 +47,7 @@ Vector3<T> predictGyro(const KinematicState<T>& state, const Pose& T_robot_ins,
 template <class T>
 Vector3<T> predictSpecificForce(const KinematicState<T>& state, const World<T>& world,
                                 const Pose& T_robot_ins, const EffectParameters<T>& effects, double t_s) {
-  const auto mount = detail::mounting<Sensor::ins>(T_robot_ins, effects, t_s);
+  const auto mount = sensorMounting<Sensor::ins>(T_robot_ins, effects, t_s);
   const Vector3<T>& lever = mount.position_robot;
   const Vector3<T>& rate = state.angular_velocity_robot;
   const Vector3<T> gravity_robot = state.R_odom_robot.transpose() * world.gravity_odom.template cast<T>();
@@ -63,14 +62,14 @@ Vector3<T> predictSpecificForce(const KinematicState<T>& state, const World<T>& 
 template <class T>
 Matrix3<T> predictAttitude(const KinematicState<T>& state, const Pose& T_robot_ins,
                            const EffectParameters<T>& effects, double t_s) {
-  return state.R_odom_robot * detail::mounting<Sensor::ins>(T_robot_ins, effects, t_s).R_robot_sensor;
+  return state.R_odom_robot * sensorMounting<Sensor::ins>(T_robot_ins, effects, t_s).R_robot_sensor;
 }
 
 /// DVL, m/s, DVL frame: velocity over ground at the sensor, R_dvl_robot (v + omega x l).
 template <class T>
 Vector3<T> predictDvlVelocity(const KinematicState<T>& state, const Pose& T_robot_dvl,
                               const EffectParameters<T>& effects, double t_s) {
-  const auto mount = detail::mounting<Sensor::dvl>(T_robot_dvl, effects, t_s);
+  const auto mount = sensorMounting<Sensor::dvl>(T_robot_dvl, effects, t_s);
   const Vector3<T> at_sensor =
       state.velocity_robot + state.angular_velocity_robot.cross(mount.position_robot);
   DvlVelocity<T> reading{mount.R_robot_sensor.transpose() * at_sensor,
@@ -84,7 +83,7 @@ Vector3<T> predictDvlVelocity(const KinematicState<T>& state, const Pose& T_robo
 template <class T>
 T predictBeamRange(const KinematicState<T>& state, const World<T>& world, const Pose& T_robot_dvl,
                    const Pose& T_robot_beam, const EffectParameters<T>& effects, double t_s) {
-  const auto mount = detail::mounting<Sensor::dvl>(T_robot_dvl, effects, t_s);
+  const auto mount = sensorMounting<Sensor::dvl>(T_robot_dvl, effects, t_s);
   const Pose T_dvl_beam = T_robot_dvl.inverse() * T_robot_beam;
   const Vector3<T> origin_robot =
       mount.position_robot + mount.R_robot_sensor * T_dvl_beam.position.template cast<T>();
@@ -99,7 +98,7 @@ T predictBeamRange(const KinematicState<T>& state, const World<T>& world, const 
 template <class T>
 T predictPressure(const KinematicState<T>& state, const World<T>& world, const DepthSheet& sheet,
                   const Pose& T_robot_depth, const EffectParameters<T>& effects, double t_s) {
-  const auto mount = detail::mounting<Sensor::depth>(T_robot_depth, effects, t_s);
+  const auto mount = sensorMounting<Sensor::depth>(T_robot_depth, effects, t_s);
   const T z = state.position_odom.z() + state.R_odom_robot.row(2).dot(mount.position_robot);
   SeaWater<T> water{T(sheet.water_density_kg_m3)};
   applyEffects(effects, t_s, water);

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <vector>
 
 #include "landmarks/detection_cache.h"
-#include "render/renderer.h"
 #include "sil/posed_images.h"
 #include "sil/sil_world.h"
 #include "similarity/measure.h"
@@ -23,7 +25,8 @@ struct PairOptions {
 };
 
 /// A recorded image and the one simulated from where it was taken. Both are of 8 bits, as recordings have
-/// them; of a gray image, the simulated one is gray too (three equal channels).
+/// them; of a gray image, the simulated one is gray too (three equal channels), of a JPEG image it has been
+/// through JPEG of the same quality.
 struct SilPair {
   ImagePair images;           ///< its camera is the maker's
   double range_m = 0;         ///< camera to the centre of the panel that told the pose
@@ -38,14 +41,12 @@ struct CleanPair {
   cv::Mat panel_mask;  ///< CV_8UC1, not 0 where a panel is
 };
 
-/// Makes pairs, for many threads at once. A pair depends on nothing but world, options and the posed image.
+/// Makes pairs, for many threads at once. A pair depends on nothing but world, options and the posed image,
+/// which must have been posed with the world's effects.
 class PairMaker {
  public:
   /// Throws std::invalid_argument where the vehicle has no camera or there is no panel.
   PairMaker(SilWorld world, const PairOptions& options, DetectionSettings detection);
-  ~PairMaker();
-  PairMaker(const PairMaker&) = delete;
-  PairMaker& operator=(const PairMaker&) = delete;
 
   const SilWorld& world() const { return world_; }
   const CameraSheet& camera() const { return *world_.vehicle.camera; }
@@ -63,25 +64,19 @@ class PairMaker {
   cv::Mat comparedRegion(const ImagePair& images) const;
 
  private:
-  struct Optics;
-  struct Tools;
-  struct Threads;
+  using Detectors = tbb::enumerable_thread_specific<std::map<std::string, std::unique_ptr<Detector>>>;
 
-  Lighting lighting(const Pose& T_odom_robot) const;
-  const Optics& opticsOf(const CameraModel& camera) const;
-  Tools& toolsFor(const CameraModel& camera) const;
-  cv::Mat panelMask(const View& view, const PosedImage& posed) const;
+  Detector& detectorOf(const CameraModel& camera) const;
+  cv::Mat panelMask(const PosedImage& posed, const View& view) const;
   void requireOwnPose(const PosedImage& posed) const;
 
   SilWorld world_;
   PairOptions options_;
   DetectionSettings detection_;
-  Surface scene_odom_;
-  std::unique_ptr<Threads> threads_;
+  CameraStudio studio_;
+  mutable Detectors detectors_;
 };
 
-/// Of an image file, readImage() and its size checked against its camera's. Throws Error.
-cv::Mat readRecorded(const CameraImage& image);
 /// As measures want it: CV_8UC3, whatever the file's channels.
 cv::Mat inColour(const cv::Mat& image);
 

@@ -2,32 +2,30 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
 #include "core/files.h"
 #include "core/fingerprint.h"
 #include "core/text.h"
-#include "evaluation/input_fingerprints.h"
 #include "fiducials/image_file.h"
+#include "render/images.h"
+#include "sensors/fingerprints.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
 namespace {
 using Json = nlohmann::ordered_json;
 
-void add(Fingerprint& fingerprint, const Pose& pose) {
-  fingerprint.add(pose.rotation.data(), sizeof(double) * 9).add(pose.position.data(), sizeof(double) * 3);
-}
-
 /// All that a pair depends on beside the inputs that all have in common.
 std::string fingerprintOf(const PosedImage& posed) {
   Fingerprint fingerprint;
   fingerprint.add(readTextFile(posed.image.file)).add(fingerprintOf(posed.image.camera));
   add(fingerprint, posed.T_odom_robot.pose);
-  add(fingerprint, posed.T_odom_camera);
-  fingerprint.add(static_cast<double>(posed.panel));
+  add(fingerprint, posed.T_odom_camera());
+  for (const Vector3d& velocity :  // what a rolling shutter shows of them
+       {posed.camera.projector.velocity_camera, posed.camera.projector.angular_velocity_camera})
+    fingerprint.add(velocity.data(), sizeof(double) * 3);
+  fingerprint.add(posed.t_s).add(static_cast<double>(posed.panel));
   return fingerprint.hex();
 }
 
@@ -38,12 +36,6 @@ bool isOurs(const std::string& name) {
   const std::string rest = name.substr(digits);
   return rest.starts_with("_recorded.") || rest.starts_with("_simulated.") || rest.starts_with("_panel.") ||
          rest.starts_with("_frame.");
-}
-
-void writePng(const fs::path& file, const cv::Mat& image) {
-  std::vector<unsigned char> png;
-  if (!cv::imencode(".png", image, png)) throw Error(file.string(), "", "cannot be encoded");
-  writeTextFile(file, std::string(png.begin(), png.end()));
 }
 
 Json toJson(const PairRecord& record) {
@@ -105,10 +97,9 @@ void PairStore::write(const PosedImage& posed, const PairRecord& record, const S
   json["of"] = fs::exists(posed.image.file) ? fingerprintOf(posed) : "";
   if (pair != nullptr) {
     const PairFiles files = filesOf(posed);
-    const cv::Mat& simulated = pair->images.simulated;
     writeTextFile(images_ / files.recorded, readTextFile(posed.image.file));
-    writePng(images_ / files.simulated, simulated);
-    writePng(images_ / files.panel, pair->images.panel_mask);
+    writeTextFile(images_ / files.simulated, pngBytes(pair->images.simulated));
+    writeTextFile(images_ / files.panel, pngBytes(pair->images.panel_mask));
     json["images"] = fingerprintOfImages(posed);
   }
   chunks_.write(posed.number, json.dump() + "\n");

@@ -24,8 +24,13 @@ std::string whyNot(const Sighting& sighting) {
 
 }  // namespace
 
+double range_m(const PosedImage& posed, const std::vector<PanelMap>& panels) {
+  return (posed.T_odom_camera().position - panels.at(posed.panel).T_odom_panel.position).norm();
+}
+
 PosedImages posedImages(const std::vector<ImageEntry>& entries, const Detections& detections,
-                        const Sightings& sightings, const std::vector<PanelMap>& panels) {
+                        const Sightings& sightings, const std::vector<PanelMap>& panels,
+                        const LandmarkCalibration& calibration) {
   std::map<std::filesystem::path, std::string> unreadable;
   for (const UnreadableImage& image : detections.unreadable) unreadable[image.file] = image.why;
 
@@ -46,21 +51,23 @@ PosedImages posedImages(const std::vector<ImageEntry>& entries, const Detections
       const auto panel = static_cast<std::size_t>(seen->panel);
       const UncertainPose T_odom_robot =
           robotPose(seen->T_camera_panel, panels[panel].T_odom_panel, sighting.panels.T_robot_camera);
-      const Pose T_robot_camera = entry.T_robot_camera * T_first_camera;
-      images.posed.push_back({entry.time, number, i, eye, image, T_odom_robot,
-                              T_odom_robot.pose * T_robot_camera, T_robot_camera, panel, *found});
+      images.posed.push_back(
+          {entry.time, number, i, eye, image, T_odom_robot, entry.T_robot_camera * T_first_camera,
+           trueCamera(entry, entry.eyes[eye], calibration), calibration.stamp_s(entry.time), panel, *found});
     }
   }
   return images;
 }
 
 PosedImages posedImages(const std::filesystem::path& rawlog, const std::vector<PanelMap>& panels,
-                        const DetectionSettings& settings) {
+                        const DetectionSettings& settings, const EffectParameters<double>& effects) {
   RecordingSource source(rawlog);
   const std::vector<ImageEntry> entries = imageEntries(source);
   if (entries.empty()) throw Error(rawlog.string(), "", "has no images");
   const Detections detections = detectImages(imagesOf(entries), settings, keepBeside(rawlog));
-  PosedImages images = posedImages(entries, detections, solveSightings(entries, detections, panels), panels);
+  const LandmarkCalibration calibration{effects, RawlogReader(rawlog).next().value().time};
+  const Sightings sightings = solveSightings(entries, detections, panels, calibration);
+  PosedImages images = posedImages(entries, detections, sightings, panels, calibration);
   const auto earlier = [](const auto& a, const auto& b) { return a.time < b.time; };
   std::stable_sort(images.posed.begin(), images.posed.end(), earlier);
   std::stable_sort(images.unposed.begin(), images.unposed.end(), earlier);

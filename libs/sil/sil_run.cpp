@@ -7,20 +7,19 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 
 #include "core/error.h"
 #include "core/files.h"
-#include "core/fingerprint.h"
 #include "core/progress.h"
 #include "core/text.h"
 #include "effects/calibration.h"
 #include "evaluation/contact_sheet.h"
-#include "evaluation/input_fingerprints.h"
 #include "fiducials/one_opencv_thread.h"
 #include "recording/rawlog.h"
 #include "recording/recorded_camera.h"
+#include "render/images.h"
+#include "sensors/fingerprints.h"
 #include "sil/pair_video.h"
 
 namespace fathom {
@@ -32,24 +31,6 @@ constexpr int kVideoWidth_px = 400;          // of each of the three
 constexpr int kSheetTile_px = 400;
 
 // ---- what all pairs depend on
-
-std::string fingerprintOf(const Environment& environment) {
-  Fingerprint fingerprint;
-  for (const Vector3d& colour :
-       {environment.water.attenuation_per_m, environment.water.veil, environment.ambient,
-        environment.lamps_irradiance_1m.value_or(Vector3d(-1, -1, -1))})
-    fingerprint.add(colour.data(), sizeof(double) * 3);
-  return fingerprint.hex();
-}
-
-std::string fingerprintOf(const std::vector<LampSheet>& lamps) {
-  Fingerprint fingerprint;
-  for (const LampSheet& lamp : lamps)
-    fingerprint.add(lamp.half_angle_rad)
-        .add(lamp.T_robot_lamp.rotation.data(), sizeof(double) * 9)
-        .add(lamp.T_robot_lamp.position.data(), sizeof(double) * 3);
-  return fingerprint.hex();
-}
 
 std::string inputsOf(const SilWorld& world, const SilOptions& options,
                      const std::vector<SilColumn>& columns) {
@@ -66,7 +47,7 @@ std::string inputsOf(const SilWorld& world, const SilOptions& options,
                               : "no noise\n";
   text += print("offset %.17g px\ndetector ", options.pairs.largest_offset_px) +
           std::string(nameOf(options.detection.backend)) + "\n";
-  text += print("\nresiduals to %.17g\n", options.residual.full_scale);
+  text += print("residuals to %.17g\n", options.residual.full_scale);
   for (const SilColumn& column : columns) text += "measure " + column.name + "\n";
   return text + formatCalibration(world.effects);
 }
@@ -173,12 +154,9 @@ struct Workshop {
     const std::string caption = print("%s  %.2f m  %.0f deg  ", posed.image.file.filename().c_str(),
                                       finished.record.range_m, degrees(finished.record.view_angle_rad)) +
                                 legendOf(options.residual);
-    if (frame) {
-      std::vector<unsigned char> jpeg;
-      cv::imencode(".jpg", pairPicture(images, region, options.residual, caption), jpeg,
-                   {cv::IMWRITE_JPEG_QUALITY, 95});
-      writeTextFile(frames / frameName(posed), std::string(jpeg.begin(), jpeg.end()));
-    }
+    if (frame)
+      writeTextFile(frames / frameName(posed),
+                    jpegBytes(pairPicture(images, region, options.residual, caption), 95));
     if (isInVideo(finished))
       finished.video_picture = pairPicture(images, region, options.residual, caption, kVideoWidth_px);
   }

@@ -7,17 +7,43 @@
 
 namespace fathom {
 namespace fs = std::filesystem;
+namespace {
+using nlohmann::json;
 
-std::optional<KnownSeaFloor> seaFloorOf(const fs::path& rawlog) {
+/// What `tell` makes of NAME_simulation.json beside the rawlog; nothing where there is no such file.
+template <class Tell>
+auto fromSimulation(const fs::path& rawlog, const std::string& what, const Tell& tell)
+    -> decltype(tell(json())) {
   const fs::path file = rawlog.parent_path() / (rawlog.stem().string() + "_simulation.json");
   if (!fs::exists(file)) return std::nullopt;
   try {
-    const auto json = nlohmann::json::parse(readTextFile(file));
-    return KnownSeaFloor{json.at("sea_floor_z_m").get<double>(),
-                         json.at("run").at("seed").get<std::uint64_t>()};
-  } catch (const nlohmann::json::exception& problem) {
-    throw Error(file.string(), "", std::string("does not tell the sea floor: ") + problem.what());
+    return tell(json::parse(readTextFile(file)));
+  } catch (const json::exception& problem) {
+    throw Error(file.string(), "", "does not tell the " + what + ": " + problem.what());
   }
+}
+
+Vector3d colourOf(const json& rgb) {
+  return {rgb.at(0).get<double>(), rgb.at(1).get<double>(), rgb.at(2).get<double>()};
+}
+
+}  // namespace
+
+std::optional<KnownSeaFloor> seaFloorOf(const fs::path& rawlog) {
+  return fromSimulation(rawlog, "sea floor", [](const json& simulation) {
+    return std::optional(KnownSeaFloor{simulation.at("sea_floor_z_m").get<double>(),
+                                       simulation.at("run").at("seed").get<std::uint64_t>()});
+  });
+}
+
+std::optional<Environment> trueEnvironment(const fs::path& rawlog) {
+  return fromSimulation(rawlog, "water", [](const json& simulation) -> std::optional<Environment> {
+    if (!simulation.contains("environment")) return std::nullopt;
+    const json& known = simulation.at("environment");
+    return Environment{{colourOf(known.at("attenuation_per_m")), colourOf(known.at("veil"))},
+                       colourOf(known.at("ambient")),
+                       {}};
+  });
 }
 
 }  // namespace fathom

@@ -32,4 +32,8 @@ struct SilWorld {
 /// rawlog. Nothing where there is no such file. Throws Error where it is damaged.
 std::optional<KnownSeaFloor> seaFloorOf(const std::filesystem::path& rawlog);
 
+/// Its water and light, lamps off, from the same file. Nothing where there is none, or it had no images.
+/// Throws Error likewise.
+std::optional<Environment> trueEnvironment(const std::filesystem::path& rawlog);
+
 }  // namespace fathom

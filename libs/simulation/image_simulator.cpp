@@ -1,20 +1,13 @@
 #include "simulation/image_simulator.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
-#include <optional>
 #include <stdexcept>
 
-#include "core/fingerprint.h"
 #include "core/for_each.h"
 #include "effects/calibration.h"
-#include "render/renderer.h"
 #include "render/scene.h"
-#include "sensors/camera_geometry.h"
-#include "sensors/image_model.h"
-#include "sensors/true_panel.h"
-#include "simulation/apparent_scene.h"
+#include "sensors/fingerprints.h"
+#include "sensors/models.h"
 #include "simulation/image_store.h"
 
 namespace fathom {
@@ -25,21 +18,12 @@ namespace {
 /// k.
 std::uint64_t noiseStream(std::size_t image, std::size_t side) { return (side + 1) << 32 | image; }
 
-/// A thread's renderer and sensor of the camera of the latest image.
-struct Eye {
-  CameraModel camera;
-  Renderer renderer;
-  ImageModel model;
-};
-
 /// Everything that one image depends on besides its number.
-struct Studio {
+struct Dive {
   const SimulationOptions& options;
   const Trajectory& trajectory;
-  const CameraWorld& world;
   const CameraSheet& sheet;
-  Surface nominal_scene = sceneOf(world.panels, world.sea_floor_odom);
-  bool bent = anyActsAt<FlatPort<double>>(options.effects) || anyActsAt<Shutter<double>>(options.effects);
+  const CameraStudio& studio;
 
   double stamp_s(std::size_t image) const { return secondsBetween(options.start, imageTime(options, image)); }
 
@@ -49,94 +33,28 @@ struct Studio {
     return trajectory.at(std::clamp(options.begin_s + valid_s, trajectory.start_s(), trajectory.end_s()));
   }
 
-  Lighting lighting(const Pose& T_odom_robot) const {
-    Lighting light{world.environment.ambient.cast<float>(), {}};
-    if (const auto& irradiance = world.environment.lamps_irradiance_1m)
-      for (const LampSheet& lamp : options.vehicle.lamps)
-        light.spots.push_back(
-            {T_odom_robot * lamp.T_robot_lamp, lamp.half_angle_rad, irradiance->cast<float>()});
-    return light;
-  }
-
-  Surface scene(double t_s, const Pose& T_odom_camera, const CameraProjector<double>& projector) const {
-    std::vector<PanelMap> panels;
-    for (const PanelMap& panel : world.panels) panels.push_back(truePanel(panel, options.effects, t_s));
-    Surface there = sceneOf(panels, world.sea_floor_odom);
-    return bent ? apparentScene(there, T_odom_camera, projector) : there;
-  }
-
-  /// The lens can change in time; mostly it is that of the image before.
-  Eye& prepared(std::optional<Eye>& eye, const CameraModel& camera) const {
-    if (eye && eye->camera == camera) return *eye;
-    CameraSheet true_sheet = sheet;
-    true_sheet.model = camera;
-    eye.emplace(
-        Eye{camera, Renderer(camera), ImageModel(true_sheet, world.environment.water, options.effects)});
-    eye->renderer.setScene(nominal_scene);
-    return *eye;
-  }
-
-  cv::Mat image(std::size_t number, std::size_t side, std::optional<Eye>& thread_eye) const {
+  cv::Mat image(std::size_t number, std::size_t side) const {
     const double t_s = stamp_s(number);
     const KinematicState<double> state = motion(number);
-    const Pose T_odom_robot{state.R_odom_robot, state.position_odom};
-    const auto mount =
-        cameraMounting(sheet.T_robot_camera, options.effects, t_s, side == 0 ? Pose{} : *sheet.T_left_right);
-    const Pose T_odom_camera = T_odom_robot * Pose{mount.R_robot_sensor, mount.position_robot};
-    const auto projector = movingWith(state, mount, cameraProjector(sheet.model, options.effects, t_s));
-
-    Eye& eye = prepared(thread_eye, projector.lensModel(sheet.model));
-    if (bent || movesPanels(options.effects)) eye.renderer.setScene(scene(t_s, T_odom_camera, projector));
-    const View view = eye.renderer.render(T_odom_camera, lighting(T_odom_robot));
+    const TrueCamera camera = trueCamera(sheet.model, sheet.T_robot_camera, state, options.effects, t_s,
+                                         side == 0 ? Pose{} : *sheet.T_left_right);
     Random noise = Random::stream(options.seed, noiseStream(number, side));
-    return eye.model.expose(eye.model.light(view.radiance, view.range_m, t_s),
-                            options.noise ? &noise : nullptr, t_s);
+    return studio.image({{state.R_odom_robot, state.position_odom}, camera, t_s},
+                        options.noise ? &noise : nullptr);
   }
 };
 
-void add(Fingerprint& fingerprint, const Pose& pose) {
-  fingerprint.add(pose.rotation.data(), sizeof(double) * 9).add(pose.position.data(), sizeof(double) * 3);
-}
-
-std::string cameraFingerprint(const Vehicle& vehicle) {
-  const CameraSheet& sheet = *vehicle.camera;
-  const CameraModel& m = sheet.model;
+std::string mountingFingerprint(const CameraSheet& sheet) {
   Fingerprint fingerprint;
-  for (const double number :
-       {1.0 * m.width_px, 1.0 * m.height_px, m.fx_px, m.fy_px, m.cx_px, m.cy_px, m.k1, m.k2, m.p1, m.p2, m.k3,
-        sheet.exposure_s, sheet.response_gamma, 1.0 * sheet.bits, sheet.full_well_e, sheet.read_noise_e})
-    fingerprint.add(number);
   add(fingerprint, sheet.T_robot_camera);
   if (sheet.T_left_right) add(fingerprint, *sheet.T_left_right);
-  for (const LampSheet& lamp : vehicle.lamps) {
-    fingerprint.add(lamp.half_angle_rad);
-    add(fingerprint, lamp.T_robot_lamp);
-  }
   return fingerprint.hex();
 }
 
-std::string environmentFingerprint(const Environment& environment) {
-  Fingerprint fingerprint;
-  for (const Vector3d& colour :
-       {environment.water.attenuation_per_m, environment.water.veil, environment.ambient,
-        environment.lamps_irradiance_1m.value_or(Vector3d(-1, -1, -1))})
-    fingerprint.add(colour.data(), sizeof(double) * 3);
-  return fingerprint.hex();
-}
-
-std::string sceneFingerprint(const Surface& scene) {
-  Fingerprint fingerprint;
-  for (const Surface::Vertex& vertex : scene.vertices)
-    for (const Eigen::Vector3f& vector : {vertex.position, vertex.normal, vertex.albedo})
-      fingerprint.add(vector.data(), sizeof(float) * 3);
-  for (const auto& triangle : scene.triangles) fingerprint.add(triangle.data(), sizeof triangle);
-  return fingerprint.hex();
-}
-
-std::string posesFingerprint(const Studio& studio, std::size_t count) {
+std::string posesFingerprint(const Dive& dive, std::size_t count) {
   Fingerprint fingerprint;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto state = studio.motion(i);
+    const auto state = dive.motion(i);
     add(fingerprint, {state.R_odom_robot, state.position_odom});
   }
   return fingerprint.hex();
@@ -147,13 +65,14 @@ std::string formatText(const ImageFormat& format) {
   return "JPEG of quality " + std::to_string(format.jpeg_quality) + "\n";
 }
 
-std::string inputsOf(const Studio& studio, std::size_t count) {
-  const SimulationOptions& options = studio.options;
+std::string inputsOf(const Dive& dive, const CameraWorld& world, std::size_t count) {
+  const SimulationOptions& options = dive.options;
   return "What these images were simulated from; a run with other inputs removes them.\n"
-         "version " FATHOM_VERSION "\ncamera and lamps " +
-         cameraFingerprint(options.vehicle) + "\nwater and light " +
-         environmentFingerprint(studio.world.environment) + "\nscene " +
-         sceneFingerprint(studio.nominal_scene) + "\nposes " + posesFingerprint(studio, count) + "\n" +
+         "version " FATHOM_VERSION "\ncamera " +
+         fingerprintOf(dive.sheet) + "\nmounting " + mountingFingerprint(dive.sheet) + "\nlamps " +
+         fingerprintOf(options.vehicle.lamps) + "\nwater and light " + fingerprintOf(world.environment) +
+         "\nscene " + fingerprintOf(sceneOf(world.panels, world.sea_floor_odom)) + "\nposes " +
+         posesFingerprint(dive, count) + "\n" +
          (options.noise ? "noise of seed " + std::to_string(options.seed) : "no noise") + "\n" +
          formatText(options.image_format) + formatCalibration(options.effects);
 }
@@ -172,15 +91,14 @@ void simulateImages(const SimulationOptions& options, const Trajectory& trajecto
                     const fs::path& folder) {
   if (!options.vehicle.camera) throw std::invalid_argument("simulateImages needs a camera");
   const CameraSheet& sheet = *options.vehicle.camera;
-  const Studio studio{options, trajectory, world, sheet};
+  const CameraStudio studio(world, sheet, options.vehicle.lamps, options.effects);
+  const Dive dive{options, trajectory, sheet, studio};
   const std::size_t count = imageCount(options, trajectory);
-  const ImageStore store(folder, inputsOf(studio, count), options.image_format);
-
-  tbb::enumerable_thread_specific<std::optional<Eye>> eyes;
+  const ImageStore store(folder, inputsOf(dive, world, count), options.image_format);
   const auto make = [&](std::size_t number) {
     const auto files = imageFiles(sheet, options.image_format, number);
     for (std::size_t side = 0; side < files.size(); ++side)
-      if (!store.has(files[side])) store.write(files[side], studio.image(number, side, eyes.local()));
+      if (!store.has(files[side])) store.write(files[side], dive.image(number, side));
   };
   forEachIndex(count, "rendering " + std::to_string(count) + " images", make);
 }

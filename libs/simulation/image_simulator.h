@@ -1,30 +1,19 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
 
-#include "panel/panel_map.h"
-#include "sensors/water.h"
+#include "simulation/camera_studio.h"
 #include "simulation/navigation_simulator.h"
 
 namespace fathom {
 
-/// What the vehicle's camera sees: panels as their maps have them, on a sea floor.
-struct CameraWorld {
-  std::vector<PanelMap> panels;
-  Surface sea_floor_odom;
-  Environment environment;
-};
-
 /// How many images a simulation takes. Throws Error where begin or duration lie outside the trajectory.
 std::size_t imageCount(const SimulationOptions& options, const Trajectory& trajectory);
 
-/// Renders image k as the camera's forward model (sensors/camera_geometry.h) has it, with the effects that
-/// are on at the time of its entry (imageTime): the robot's pose is the one at that time, or by a latency
-/// another, at most the trajectory's ends. Then lets ImageModel (sensors/image_model.h) act on it
-/// and writes it to `folder` under its name (imageFiles), all cores at once. Lamps are on where the
-/// environment says so; both cameras of a stereo pair are of the same kind. The noise depends on seed, image
-/// and eye only.
+/// Takes image k as CameraStudio has it, with the effects that are on at the time of its entry (imageTime):
+/// the robot's pose is the one at that time, or by a latency another, at most the trajectory's ends. Writes
+/// it to `folder` under its name (imageFiles), all cores at once. Both cameras of a stereo pair are of the
+/// same kind. The noise depends on seed, image and eye only.
 ///
 /// Goes on where an earlier run was cut short: an image is left alone where it is there, whole, and belongs
 /// to the same inputs (ImageStore). Otherwise images begin anew. The result is the same, byte by byte,

@@ -3,12 +3,11 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 #include <string_view>
-#include <vector>
 
 #include "core/error.h"
 #include "core/files.h"
+#include "render/images.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -85,12 +84,8 @@ bool ImageStore::has(const std::string& file) const {
 }
 
 void ImageStore::write(const std::string& file, const cv::Mat& image_bgr) const {
-  std::vector<int> parameters;
-  if (format_.kind == ImageFormat::Kind::jpeg) parameters = {cv::IMWRITE_JPEG_QUALITY, format_.jpeg_quality};
-  std::vector<unsigned char> encoded;
-  if (!cv::imencode(format_.extension(), image_bgr, encoded, parameters))
-    throw Error((folder_ / file).string(), "", "cannot be encoded");
-  writeTextFile(folder_ / file, std::string(encoded.begin(), encoded.end()));
+  const bool png = format_.kind == ImageFormat::Kind::png;
+  writeTextFile(folder_ / file, png ? pngBytes(image_bgr) : jpegBytes(image_bgr, format_.jpeg_quality));
 }
 
 }  // namespace fathom

@@ -39,7 +39,7 @@ double rendered(const PosedImages& images, const SilWorld& world) {
     return renderer;
   });
   const auto render = [&](std::size_t i) {
-    const View view = renderers.local().render(images.posed[i].T_odom_camera, light);
+    const View view = renderers.local().render(images.posed[i].T_odom_camera(), light);
     Random noise(i);
     model.expose(model.light(view.radiance, view.range_m), &noise);
   };

@@ -34,7 +34,7 @@ TEST(WaterRecording, TellsItsWater) {
   // Images paired with the poses of others are told, one by one.
   std::vector<PosedImage> confused = images.posed;
   for (std::size_t i = 0; i < confused.size(); ++i)
-    confused[i].T_odom_camera = images.posed[(i + confused.size() / 2) % confused.size()].T_odom_camera;
+    confused[i].T_odom_robot = images.posed[(i + confused.size() / 2) % confused.size()].T_odom_robot;
   const SynchronizedImages wrong = synchronize(confused, all, maker);
   EXPECT_TRUE(wrong.images.empty());
   EXPECT_NE(wrong.rejected.front().why.find("the pose is not this image's"), std::string::npos)

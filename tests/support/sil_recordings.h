@@ -22,15 +22,12 @@ struct SilRecordingOptions {
   int images = 3;
   bool noise = true;
   double yaw_deg = 1;  ///< 180: the panel is behind
+  bool stereo = false;
+  EffectParameters<double> effects{};
 };
 
-inline RecordingFiles simulateForSil(const std::filesystem::path& folder,
-                                     const SilRecordingOptions& wanted = {}) {
-  writeTextFile(
-      folder / "station.yaml",
-      "kind: station\npose: {x: 3.9, y: 0.05, z: -4.25, yaw_deg: " + std::to_string(wanted.yaw_deg) +
-          "}\nduration_s: 20\nsway:\n  - {axis: y, amplitude_m: 0.1, period_s: 7}\n"
-          "  - {axis: roll, amplitude_deg: 4, period_s: 5}\n");
+/// Of the shipped vehicle with a camera of half the size, and without its INS, which has nothing to say here.
+inline SimulationOptions smallCameraOptions() {
   SimulationOptions options;
   options.vehicle = readVehicle(kRov);
   options.vehicle.ins.reset();
@@ -38,11 +35,33 @@ inline RecordingFiles simulateForSil(const std::filesystem::path& folder,
   model.width_px /= 2;
   model.height_px /= 2;
   for (double* value : {&model.fx_px, &model.fy_px, &model.cx_px, &model.cy_px}) *value /= 2;
+  return options;
+}
+
+/// The recording `r` in the folder: a dive along a trajectory (the text of its file) before the shipped
+/// panel.
+inline RecordingFiles simulateBeforePanel(const std::filesystem::path& folder, const std::string& trajectory,
+                                          const std::filesystem::path& water,
+                                          const SimulationOptions& options) {
+  writeTextFile(folder / "trajectory.yaml", trajectory);
+  return simulateRecording(options, readTrajectory(folder / "trajectory.yaml"),
+                           {folder, "r", kRov, kDexrovMap, "a test", readEnvironment(water)});
+}
+
+inline RecordingFiles simulateForSil(const std::filesystem::path& folder,
+                                     const SilRecordingOptions& wanted = {}) {
+  SimulationOptions options = smallCameraOptions();
   options.begin_s = 5;
   options.duration_s = wanted.images - 0.5;
   options.noise = wanted.noise;
-  return simulateRecording(options, readTrajectory(folder / "station.yaml"),
-                           {folder, "r", kRov, kDexrovMap, "a test", readEnvironment(kSilWater)});
+  options.effects = wanted.effects;
+  if (wanted.stereo) options.vehicle.camera->T_left_right = Pose{Matrix3d::Identity(), {0.1, 0, 0}};
+  return simulateBeforePanel(
+      folder,
+      "kind: station\npose: {x: 3.9, y: 0.05, z: -4.25, yaw_deg: " + std::to_string(wanted.yaw_deg) +
+          "}\nduration_s: 20\nsway:\n  - {axis: y, amplitude_m: 0.1, period_s: 7}\n"
+          "  - {axis: roll, amplitude_deg: 4, period_s: 5}\n",
+      kSilWater, options);
 }
 
 /// What the simulator above knew. Its vehicle's camera differs from the vehicle file's in size only.
@@ -64,10 +83,7 @@ inline PosedImages atTruth(PosedImages images, const std::filesystem::path& rawl
   while (const auto sample = reader.next())
     if (sample->label == labels::kTruth)
       truth[sample->time] = Pose::fromMrpt(std::get<PoseSample>(sample->reading).T_odom_robot.mean);
-  for (PosedImage& posed : images.posed) {
-    posed.T_odom_robot.pose = truth.at(posed.time);
-    posed.T_odom_camera = posed.T_odom_robot.pose * posed.T_robot_camera;
-  }
+  for (PosedImage& posed : images.posed) posed.T_odom_robot.pose = truth.at(posed.time);
   return images;
 }
 

@@ -7,21 +7,15 @@ namespace fathom::test {
 /// An approach to the shipped panel in this water, one image of 320 x 240 px a second, from 3.5 to 1.4 m.
 inline RecordingFiles simulateApproach(const std::filesystem::path& folder, const std::string& water,
                                        std::uint64_t seed = 1, double seconds = 24) {
-  writeTextFile(folder / "approach.yaml",
-                "speed_m_s: 0.1\nturn_rate_deg_s: 5\nramp_s: 1\nwaypoints:\n"
-                "  - {x: 2.1, y: 0.3, z: -4.2, yaw_deg: -4}\n  - {x: 4.3, y: -0.2, z: -4.25, yaw_deg: 4}\n"
-                "sway:\n  - {axis: roll, amplitude_deg: 4, period_s: 5}\n");
-  SimulationOptions options;
-  options.vehicle = readVehicle(kRov);
-  options.vehicle.ins.reset();
-  CameraModel& model = options.vehicle.camera->model;
-  model.width_px /= 2;
-  model.height_px /= 2;
-  for (double* value : {&model.fx_px, &model.fy_px, &model.cx_px, &model.cy_px}) *value /= 2;
+  SimulationOptions options = smallCameraOptions();
   options.seed = seed;
   options.duration_s = seconds - 1;
-  return simulateRecording(options, readTrajectory(folder / "approach.yaml"),
-                           {folder, "r", kRov, kDexrovMap, "a test", readEnvironment(kConfig / water)});
+  return simulateBeforePanel(
+      folder,
+      "speed_m_s: 0.1\nturn_rate_deg_s: 5\nramp_s: 1\nwaypoints:\n"
+      "  - {x: 2.1, y: 0.3, z: -4.2, yaw_deg: -4}\n  - {x: 4.3, y: -0.2, z: -4.25, yaw_deg: 4}\n"
+      "sway:\n  - {axis: roll, amplitude_deg: 4, period_s: 5}\n",
+      kConfig / water, options);
 }
 
 }  // namespace fathom::test

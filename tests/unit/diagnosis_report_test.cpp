@@ -125,7 +125,7 @@ DiagnosisStory explainedStory() {
   d.remaining = {dvlAgainstSpeed(1.1, 0.7)};
   d.heldout.channels = {heldOutDvl()};
   d.alternatives = {{.candidates = {d.effects[0].candidate, {kEffectIndex<MarkerSize>, {}, {}, {}}},
-                     .log_evidence = {300, 299},
+                     .support = {0, -1},
                      .alignment = {1, 0.99},
                      .advice = {"turn on the spot", 7, 0.5}}};
   TestedCandidate tested;
@@ -133,7 +133,7 @@ DiagnosisStory explainedStory() {
   tested.statistic = 620;
   tested.dof = 4;
   tested.log_p = -300;
-  tested.log_evidence = 290;
+  tested.support = 290;
   tested.one_step = d.effects[0].estimates;
   d.tested = {tested};
   d.noise.channels[static_cast<std::size_t>(BatchChannel::dvl)].rows = 300;
@@ -226,7 +226,7 @@ TEST(DiagnosisReport, SetsThatCannotBeToldApart) {
   const auto sets = written(explainedStory())["alternatives"];
   ASSERT_EQ(sets.size(), 1u);
   EXPECT_EQ(sets[0]["effects"], nlohmann::json({"marker-moved", "marker-size"}));
-  EXPECT_EQ(sets[0]["log_evidence"], nlohmann::json({300.0, 299.0}));
+  EXPECT_EQ(sets[0]["support"], nlohmann::json({0.0, -1.0}));
   EXPECT_EQ(sets[0]["alignment"], nlohmann::json({1.0, 0.99}));
   EXPECT_EQ(sets[0]["advice"]["manoeuvre"], "turn on the spot");
   EXPECT_EQ(sets[0]["advice"]["separation"], 7.0);

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "support/shared_data.h"
+#include "support/shipped.h"
 
 namespace fathom {
 namespace {
@@ -57,6 +58,19 @@ cv::Mat uniformLight(const CameraSheet& sheet, double radiance) {
 }
 
 // The equation written out again, in double, with the line of sight from the camera model.
+TEST(CosinesOf, AreThoseOfPointsFoundForwards) {
+  const CameraModel camera = readVehicle(test::kRov).camera->model;
+  const cv::Mat cosines = cosinesOf(camera);
+  Random random(1);
+  for (int n = 0; n < 50; ++n) {
+    const Vector3d along = Vector3d(random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4), 1).normalized();
+    const Vector2d pixel = camera.project(along);
+    const float cosine =
+        cosines.at<float>(static_cast<int>(std::lround(pixel.y())), static_cast<int>(std::lround(pixel.x())));
+    EXPECT_NEAR(cosine, along.z(), 0.0007);  // half a pixel is 0.5/555 rad, at most 35 degrees off axis
+  }
+}
+
 TEST(ImageModel, LightIsThePapersEquation) {
   const CameraSheet sheet = sheetOf(160, 120);
   const Rendered view = randomView(sheet, 3);

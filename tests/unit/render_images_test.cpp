@@ -10,25 +10,6 @@
 namespace fathom::test {
 namespace {
 
-TEST(DepthAlongAxis, IsTheZOfThePointInRange) {
-  const CameraModel camera = rovCamera();
-  cv::Mat range_m(480, 640, CV_32FC1, cv::Scalar(3.0));
-  range_m.at<float>(0, 0) = std::numeric_limits<float>::infinity();
-  const cv::Mat depth_m = depthAlongAxis(range_m, camera);
-  EXPECT_EQ(depth_m.at<float>(0, 0), std::numeric_limits<float>::infinity());
-  Random random(1);
-  for (int n = 0; n < 50; ++n) {  // a point 3 m away at any pixel, found forwards
-    const Vector3d point_camera =
-        3.0 * Vector3d(random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4), 1).normalized();
-    const Vector2d pixel = camera.project(point_camera);
-    const float near_m =
-        depth_m.at<float>(static_cast<int>(std::lround(pixel.y())), static_cast<int>(std::lround(pixel.x())));
-    EXPECT_NEAR(near_m, point_camera.z(), 0.002);  // half a pixel is 0.5/555 rad, at most 35 degrees off axis
-  }
-  EXPECT_THROW(depthAlongAxis(range_m.rowRange(0, 5), camera), std::invalid_argument);
-  EXPECT_THROW(depthAlongAxis(cv::Mat(480, 640, CV_64FC1), camera), std::invalid_argument);
-}
-
 TEST(ToDisplay, IsSrgb) {
   cv::Mat radiance(1, 4, CV_32FC3);
   radiance.at<cv::Vec3f>(0, 0) = {0.0f, 0.5f, 1.0f};

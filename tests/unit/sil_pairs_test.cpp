@@ -4,6 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/error.h"
+#include "fiducials/image_file.h"
 #include "sensors/image_model.h"
 #include "sil/pair_maker.h"
 #include "sil/pair_picture.h"
@@ -98,7 +99,7 @@ TEST(SilPairs, NoiseIsTheOptionsAndNotTheRecordings) {
   EXPECT_GT(cv::norm(one, simulated({true, 2}), cv::NORM_INF), 2);
   EXPECT_GT(cv::norm(one, simulated(withoutNoise()), cv::NORM_INF), 2);
   // Where the recording's noise came out again, the two would be equal.
-  EXPECT_GT(cv::norm(one, inColour(readRecorded(posed.image)), cv::NORM_INF), 2);
+  EXPECT_GT(cv::norm(one, inColour(readImage(posed.image.file)), cv::NORM_INF), 2);
 }
 
 // Without a sea floor the mask is what has been rendered; with it, the same pixels but for those at the rim.
@@ -120,6 +121,43 @@ TEST(SilPairs, MaskIsThePanelWithAndWithoutSeaFloor) {
             0);
 }
 
+TEST(SilPairs, OfAPairBothAreTakenFromWhereTheyAre) {
+  const auto recording =
+      test::simulateForSil(test::scratchFolder(), {.images = 1, .noise = false, .stereo = true});
+  const PosedImages images = test::atTruth(posedIn(recording), recording.rawlog);
+  ASSERT_EQ(images.posed.size(), 2U);
+  const PairMaker maker(test::silWorld(), withoutNoise(), test::silDetection());
+  for (const PosedImage& posed : images.posed) {
+    const SilPair pair = maker.make(posed);
+    EXPECT_LE(cv::norm(pair.images.recorded, pair.images.simulated, cv::NORM_INF), 1) << posed.eye;
+  }
+}
+
+TEST(SilPairs, OfAGrayImageTheSimulatedOneIsGrayToo) {
+  const auto recording = test::simulateForSil(test::scratchFolder(), {.images = 1, .noise = false});
+  const fs::path file = recording.images / "CAMERA_0000.png";
+  overwrite(file, cv::imread(file.string(), cv::IMREAD_GRAYSCALE));
+  const PosedImages images = test::atTruth(posedIn(recording), recording.rawlog);
+  const SilPair pair =
+      PairMaker(test::silWorld(), withoutNoise(), test::silDetection()).make(images.posed.at(0));
+  ASSERT_EQ(pair.images.simulated.type(), CV_8UC3);
+  EXPECT_LE(cv::norm(pair.images.recorded, pair.images.simulated, cv::NORM_INF), 1);
+}
+
+// The same light with and without the encoder's losses: like is compared with like.
+TEST(SilPairs, OfAJpegImageTheSimulatedOneWasAJpegToo) {
+  const auto recording = test::simulateForSil(test::scratchFolder(), {.images = 1, .noise = false});
+  PosedImages images = test::atTruth(posedIn(recording), recording.rawlog);
+  PosedImage& posed = images.posed.at(0);
+  const cv::Mat exact = readImage(posed.image.file);
+  posed.image.file = recording.images / "lossy.jpg";
+  ASSERT_TRUE(cv::imwrite(posed.image.file.string(), exact, {cv::IMWRITE_JPEG_QUALITY, 60}));
+  const SilPair pair = PairMaker(test::silWorld(), withoutNoise(), test::silDetection()).make(posed);
+  const double loss = cv::norm(pair.images.recorded, exact, cv::NORM_L1);
+  EXPECT_GT(loss, 1e4);
+  EXPECT_LT(cv::norm(pair.images.recorded, pair.images.simulated, cv::NORM_L1), 0.1 * loss);
+}
+
 TEST(SilPairs, OtherPosesAreRefused) {
   const auto recording = test::simulateForSil(test::scratchFolder(), {.images = 1});
   const PosedImage posed = posedIn(recording).posed.at(0);
@@ -128,7 +166,6 @@ TEST(SilPairs, OtherPosesAreRefused) {
   const auto turned = [&](double yaw_rad, bool markers) {
     PosedImage other = posed;
     other.T_odom_robot.pose.rotation *= rotationFromYawPitchRoll(yaw_rad, 0, 0);
-    other.T_odom_camera = other.T_odom_robot.pose * other.T_robot_camera;
     if (!markers) other.detections.clear();
     return pairComplaint(maker, other);
   };

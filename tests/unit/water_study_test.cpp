@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/files.h"
+#include "fiducials/jpeg.h"
 #include "support/shared_data.h"
 #include "support/shipped.h"
 
@@ -20,9 +21,8 @@ std::vector<PosedImage> approachTo(const PanelMap& panel, std::size_t count) {
     PosedImage image;
     image.number = i;
     const double range_m = 5 - 4 * static_cast<double>(i) / static_cast<double>(count);
-    image.T_odom_camera =
+    image.T_odom_robot.pose =  // with the camera in its middle
         panel.T_odom_panel * Pose{Matrix3d(Vector3d(1, -1, -1).asDiagonal()), {0, 0, range_m}};
-    image.T_odom_robot.pose = image.T_odom_camera;
     image.T_odom_robot.covariance = 1e-8 * Matrix6d::Identity();
     images.push_back(image);
   }
@@ -95,7 +95,7 @@ TEST(WaterScores, MeanHasAnInterval) {
   EXPECT_NEAR(mean.half_width, 1.96 * std::sqrt(5.0 / 3 / 4), 1e-12);
 }
 
-TEST(WaterCamera, KnowsAFilesJpegQuality) {
+TEST(Jpeg, KnowsAFilesQuality) {
   const auto folder = test::scratchFolder();
   const cv::Mat image(48, 64, CV_8UC3, cv::Scalar(30, 90, 160));
   for (const int quality : {40, 60, 75, 90}) {

@@ -1,0 +1,13 @@
+#include "sensors/true_camera.h"
+
+namespace fathom {
+
+TrueCamera trueCamera(const CameraModel& nominal, const Pose& T_robot_camera,
+                      const KinematicState<double>& motion, const EffectParameters<double>& effects,
+                      double t_s, const Pose& T_left_right) {
+  const auto mount = cameraMounting(T_robot_camera, effects, t_s, T_left_right);
+  const auto projector = movingWith(motion, mount, cameraProjector(nominal, effects, t_s));
+  return {{mount.R_robot_sensor, mount.position_robot}, projector.lensModel(nominal), projector};
+}
+
+}  // namespace fathom

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "sensors/camera_geometry.h"
+
+namespace fathom {
+
+/// A camera as it truly is at one image: its mounting, lens and lines of sight with what effects make of
+/// them.
+struct TrueCamera {
+  Pose T_robot_camera;
+  CameraModel lens;  ///< pinhole and lens alone
+  CameraProjector<double> projector;
+
+  /// Whether it sees things elsewhere than its lens has them: through a port, or row by row.
+  bool bends() const { return projector.port.present || projector.shutter.rolling; }
+};
+
+/// Of an image stamped t_s after the recording's first entry; `motion` is the robot's when it was taken
+/// (validityOffset), of which a rolling shutter needs the velocities. Of a pair's right camera, the mounting
+/// is the left one's.
+TrueCamera trueCamera(const CameraModel& nominal, const Pose& T_robot_camera,
+                      const KinematicState<double>& motion, const EffectParameters<double>& effects,
+                      double t_s, const Pose& T_left_right = {});
+
+}  // namespace fathom

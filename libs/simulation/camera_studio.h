@@ -1,0 +1,73 @@
+#pragma once
+
+#include <memory>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "core/random.h"
+#include "panel/panel_map.h"
+#include "render/renderer.h"
+#include "sensors/true_camera.h"
+#include "sensors/vehicle.h"
+#include "sensors/water.h"
+
+namespace fathom {
+
+/// What a vehicle's camera sees: panels as their maps have them, on a sea floor or, where that is empty, in
+/// endless water.
+struct CameraWorld {
+  std::vector<PanelMap> panels;
+  Surface sea_floor_odom;
+  Environment environment;
+};
+
+/// An image to be taken.
+struct CameraShot {
+  Pose T_odom_robot;
+  TrueCamera camera;
+  double t_s = 0;  ///< its stamp, after the recording's first entry
+
+  Pose T_odom_camera() const { return T_odom_robot * camera.T_robot_camera; }
+};
+
+/// The camera's forward model from the world to the numbers of an image, with the effects that are on at its
+/// stamp: panels and markers where they truly are, lines of sight as the camera has them, daylight and the
+/// vehicle's lamps (where the environment says so), water, sensor. For many threads at once; each keeps a
+/// renderer of its own for each lens.
+class CameraStudio {
+ public:
+  /// Of the sheet only the sensor counts: lens and mounting are each shot's own.
+  CameraStudio(CameraWorld world, const CameraSheet& sheet, std::vector<LampSheet> lamps,
+               const EffectParameters<double>& effects);
+  ~CameraStudio();
+  CameraStudio(const CameraStudio&) = delete;
+  CameraStudio& operator=(const CameraStudio&) = delete;
+
+  /// What would be seen without water.
+  View render(const CameraShot& shot) const;
+  /// The same under full ambient light, lamps off: its radiance is the albedo.
+  View renderAlbedo(const CameraShot& shot) const;
+  /// CV_8UC1: 255 where a view that was rendered shows a panel, 0 elsewhere.
+  cv::Mat panelMask(const CameraShot& shot, const View& view) const;
+  /// The image that becomes of a view, see ImageModel. Without `noise`: none.
+  cv::Mat expose(const CameraShot& shot, const View& view, Random* noise) const;
+  cv::Mat image(const CameraShot& shot, Random* noise) const { return expose(shot, render(shot), noise); }
+
+ private:
+  struct Eye;
+  struct Threads;
+
+  Eye& eyeOf(const CameraModel& lens) const;
+  Surface asSeen(const CameraShot& shot, const Surface& sea_floor_odom) const;
+  View render(const CameraShot& shot, const Lighting& lighting) const;
+  Lighting lighting(const Pose& T_odom_robot) const;
+
+  CameraWorld world_;
+  CameraSheet sheet_;
+  std::vector<LampSheet> lamps_;
+  EffectParameters<double> effects_;
+  bool panels_move_, scene_changes_;
+  std::unique_ptr<Threads> threads_;
+};
+
+}  // namespace fathom
