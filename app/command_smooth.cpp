@@ -1,25 +1,23 @@
 #include <iostream>
 #include <memory>
 
+#include "batch_recording.h"
 #include "commands.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/text.h"
 #include "effects/calibration.h"
 #include "effects/catalogue.h"
-#include "panel/panel_maps.h"
-#include "recording/tum.h"
 #include "smooth_report.h"
-#include "tasks/companions.h"
-#include "tasks/start_pose.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
 namespace {
 
 struct SmoothOptions {
-  fs::path rawlog, folder;
-  std::string vehicle, map, calibration, start = "auto";
+  BatchRecordingOptions recording;
+  fs::path folder;
+  std::string calibration;
   std::vector<std::string> estimate;
   bool noise_from_data = false;
   std::uint64_t seed = 1;
@@ -40,53 +38,25 @@ void readEffects(const SmoothOptions& options, BatchOptions& batch) {
   }
 }
 
-Detections findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& panels,
-                       std::vector<std::string>& remarks) {
-  if (panels.empty()) return {};
-  RecordingSource source(rawlog);
-  DetectionSettings settings;
-  settings.families = familiesOf(panels);
-  settings.backend = Backend::apriltag;
-  Detections detections = detectImages(imagesOf(imageEntries(source)), settings, keepBeside(rawlog));
-  if (!detections.not_kept_why.empty())
-    remarks.push_back("detections are not kept: " + detections.not_kept_why);
-  for (const UnreadableImage& image : detections.unreadable)
-    remarks.push_back(image.file.string() + ": " + image.why);
-  return detections;
-}
-
-void writePath(const fs::path& file, const SmoothedRecording& recording) {
-  std::vector<StampedPose> poses;
-  for (const PathPose& pose : recording.estimate.path)
-    poses.push_back({after(recording.input.data.time_zero, pose.t_s), pose.T_odom_robot.pose});
-  writeTum(file, poses);
-}
-
 void smooth(const SmoothOptions& options, const RunContext& context) {
   SmoothedRecording recording;
   recording.run.command_line = context.command_line;
-  recording.recording = options.rawlog;
-  const auto open = [&]() -> std::unique_ptr<SampleSource> {
-    return std::make_unique<RecordingSource>(options.rawlog);
-  };
-  const RecordingHeader header = open()->header();
-  const fs::path vehicle = neededVehicleFile(options.vehicle, options.rawlog, header);
-  const auto map = panelMapFile(options.map, options.rawlog, header);
-  const std::vector<PanelMap> panels = map ? readPanelMaps(*map) : std::vector<PanelMap>{};
+  recording.recording = options.recording.rawlog;
   BatchOptions batch;
   readEffects(options, batch);
-  const Detections detections = findMarkers(options.rawlog, panels, recording.remarks);
-  recording.input = batchInput(open, detections, readVehicle(vehicle), panels, batch.calibration,
-                               startPose(options.start, options.rawlog, {}));
+  BatchRecording read = readBatchRecording(options.recording, batch.calibration);
+  recording.input = std::move(read.input);
+  recording.remarks = std::move(read.remarks);
   recording.estimate = estimateBatch(recording.input.data, recording.input.start, batch);
-  if (!recording.estimate.succeeded) throw Error(options.rawlog.string(), "", recording.estimate.failure);
+  if (!recording.estimate.succeeded)
+    throw Error(recording.recording.string(), "", recording.estimate.failure);
   if (options.noise_from_data)
     recording.estimate = adaptNoise(recording.input.data, std::move(recording.estimate), batch);
   recording.noise_scale = batch.problem.noise_scale;
   recording.linear =
       linearize(recording.input.data, *problemAt(recording.input.data, recording.estimate, batch), false);
 
-  writePath(options.folder / "trajectory.tum", recording);
+  writePath(options.folder / "trajectory.tum", recording.input.data, recording.estimate);
   writeTextFile(options.folder / "calibration.yaml", formatCalibration(recording.estimate.state.effects));
   writeSmoothReport(recording, options.folder);
   const BatchEstimate& e = recording.estimate;
@@ -116,7 +86,9 @@ void addSmooth(const RunContext& context) {
       "  fathom smooth dive.rawlog --out out/dive\n"
       "  fathom smooth dive.rawlog --estimate dvl-scale camera-misalignment --out out/dive");
   const auto options = std::make_shared<SmoothOptions>();
-  command->add_option("RECORDING", options->rawlog, "The recording")->required()->type_name(values::kRawlog);
+  command->add_option("RECORDING", options->recording.rawlog, "The recording")
+      ->required()
+      ->type_name(values::kRawlog);
   command->add_option("--out", options->folder, "Where the results go")
       ->required()
       ->type_name(values::kFolder);
@@ -125,12 +97,7 @@ void addSmooth(const RunContext& context) {
       ->add_option("--calibration", options->calibration,
                    "Effects known to be there; of those estimated, where to start")
       ->type_name(values::kYaml);
-  command->add_option("--vehicle", options->vehicle, "Vehicle file (default: the one the recording names)")
-      ->type_name(values::kYaml);
-  command->add_option("--map", options->map, "Panel map (default: the one the recording names)")
-      ->type_name(values::kYaml);
-  command->add_option("--start", options->start, "auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]")
-      ->capture_default_str();
+  addBatchRecordingOptions(*command, options->recording);
   command->add_flag("--noise-from-data", options->noise_from_data,
                     "Then once more, with each channel's noise as its residuals show where that is more than "
                     "stated");

@@ -21,6 +21,7 @@ void addInfo(const RunContext& context);
 void addSimulate(const RunContext& context);
 void addLocalize(const RunContext& context);
 void addSmooth(const RunContext& context);
+void addDiagnose(const RunContext& context);
 void addStress(const RunContext& context);
 void addDetect(const RunContext& context);
 void addMap(const RunContext& context);
@@ -32,10 +33,10 @@ void addFsim(const RunContext& context);
 void addSil(const RunContext& context);
 void addCompletion(const RunContext& context);
 
-inline constexpr AddCommand kCommands[] = {
-    addImport,  addInfo,   addSimulate, addLocalize, addSmooth,
-    addStress,  addDetect, addMap,      addEvaluate, addCompareFiducials,
-    addEffects, addFsim,   addSil,      addFitWater, addCompletion};
+inline constexpr AddCommand kCommands[] = {addImport, addInfo,     addSimulate,         addLocalize,
+                                           addSmooth, addDiagnose, addStress,           addDetect,
+                                           addMap,    addEvaluate, addCompareFiducials, addEffects,
+                                           addFsim,   addSil,      addFitWater,         addCompletion};
 
 /// Kinds of values. They show in --help, and tell the shell's completion what to offer: "FILE.x" files that
 /// end in .x, "FILE" any file, "FOLDER" folders.

@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "core/error.h"
 #include "core/progress.h"
+#include "shell_word.h"
 
 namespace fathom {
 namespace {
@@ -34,20 +35,7 @@ constexpr const char* kMoreHelp =
 /// As typed, so that it can be pasted into a shell again.
 std::string commandLine(int argc, char** argv) {
   std::string text = "fathom";
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
-      return std::isalnum(c) != 0 || c >= 0x80 ||
-             std::string("-_./:=,+@%").find(static_cast<char>(c)) != std::string::npos;
-    });
-    if (plain) {
-      text += " " + word;
-      continue;
-    }
-    text += " '";
-    for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
-    text += "'";
-  }
+  for (int i = 1; i < argc; ++i) text += " " + shellWord(argv[i]);
   return text;
 }
 

@@ -1,22 +1,12 @@
 #include "smooth_report.h"
 
+#include "batch_recording.h"
 #include "core/text.h"
 #include "effects/catalogue.h"
 #include "report/html_report.h"
 
 namespace fathom {
 namespace {
-
-/// "offset_m[1]".
-std::string nameOfScalar(const EffectEstimate& estimate) {
-  const EffectInfo& effect = allEffects()[estimate.effect];
-  std::size_t scalar = effect.first_scalar;
-  for (const Parameter& p : effect.parameters)
-    for (int i = 0; i < p.size; ++i, ++scalar)
-      if (scalar == estimate.scalar)
-        return std::string(p.name) + (p.size > 1 ? print("[%d]", i) : std::string());
-  return {};
-}
 
 nlohmann::ordered_json effectsJson(const BatchEstimate& estimate) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();

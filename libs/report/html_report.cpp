@@ -1,5 +1,7 @@
 #include "report/html_report.h"
 
+#include <algorithm>
+
 #include "core/files.h"
 
 namespace fathom {
@@ -96,10 +98,18 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-std::string tableRow(const Table& table, const std::vector<std::string>& row, const std::string& tag) {
+/// Orange, through which white and dark paper show.
+std::string shadeOf(const std::vector<double>& shades, std::size_t column) {
+  if (column >= shades.size() || !(shades[column] > 0)) return "";
+  return " style=\"background: rgb(213 94 0 / " + fixed(60 * std::min(1.0, shades[column]), 0) + "%)\"";
+}
+
+std::string tableRow(const Table& table, const std::vector<std::string>& row, const std::string& tag,
+                     const std::vector<double>& shades = {}) {
   std::string html = "<tr>";
   for (std::size_t column = 0; column < table.header.size(); ++column) {
-    html.append("<").append(tag).append(isNumeric(table, column) ? " class=\"n\">" : ">");
+    html.append("<").append(tag).append(isNumeric(table, column) ? " class=\"n\"" : "");
+    html.append(shadeOf(shades, column)).append(">");
     html.append(escaped(column < row.size() ? row[column] : "")).append("</").append(tag).append(">");
   }
   return html + "</tr>\n";
@@ -129,7 +139,9 @@ void HtmlReport::table(const Table& table, const std::string& caption) {
   body_ += "<div class=\"scroll\"><table>\n";
   if (!caption.empty()) body_ += element("caption", caption);
   body_ += "<thead>" + tableRow(table, table.header, "th") + "</thead>\n<tbody>\n";
-  for (const auto& row : table.rows) body_ += tableRow(table, row, "td");
+  for (std::size_t i = 0; i < table.rows.size(); ++i)
+    body_ += tableRow(table, table.rows[i], "td",
+                      i < table.shades.size() ? table.shades[i] : std::vector<double>{});
   body_ += "</tbody></table></div>\n";
 }
 

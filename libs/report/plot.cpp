@@ -41,8 +41,10 @@ std::string quoted(const std::string& text) {
 }
 
 Columns columnsOf(const Series& series) {
-  const bool band = series.style == Series::Style::kBand;
-  Columns columns = band ? Columns{&series.x, &series.lower, &series.upper} : Columns{&series.x, &series.y};
+  Columns columns{&series.x};
+  if (series.style != Series::Style::kBand) columns.push_back(&series.y);
+  if (series.style == Series::Style::kBand || series.style == Series::Style::kErrorBars)
+    columns.insert(columns.end(), {&series.lower, &series.upper});
   for (const auto* column : columns)
     if (column->size() != series.x.size())
       throw std::invalid_argument("plot series '" + series.name + "': columns of different lengths");
@@ -88,6 +90,10 @@ std::string drawing(const std::string& data, const Series& series, const std::st
       return data + " using 1:2 with lines dt (7,4) lw 1.6" + paint + title;
     case Series::Style::kPoints:
       return data + " using 1:2 with points pt 7 ps 0.4" + paint + title;
+    case Series::Style::kErrorBars:
+      // Not "with yerrorbars": to an SVG it paints a white ring about each point, over the bar.
+      return data + " using 1:3:(0):($4-$3) with vectors nohead lw 1.4" + paint + " notitle, " + data +
+             " using 1:2 with points pt 7 ps 0.6" + paint + title;
     case Series::Style::kBand:
       return data + " using 1:2:3 with filledcurves fs transparent solid 0.22 noborder" + paint + title;
   }

@@ -8,15 +8,15 @@
 
 namespace fathom {
 
-/// One curve, cloud of points or shaded band. NaN in any column makes a gap.
+/// One curve, cloud of points, with error bars or without, or shaded band. NaN in any column makes a gap.
 struct Series {
-  enum class Style { kLine, kDashed, kPoints, kBand };
+  enum class Style { kLine, kDashed, kPoints, kErrorBars, kBand };
 
   std::string name{};       ///< legend; empty: not listed
   std::vector<double> x{};  ///< plot units, see Plot's labels
   std::vector<double> y{};  ///< as long as x; empty for a band
   Style style = Style::kLine;
-  std::vector<double> lower{}, upper{};  ///< band only, as long as x
+  std::vector<double> lower{}, upper{};  ///< band and error bars only, as long as x
   std::string color{};                   ///< "#rrggbb"; empty: the next of the palette
 };
 

@@ -9,6 +9,8 @@ namespace fathom {
 struct Table {
   std::vector<std::string> header{};
   std::vector<std::vector<std::string>> rows{};
+  /// How strongly an HTML page colours each cell, 0 to 1: for a heat map. Missing ones are not.
+  std::vector<std::vector<double>> shades{};
 };
 
 /// Whether column i holds numbers (with or without unit; "-" and empty cells count as numbers that are

@@ -64,6 +64,20 @@ TEST(Plot, DrawsEveryStyleAndGaps) {
   EXPECT_NE(svg.find("polygon"), std::string::npos);
 }
 
+TEST(Plot, ErrorBarsReachFromLowerToUpper) {
+  Series bars{.name = "means", .x = {1, 2}, .y = {0, 0}, .style = Series::Style::kErrorBars};
+  Plot plot;
+  plot.y_range = {-10, 10};
+  bars.lower = {-1, -1};
+  bars.upper = {1, 1};
+  plot.series = {bars};
+  const std::string small = renderSvg(plot);
+  plot.series[0].upper = {9, 9};
+  EXPECT_NE(renderSvg(plot), small);
+  plot.series[0].lower.pop_back();
+  EXPECT_THROW(renderSvg(plot), std::invalid_argument);
+}
+
 TEST(Plot, NothingToDrawIsSaidNotAnError) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Plot plot;

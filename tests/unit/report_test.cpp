@@ -77,6 +77,16 @@ Plot smallPlot() {
   return plot;
 }
 
+TEST(HtmlReport, ColoursAHeatMapsCells) {
+  HtmlReport report("heat");
+  report.table({{"sensor", "time"}, {{"dvl", "9.1"}, {"gyro", "1.0"}}, {{0, 5.0}}});
+  const std::string html = report.html();
+  EXPECT_NE(html.find("<td class=\"n\" style=\"background: rgb(213 94 0 / 60%)\">9.1</td>"),
+            std::string::npos);
+  EXPECT_NE(html.find("<td>dvl</td>"), std::string::npos);
+  EXPECT_NE(html.find("<td class=\"n\">1.0</td>"), std::string::npos);
+}
+
 TEST(HtmlReport, EscapesEveryText) {
   HtmlReport report("<script>alert(1)</script>");
   const std::string evil = "<b>\"&'";

@@ -1,0 +1,93 @@
+#include "batch_recording.h"
+
+#include <memory>
+
+#include "commands.h"
+#include "core/files.h"
+#include "core/fingerprint.h"
+#include "core/text.h"
+#include "effects/catalogue.h"
+#include "panel/panel_maps.h"
+#include "recording/tum.h"
+#include "tasks/companions.h"
+#include "tasks/start_pose.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+/// Remarks: also what of the recording is lost, now that it was read to its end.
+Detections findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& panels,
+                       std::vector<std::string>& remarks) {
+  RecordingSource source(rawlog);
+  const std::vector<CameraImage> images = imagesOf(imageEntries(source));
+  if (source.loss()) remarks.push_back("The recording is damaged: " + describe(*source.loss()));
+  if (panels.empty()) return {};
+  DetectionSettings settings;
+  settings.families = familiesOf(panels);
+  settings.backend = Backend::apriltag;
+  Detections detections = detectImages(images, settings, keepBeside(rawlog));
+  if (!detections.not_kept_why.empty())
+    remarks.push_back("detections are not kept: " + detections.not_kept_why);
+  for (const UnreadableImage& image : detections.unreadable)
+    remarks.push_back(image.file.string() + ": " + image.why);
+  return detections;
+}
+
+std::vector<InputFile> filesOf(const BatchRecordingOptions& options, const BatchRecording& recording) {
+  std::vector<InputFile> files{inputFile(options.rawlog), inputFile(recording.vehicle)};
+  if (recording.map)
+    for (const fs::path& map : panelMapFiles(*recording.map)) files.push_back(inputFile(map));
+  return files;
+}
+
+}  // namespace
+
+void addBatchRecordingOptions(CLI::App& command, BatchRecordingOptions& options) {
+  command.add_option("--vehicle", options.vehicle, "Vehicle file (default: the one the recording names)")
+      ->type_name(values::kYaml);
+  command.add_option("--map", options.map, "Panel map (default: the one the recording names)")
+      ->type_name(values::kYaml);
+  command.add_option("--start", options.start, "auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]")
+      ->capture_default_str();
+}
+
+InputFile inputFile(const fs::path& file) { return {file, Fingerprint().add(readTextFile(file)).hex()}; }
+
+BatchRecording readBatchRecording(const BatchRecordingOptions& options,
+                                  const EffectParameters<double>& calibration) {
+  const auto open = [&]() -> std::unique_ptr<SampleSource> {
+    return std::make_unique<RecordingSource>(options.rawlog);
+  };
+  const RecordingHeader header = open()->header();
+  BatchRecording recording;
+  recording.vehicle = neededVehicleFile(options.vehicle, options.rawlog, header);
+  recording.map = panelMapFile(options.map, options.rawlog, header);
+  recording.files = filesOf(options, recording);
+  const std::vector<PanelMap> panels =
+      recording.map ? readPanelMaps(*recording.map) : std::vector<PanelMap>{};
+  const Vehicle vehicle = readVehicle(recording.vehicle);
+  const auto start = startPose(options.start, options.rawlog, {});
+  const Detections detections = findMarkers(options.rawlog, panels, recording.remarks);
+  recording.input = batchInput(open, detections, vehicle, panels, calibration, start);
+  return recording;
+}
+
+void writePath(const fs::path& file, const BatchData& data, const BatchEstimate& estimate) {
+  std::vector<StampedPose> poses;
+  for (const PathPose& pose : estimate.path)
+    poses.push_back({after(data.time_zero, pose.t_s), pose.T_odom_robot.pose});
+  writeTum(file, poses);
+}
+
+std::string nameOfScalar(const EffectEstimate& estimate) {
+  const EffectInfo& effect = allEffects()[estimate.effect];
+  std::size_t scalar = effect.first_scalar;
+  for (const Parameter& p : effect.parameters)
+    for (int i = 0; i < p.size; ++i, ++scalar)
+      if (scalar == estimate.scalar)
+        return std::string(p.name) + (p.size > 1 ? print("[%d]", i) : std::string());
+  return {};
+}
+
+}  // namespace fathom

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimation/batch_estimate.h"
+#include "estimation/filter_start.h"
+
+/// A recording on its way to the batch estimate: what `smooth` and `diagnose` have in common.
+namespace fathom {
+
+struct BatchRecordingOptions {
+  std::filesystem::path rawlog;
+  std::string vehicle, map;    ///< files; empty: those that the recording names
+  std::string start = "auto";  ///< see startPose()
+};
+/// All but the rawlog, as options of a command.
+void addBatchRecordingOptions(CLI::App& command, BatchRecordingOptions& options);
+
+/// A file that a result depends on.
+struct InputFile {
+  std::filesystem::path file;
+  std::string fingerprint;  ///< of its content
+};
+/// Throws Error where it cannot be read.
+InputFile inputFile(const std::filesystem::path& file);
+
+struct BatchRecording {
+  BatchInput input;
+  std::filesystem::path vehicle;
+  std::optional<std::filesystem::path> map;
+  std::vector<InputFile> files;  ///< rawlog, vehicle file, panel maps
+  std::vector<std::string> remarks;
+};
+
+/// Detects the markers in all images, or takes the detections kept beside the recording. Throws Error,
+/// Interrupted.
+BatchRecording readBatchRecording(const BatchRecordingOptions& options,
+                                  const EffectParameters<double>& calibration);
+
+/// An estimate's path as a TUM file. Throws Error.
+void writePath(const std::filesystem::path& file, const BatchData& data, const BatchEstimate& estimate);
+
+/// "offset_m[1]".
+std::string nameOfScalar(const EffectEstimate& estimate);
+
+}  // namespace fathom

@@ -1,0 +1,125 @@
+#include <iostream>
+#include <memory>
+
+#include "commands.h"
+#include "core/error.h"
+#include "core/files.h"
+#include "core/text.h"
+#include "diagnosis_report.h"
+#include "diagnosis_rerun.h"
+#include "effects/calibration.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+struct DiagnoseOptions {
+  BatchRecordingOptions recording;
+  fs::path folder;
+  std::string calibration;
+  DiagnosisOptions diagnosis;
+  bool rerun = false;
+};
+
+void printStory(const DiagnosisStory& story) {
+  const Diagnosis& d = story.diagnosis;
+  std::cout << nameOf(d.verdict) << ": " << d.why << "\n";
+  if (!d.effects.empty()) std::cout << "\n" << formatTable(effectTable(story));
+  if (!d.heldout.channels.empty()) {
+    const HeldOut& h = d.heldout.channels.front();
+    std::cout << print(
+        "\nHeld out, %s: %.4g before, %.4g after (95 %%: %.4g to %.4g), %.4g with a black box, %.4g by noise "
+        "alone\n",
+        h.metric.c_str(), h.before, h.after, h.after_ci95[0], h.after_ci95[1], h.black_box, h.noise_floor);
+  }
+  for (const std::string& remark : d.remarks) std::cout << "note: " << remark << "\n";
+  for (const std::string& remark : story.read.remarks) std::cout << "note: " << remark << "\n";
+  if (story.rerun) std::cout << "\n" << formatTable(story.rerun->table);
+  if (const std::string command = simulateCommand(story); d.calibration.on.any() && !command.empty())
+    std::cout << "\nThe dive simulated with it:\n  " << command << "\n";
+  std::cout << "\nwrote " << (story.folder / "report.html").string()
+            << ", result.json, calibration.yaml and trajectory.tum beside it\n";
+}
+
+void runDiagnosis(DiagnoseOptions options, const RunContext& context) {
+  DiagnosisStory story;
+  story.run = {.command_line = context.command_line, .seed = options.diagnosis.seed};
+  story.recording = options.recording.rawlog;
+  story.folder = options.folder;
+  story.false_alarm = options.diagnosis.false_alarm;
+  std::optional<RecordingJob> again;  // read before the long work, so that a mistake shows at once
+  if (options.rerun) again = rerunJob(options.recording, context.command_line);
+  if (!options.calibration.empty()) options.diagnosis.calibration = readCalibration(options.calibration);
+  story.read = readBatchRecording(options.recording, options.diagnosis.calibration);
+  if (!options.calibration.empty()) story.read.files.push_back(inputFile(options.calibration));
+
+  story.diagnosis = diagnose(story.read.input, options.diagnosis);
+  if (again && story.diagnosis.verdict == Verdict::explained) {
+    writeTextFile(options.folder / "calibration.yaml", formatCalibration(story.diagnosis.calibration));
+    story.rerun = rerunTasks(*again, options.calibration, options.folder);
+  }
+  writeDiagnosis(story);
+  printStory(story);
+}
+
+void addFitOptions(CLI::App& command, DiagnoseOptions& options) {
+  command
+      .add_option("--false-alarm", options.diagnosis.false_alarm,
+                  "How often something may be found where nothing is missing")
+      ->check(CLI::Range(1e-6, 0.5))
+      ->capture_default_str();
+  command
+      .add_option("--max-effects", options.diagnosis.max_effects,
+                  "So many effects are looked for, one by one")
+      ->check(CLI::Range(1, 10))
+      ->capture_default_str();
+  command
+      .add_option("--seed", options.diagnosis.seed,
+                  "Of the simulated recordings in which nothing is missing, which results are compared with")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void addDiagnose(const RunContext& context) {
+  auto* command = context.root->add_subcommand(
+      "diagnose", "Find out which physics the sensor models leave out, from a recording");
+  command->footer(
+      "Where do recording and nominal model differ, which effect is missing (`fathom effects`), with which\n"
+      "parameters, and does the recording then fit where the fit did not look? The verdict is one of\n"
+      "  none          nothing that matters is missing\n"
+      "  explained     effects of the catalogue are missing, and with them nothing else is\n"
+      "  unexplained   something is missing that no effect of the catalogue describes\n"
+      "  insufficient  the recording could not show it either way\n"
+      "Effects that the recording cannot tell apart are named together.\n"
+      "\n"
+      "Writes report.html, result.json, calibration.yaml (what was found, for `simulate` and `localize`) "
+      "and\n"
+      "trajectory.tum (with it in the model). Without INS and DVL each image has a pose by itself; without\n"
+      "images the navigation sensors are judged by each other. A reference or TRUTH is never looked at.\n"
+      "Detections are kept beside the recording.\n"
+      "\n"
+      "Examples:\n"
+      "  fathom diagnose dive.rawlog --out out/dive\n"
+      "  fathom diagnose dive.rawlog --calibration known.yaml --out out/dive\n"
+      "  fathom diagnose dive.rawlog --rerun --out out/dive\n"
+      "  fathom localize dive.rawlog --calibration out/dive/calibration.yaml --out out/localized");
+  const auto options = std::make_shared<DiagnoseOptions>();
+  command->add_option("RECORDING", options->recording.rawlog, "The recording")
+      ->required()
+      ->type_name(values::kRawlog);
+  command->add_option("--out", options->folder, "Where the results go")
+      ->required()
+      ->type_name(values::kFolder);
+  command->add_option("--calibration", options->calibration, "Effects known to be there already")
+      ->type_name(values::kYaml);
+  addBatchRecordingOptions(*command, options->recording);
+  addFitOptions(*command, *options);
+  command->add_flag(
+      "--rerun", options->rerun,
+      "Then localize by task TL5 (config/TL5.yaml, config/improved.yaml), without and with what "
+      "was found, and compare");
+  command->callback([options, &context] { runDiagnosis(*options, context); });
+}
+
+}  // namespace fathom

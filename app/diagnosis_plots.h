@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis_story.h"
+#include "report/plot.h"
+
+namespace fathom {
+
+/// How a channel's residuals depend on one covariate, of the nominal model and of the final one. Null: the
+/// final one was not tested so.
+Plot covariatePlot(const Mismatch& before, const Mismatch* after);
+
+/// Held-out stretches one by one: before, after, black box, and what noise alone makes.
+Plot heldOutPlot(const HeldOut& heldout);
+
+/// Raw residuals of each channel over time, of the nominal model's estimate and, where they differ, of the
+/// final one's: two plots of the same scale.
+std::vector<Plot> residualPlots(const DiagnosisStory& story);
+
+}  // namespace fathom

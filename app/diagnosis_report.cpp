@@ -1,0 +1,352 @@
+#include "diagnosis_report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/files.h"
+#include "core/text.h"
+#include "diagnosis_json.h"
+#include "diagnosis_plots.h"
+#include "effects/calibration.h"
+#include "effects/catalogue.h"
+#include "report/html_report.h"
+
+namespace fathom {
+namespace {
+
+/// exp(log_p) for a reader, however small: "0.0312", "4.5e-173".
+std::string probabilityText(double log_p) {
+  if (!std::isfinite(log_p)) return log_p < 0 ? "0" : "-";
+  const double log10_p = log_p / std::log(10.0);
+  if (log10_p > -4) return fixed(std::exp(log_p), 4);
+  const double exponent = std::floor(log10_p);
+  return print("%.1fe%.0f", std::pow(10.0, log10_p - exponent), exponent);
+}
+
+// ---- where: the mismatch map
+
+const Mismatch* find(const std::vector<Mismatch>& all, const Mismatch& like) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Mismatch& m) {
+    return m.channel == like.channel && m.direction == like.direction && m.statistic == like.statistic &&
+           m.against == like.against;
+  });
+  return found == all.end() ? nullptr : &*found;
+}
+
+/// All values of a text field, in the order of their first appearance.
+template <class Text>
+std::vector<std::string> distinct(const std::vector<Mismatch>& all, Text text) {
+  std::vector<std::string> values;
+  for (const Mismatch& mismatch : all)
+    if (std::find(values.begin(), values.end(), text(mismatch)) == values.end())
+      values.push_back(text(mismatch));
+  return values;
+}
+
+/// Covariates down, sensors across: the largest size, coloured where it is not chance.
+Table heatTable(const std::vector<Mismatch>& all, double false_alarm) {
+  constexpr double kDarkest_sigma = 8.0;
+  const auto channelOf = [](const Mismatch& m) { return nameOf(m.channel); };
+  const auto covariateOf = [](const Mismatch& m) { return m.against; };
+  auto channels = distinct(all, channelOf);
+  std::sort(channels.begin(), channels.end());
+  Table table{{"against"}, {}};
+  table.header.insert(table.header.end(), channels.begin(), channels.end());
+  for (const std::string& covariate : distinct(all, covariateOf)) {
+    table.rows.push_back({covariate});
+    table.shades.push_back({0});
+    for (const std::string& channel : channels) {
+      double size_sigma = 0;
+      bool any = false, significant = false;
+      for (const Mismatch& m : all) {
+        if (channelOf(m) != channel || covariateOf(m) != covariate) continue;
+        size_sigma = std::max(size_sigma, m.size_sigma);
+        significant = significant || isSignificant(m, false_alarm);
+        any = true;
+      }
+      table.rows.back().push_back(any ? fixed(size_sigma, 1) : "-");
+      table.shades.back().push_back(significant ? 0.1 + size_sigma / kDarkest_sigma : 0.0);
+    }
+  }
+  return table;
+}
+
+/// "speed", "marker id (mean corner residual)": most are mean residuals.
+std::string structureOf(const Mismatch& m) {
+  return m.statistic == "mean residual" ? m.against : m.against + " (" + m.statistic + ")";
+}
+
+Table mismatchTable(const DiagnosisStory& story) {
+  constexpr std::size_t kMostRows = 20;
+  const BatchData& data = story.read.input.data;
+  Table table{{"sensor", "against", "sigma", "size", "p", "where", "when", "matters", "left"}, {}};
+  for (const Mismatch& m : story.diagnosis.mismatch) {
+    if (table.rows.size() == kMostRows || !isSignificant(m, story.false_alarm)) continue;
+    const Mismatch* left = find(story.diagnosis.remaining, m);
+    table.rows.push_back({sensorOf(m), structureOf(m), fixed(m.size_sigma, 1),
+                          print("%.3g %s", m.size_raw, m.raw_unit.c_str()), probabilityText(m.log_p), m.where,
+                          textOf(within(m.when_s, data)), m.material ? "yes" : "no",
+                          left != nullptr ? fixed(left->size_sigma, 1) : "-"});
+  }
+  return table;
+}
+
+void addMismatch(const DiagnosisStory& story, HtmlReport& report) {
+  const Diagnosis& d = story.diagnosis;
+  report.heading("Where the nominal model and the recording differ");
+  if (d.mismatch.empty()) return report.paragraph("No residuals were tested.");
+  report.paragraph(print(
+      "How far each sensor's residuals are off against each covariate: the worst bin, in sigma. Coloured: "
+      "more than chance explains at %g %%, having looked at all.",
+      100 * story.false_alarm));
+  report.table(heatTable(d.mismatch, story.false_alarm));
+  if (const Table table = mismatchTable(story); !table.rows.empty()) {
+    report.paragraph(
+        "The most improbable, with the probability of as much by chance. Matters: large enough in pixels, "
+        "millimetres, millimetres per second. Left: sigma with what was found in the model.");
+    report.table(table);
+  }
+  if (modelledEffects(d).empty()) return;
+  report.paragraph("The same, with what was found in the model:");
+  report.table(heatTable(d.remaining, story.false_alarm));
+}
+
+// ---- what: effects, candidates, alternatives
+
+void addEffects(const DiagnosisStory& story, HtmlReport& report) {
+  const std::vector<FoundEffect>& effects = modelledEffects(story.diagnosis);
+  if (effects.empty()) return;
+  report.heading(story.diagnosis.effects.empty() ? "What comes nearest" : "What is missing");
+  for (const FoundEffect& effect : effects)
+    report.paragraph(nameOf(effect.candidate) + ": " +
+                     std::string(allEffects()[effect.candidate.effect].text.title) + ".");
+  report.table(effectTable(story));
+  Table evidence{{"effect", "support", "log likelihood", "on held-out stretches", "BIC"}, {}};
+  for (const FoundEffect& effect : effects)
+    evidence.rows.push_back({nameOf(effect.candidate), fixed(effect.support, 1),
+                             fixed(effect.log_likelihood_gain, 1),
+                             fixed(effect.heldout_log_likelihood_gain, 1), fixed(effect.bic_gain, 1)});
+  report.table(evidence, "Gained over the model without it, all else estimated again.");
+  report.paragraph(
+      "± is one sigma. Sqrt lambda: an effect's size in units of what this recording could resolve at best.");
+}
+
+/// The most improbable first.
+std::vector<InteractionTest> worstOf(std::vector<InteractionTest> tests, std::size_t count) {
+  std::stable_sort(tests.begin(), tests.end(), [](const InteractionTest& a, const InteractionTest& b) {
+    return a.statistic > b.statistic;
+  });
+  tests.resize(std::min(count, tests.size()));
+  return tests;
+}
+
+void addInteractions(const DiagnosisStory& story, HtmlReport& report) {
+  constexpr std::size_t kMost = 4;
+  Table table{{"effect", "against", "chi-square of 1", "p", "change [%]", "passed"}, {}};
+  for (const FoundEffect& effect : modelledEffects(story.diagnosis))
+    for (const InteractionTest& test : worstOf(effect.interactions, kMost))
+      table.rows.push_back({nameOf(effect.candidate), test.against, fixed(test.statistic, 1),
+                            probabilityText(test.log_p), fixed(100 * test.relative_change, 1),
+                            test.failed ? "no" : "yes"});
+  if (table.rows.empty()) return;
+  report.subheading("Is it the same everywhere?");
+  report.paragraph(
+      "An effect that is really there has the same parameters all over the recording; a stand-in for another "
+      "one has not. Each effect's most telling tests; the others are in result.json. Change: of its size "
+      "over "
+      "one standard deviation of the covariate.");
+  report.table(table);
+}
+
+void addCandidates(const DiagnosisStory& story, HtmlReport& report) {
+  constexpr std::size_t kMostRows = 25;
+  const Diagnosis& d = story.diagnosis;
+  if (d.tested.empty()) return;
+  report.heading("What else was tried");
+  Table table{{"candidate", "support", "chi-square", "dof", "p", "kept [%]"}, {}};
+  for (const TestedCandidate& t : d.tested) {
+    if (table.rows.size() == kMostRows) break;
+    table.rows.push_back({nameOf(t.candidate), fixed(t.support, 1), fixed(t.statistic, 1),
+                          std::to_string(t.dof), probabilityText(t.log_p), fixed(100 * t.kept, 1)});
+  }
+  std::string caption =
+      "Each alone against the nominal model, best supported first. p: for this candidate alone. Support: -ln "
+      "p, what was expected before and having looked elsewhere accounted for. Kept: what of it the path, "
+      "biases and offsets that are estimated anyway cannot imitate.";
+  if (d.tested.size() > table.rows.size())
+    caption += print(" %zu more are in result.json.", d.tested.size() - table.rows.size());
+  report.table(table, caption);
+  report.paragraph("Probability of so good a best one where nothing is missing, having tried them all: " +
+                   fixed(d.alarm_p, 4) + ".");
+}
+
+void addAlternatives(const DiagnosisStory& story, HtmlReport& report) {
+  if (story.diagnosis.alternatives.empty()) return;
+  report.heading("What this recording cannot tell apart");
+  for (const Alternatives& set : story.diagnosis.alternatives) {
+    Table table{{"effect", "support", "alignment", "what tells it apart"}, {}};
+    for (std::size_t i = 0; i < set.candidates.size(); ++i)
+      table.rows.push_back({nameOf(set.candidates[i]),
+                            i < set.support.size() ? fixed(set.support[i], 1) : "-",
+                            i < set.alignment.size() ? fixed(set.alignment[i], 3) : "-",
+                            std::string(allEffects()[set.candidates[i].effect].text.told_apart)});
+    report.table(table, "Support: against the first's. Alignment: 1 is the same to this recording.");
+    if (!set.advice.manoeuvre.empty())
+      report.paragraph(
+          print("A manoeuvre that tells the first from the one most like it: %s. A minute of it makes them "
+                "differ by %.1f times what can be resolved; in this recording they differ by %.1f.",
+                set.advice.manoeuvre.c_str(), set.advice.separation, set.advice.separation_now));
+  }
+}
+
+// ---- does it fit
+
+void addHeldOut(const DiagnosisStory& story, HtmlReport& report) {
+  const HeldOutResult& heldout = story.diagnosis.heldout;
+  if (heldout.channels.empty()) return;
+  report.heading("Does it fit what the fit did not see?");
+  report.paragraph(
+      "Root mean square on stretches that were held out: there only the effects' parameters are carried "
+      "over. "
+      "Black box: splines over the covariates in place of physics.");
+  report.table(heldOutTable(heldout));
+  const HeldOutGain& gain = heldout.gain;
+  report.paragraph(print(
+      "Log likelihood gained there over the nominal model, all channels together: %.1f (95 %%: %.1f to "
+      "%.1f) with the effects, %.1f with the black box (difference, 95 %%: %.1f to %.1f). Where nothing "
+      "is missing, the best of all effects gains at most %.1f in 95 of 100 cases.",
+      gain.physics, gain.physics_ci95[0], gain.physics_ci95[1], gain.black_box, gain.over_black_box_ci95[0],
+      gain.over_black_box_ci95[1], gain.placebo));
+  for (const HeldOut& channel : heldout.channels)
+    if (!channel.blocks.empty()) report.plot(heldOutPlot(channel));
+}
+
+/// The worst first; where nothing stands out, a few that show so.
+std::vector<const Mismatch*> worthPlotting(const DiagnosisStory& story) {
+  constexpr std::size_t kMost = 12, kFew = 3;
+  std::vector<const Mismatch*> chosen;
+  for (const Mismatch& m : story.diagnosis.mismatch) {
+    if (m.bins.size() < 2) continue;
+    if (chosen.size() < kFew || (chosen.size() < kMost && isSignificant(m, story.false_alarm)))
+      chosen.push_back(&m);
+  }
+  return chosen;
+}
+
+void addResiduals(const DiagnosisStory& story, HtmlReport& report) {
+  const bool changed = !modelledEffects(story.diagnosis).empty();
+  report.heading(changed ? "Residuals before and after" : "Residuals");
+  for (const Mismatch* mismatch : worthPlotting(story))
+    report.plot(covariatePlot(*mismatch, changed ? find(story.diagnosis.remaining, *mismatch) : nullptr),
+                print("Structure of %.3g %s, %.1f sigma at its worst%s.", mismatch->size_raw,
+                      mismatch->raw_unit.c_str(), mismatch->size_sigma, changed ? ", before" : ""));
+  for (const Plot& plot : residualPlots(story)) report.plot(plot);
+}
+
+void addNoise(const DiagnosisStory& story, HtmlReport& report) {
+  const NoiseModel& noise = story.diagnosis.noise;
+  Table table{{"channel", "readings' coordinates", "sigma / stated", "correlation of neighbours"}, {}};
+  for (const BatchChannel channel : kBatchChannels)
+    if (const ChannelNoise& c = noise.of(channel); c.rows > 0)
+      table.rows.push_back(
+          {nameOf(channel), std::to_string(c.rows), fixed(c.scale, 3), fixed(c.correlation, 3)});
+  if (table.rows.empty()) return;
+  report.heading("The noise that the recording shows");
+  report.table(table);
+  if (noise.panel_tolerance_m > 0)
+    report.paragraph(
+        print("Markers scatter by %.2g mm about where the map has them.", 1e3 * noise.panel_tolerance_m));
+}
+
+// ---- with it
+
+/// An option a line, still one command to a shell.
+std::string onSeveralLines(std::string command) {
+  const std::string before = " --", after = " \\\n    --";
+  for (auto at = command.find(before); at != std::string::npos; at = command.find(before, at + after.size()))
+    command.replace(at, before.size(), after);
+  return command;
+}
+
+void addRerun(const DiagnosisStory& story, HtmlReport& report) {
+  if (!story.diagnosis.calibration.on.any() && !story.rerun) return;
+  report.heading("With what was found");
+  report.paragraph(
+      "calibration.yaml, beside this report, is taken by `simulate`, `localize`, `smooth` and `diagnose`.");
+  report.preformatted(formatCalibration(story.diagnosis.calibration));
+  if (const std::string command = simulateCommand(story); !command.empty()) {
+    report.paragraph("The dive simulated again with it:");
+    report.preformatted(onSeveralLines(command));
+  }
+  if (!story.rerun) return;
+  report.paragraph(
+      "Task TL5, improved, without and with it. Mean ± sigma over the sightings; M: the markers' mean pose; "
+      "S: "
+      "truth; m_A: lag-one autocorrelation of the path's increments.");
+  report.table(story.rerun->table);
+  for (const std::string& remark : story.rerun->remarks) report.paragraph(remark);
+}
+
+void addInputs(const DiagnosisStory& story, HtmlReport& report) {
+  const BatchData& data = story.read.input.data;
+  report.heading("From what");
+  report.paragraph(
+      print("%.1f s; %zu intervals of the gyro, %zu DVL and %zu pressure readings, %zu markers in "
+            "images. Started from: ",
+            data.last_s - data.first_s, data.gyro.size(), data.dvl.size(), data.pressure.size(),
+            data.markers.size()) +
+      story.read.input.start.source + ".");
+  Table files{{"input", "fingerprint"}, {}};
+  for (const InputFile& input : story.read.files)
+    files.rows.push_back({input.file.string(), input.fingerprint});
+  report.table(files);
+  if (data.left_out.empty()) return;
+  Table left{{"readings left out because", "how many"}, {}};
+  for (const auto& [why, count] : data.left_out) left.rows.push_back({why, std::to_string(count)});
+  report.table(left);
+}
+
+void addHeadline(const DiagnosisStory& story, HtmlReport& report) {
+  const Diagnosis& d = story.diagnosis;
+  report.paragraph(d.why);
+  std::vector<std::pair<std::string, std::string>> keys{{"verdict", nameOf(d.verdict)}};
+  for (const FoundEffect& effect : d.effects)
+    keys.emplace_back("sqrt lambda of " + nameOf(effect.candidate), fixed(effect.sqrt_lambda, 1));
+  if (!d.heldout.channels.empty()) {
+    const HeldOut& h = d.heldout.channels.front();
+    keys.emplace_back("held out, " + h.metric, print("%.3g → %.3g", h.before, h.after));
+  }
+  report.keyValues(keys);
+  for (const std::string& remark : d.remarks) report.warning(remark);
+  for (const std::string& remark : story.read.remarks) report.warning(remark);
+}
+
+HtmlReport reportOf(const DiagnosisStory& story) {
+  HtmlReport report("Diagnosis of " + story.recording.filename().string());
+  addHeadline(story, report);
+  addEffects(story, report);
+  addInteractions(story, report);
+  addAlternatives(story, report);
+  addMismatch(story, report);
+  addCandidates(story, report);
+  addHeldOut(story, report);
+  addResiduals(story, report);
+  addNoise(story, report);
+  addRerun(story, report);
+  addInputs(story, report);
+  report.footer(story.run);
+  return report;
+}
+
+}  // namespace
+
+void writeDiagnosis(const DiagnosisStory& story) {
+  const HtmlReport report = reportOf(story);
+  const Diagnosis& d = story.diagnosis;
+  writePath(story.folder / "trajectory.tum", story.read.input.data, d.after);
+  writeTextFile(story.folder / "calibration.yaml", formatCalibration(d.calibration));
+  report.write(story.folder / "report.html");
+  writeJson(story.folder / "result.json", toJson(story));
+}
+
+}  // namespace fathom

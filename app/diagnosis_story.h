@@ -1,0 +1,63 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batch_recording.h"
+#include "diagnosis/diagnosis.h"
+#include "report/run_info.h"
+#include "report/table.h"
+
+namespace fathom {
+
+/// The localization tasks run again, without and with what was found.
+struct DiagnosisRerun {
+  Table table;  ///< the paper's rows of both
+  std::vector<std::string> remarks;
+};
+
+/// A diagnosis, done, and what it was made from.
+struct DiagnosisStory {
+  RunInfo run;
+  std::filesystem::path recording, folder;
+  BatchRecording read;
+  double false_alarm = 0.05;
+  Diagnosis diagnosis;
+  std::optional<DiagnosisRerun> rerun;
+};
+
+// ---- what the terminal, result.json and report.html say alike
+
+/// A parameter of an effect found.
+struct FoundParameter {
+  std::string name, unit;
+  std::vector<double> value;
+  std::vector<double> sigma;  ///< as many; empty where it was chosen, not estimated
+};
+/// All that the effect has, by the names in the registry.
+std::vector<FoundParameter> parametersOf(const FoundEffect& effect,
+                                         const EffectParameters<double>& calibration);
+/// "0.0153 ± 0.0004 m": digits as sigma deserves them; lists in brackets.
+std::string textOf(const FoundParameter& parameter);
+
+/// An interval as far as the recording has it, s since its first entry; nothing where it is for good.
+std::optional<Interval> within(const Interval& interval, const BatchData& data);
+/// "12.0 to 171.0 s", "always".
+std::string textOf(const std::optional<Interval>& interval);
+
+/// Whether a mismatch is more than chance leaves of no mismatch.
+bool isSignificant(const Mismatch& mismatch, double false_alarm);
+/// "markers, right", "dvl y", "depth".
+std::string sensorOf(const Mismatch& mismatch);
+
+/// Effects in the final model: those found, or those that come nearest to what is unexplained.
+const std::vector<FoundEffect>& modelledEffects(const Diagnosis& diagnosis);
+/// A row for each parameter of each of them.
+Table effectTable(const DiagnosisStory& story);
+/// Root mean squares on held-out stretches, a row for each channel.
+Table heldOutTable(const HeldOutResult& heldout);
+/// The command that simulates the dive with what was found; empty where images alone tell of the path.
+std::string simulateCommand(const DiagnosisStory& story);
+
+}  // namespace fathom
