@@ -14,6 +14,7 @@
 #include "recording/fields.h"
 #include "recording/rawlog.h"
 #include "support/random_pose.h"
+#include "support/random_state.h"
 
 /// Recordings for tests: made, written, read and compared.
 namespace fathom::test {
@@ -35,14 +36,6 @@ inline mrpt::img::TCamera randomCamera(Random& random) {
 template <class T>
 std::optional<T> sometimes(Random& random, const T& field) {
   return random.uniform() < 0.8 ? std::optional<T>(field) : std::nullopt;
-}
-
-/// Positive definite, of condition 100 or so.
-template <int size>
-Eigen::Matrix<double, size, size> randomCovariance(Random& random) {
-  Eigen::Matrix<double, size, size> root;
-  for (double& element : root.reshaped()) element = random.normal();
-  return root * root.transpose() + Eigen::Matrix<double, size, size>::Identity();
 }
 
 constexpr int kKinds = 10;

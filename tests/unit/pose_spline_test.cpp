@@ -114,7 +114,7 @@ TEST(PoseSpline, MotionJacobianIsThatOfDifferences) {
     Eigen::Matrix<double, kMotionSize, 1> ends[2];
     for (const int sign : {0, 1}) {
       PosePath moved = path;
-      Pose& pose = moved.poses[static_cast<std::size_t>(node.first + c / 6)];
+      Pose& pose = moved.poses[node.pose(c / 6)];
       pose = retracted(pose, (sign == 0 ? -h : h) * Vector6d::Unit(c % 6));
       const Motion m = motionOf(own(moved), node, kKnot_s);
       ends[sign] << m.T_odom_robot.position,
