@@ -36,7 +36,7 @@ TEST(FitWaterCommand, WritesAWaterThatSimulateTakes) {
   EXPECT_NEAR(readEnvironment(water).water.veil[2], 0.20, 0.004);
 
   const auto simulated = test::runFathom(
-      "simulate --trajectory " + test::shellQuoted((folder / "approach.yaml").string()) + " --vehicle " +
+      "simulate --trajectory " + test::shellQuoted((folder / "trajectory.yaml").string()) + " --vehicle " +
       test::shellQuoted(test::kRov.string()) + " --map " + test::shellQuoted(test::kDexrovMap.string()) +
       " --duration 1 --water " + test::shellQuoted(water.string()) + " --out " +
       test::shellQuoted((folder / "again").string()));

@@ -189,7 +189,7 @@ TEST_P(RenderAccuracy, RangeIsThatOfTheRayToThePlane) {
 TEST_P(RenderAccuracy, WhiteAndBlackAreExactUnderAmbientLight) {
   for (const auto& albedo : {kWhite, kBlack}) {
     renderer.setScene(posed(rectangle(20, 20, albedo), {Matrix3d::Identity(), Vector3d(0, 0, 2)}));
-    const View view = renderer.render({expSO3<double>(Vector3d(0.3, -0.2, 0.1)), {}}, {});
+    const View view = renderer.render({expSO3<double>(Vector3d(0.3, -0.2, 0.1)), Vector3d::Zero()}, {});
     double smallest = 0, largest = 0;
     cv::minMaxIdx(view.radiance.reshape(1), &smallest, &largest);
     EXPECT_NEAR(smallest, albedo[0], 1e-6);
