@@ -82,7 +82,7 @@ std::string textOf(const std::optional<Interval>& interval) {
 bool isSignificant(const Mismatch& mismatch, double false_alarm) { return mismatch.p_value < false_alarm; }
 
 std::string sensorOf(const Mismatch& mismatch) {
-  const std::string channel = nameOf(mismatch.channel);
+  std::string channel = nameOf(mismatch.channel);
   if (mismatch.direction.empty() || mismatch.channel == BatchChannel::depth) return channel;
   return channel + (mismatch.channel == BatchChannel::markers ? ", " : " ") + mismatch.direction;
 }

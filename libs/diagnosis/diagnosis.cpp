@@ -20,6 +20,7 @@ constexpr double kSameSupport = 2.7;    // half of the 5.4 by which the right on
 constexpr double kContenderMargin = 8;  // ln p to first order, plus a share of the best's:
 constexpr double kContenderShare = 0.1;
 constexpr std::size_t kContenders = 5, kRivals = 4;
+constexpr double kDiscovery = 5;    // sqrt(lambda) from which on an effect is named: noise has tails, too
 constexpr double kConfirmed = 0.3;  // of the likelihood it gains, on stretches that it was not fitted to
 constexpr double kUnexplained_p = 0.01;
 constexpr double kDetectable = 18;   // information times prior variance: 5 % over the catalogue, power 90 %
@@ -67,6 +68,7 @@ class Course {
   Refit settled(Refit fit);
   Refit without(const Refit& fit, std::size_t effect);
   Refit onlyNeeded(Refit fit);
+  bool isBelieved(const Refit& fit, const Screening& screening);
   bool leaveOutUnconfirmed(const Refit& fit);
   HeldOutResult heldOut(const Refit& fit, bool yardsticks) const;
   void addAlternatives(std::size_t effect);
@@ -219,12 +221,23 @@ void Course::attribute() {
     if (!best) break;
     Refit better = onlyNeeded(settled(std::move(*best)));
     if (!final_.effects.empty() && worth(better) <= worth(final_)) break;
-    // What has raised the alarm may be another than what is best supported.
-    if (screening.alarm(-supportOver(better, final_), options_.seed) > options_.false_alarm) break;
+    if (!isBelieved(better, screening)) break;
     if (leaveOutUnconfirmed(better)) continue;
     final_ = std::move(better);
   }
   for (std::size_t i = 0; i < final_.effects.size(); ++i) addAlternatives(i);
+}
+
+/// What has raised the alarm may be another than what is best supported, or explain less once refitted.
+bool Course::isBelieved(const Refit& fit, const Screening& screening) {
+  const double alarm = screening.alarm(-supportOver(fit, final_), options_.seed);
+  const bool is_large = 2 * (final_.cost - fit.cost) >= kDiscovery * kDiscovery;
+  if (is_large && alarm <= options_.false_alarm) return true;
+  if (final_.effects.empty()) {
+    diagnosis_.alarm_p = std::max(diagnosis_.alarm_p, alarm);
+    diagnosis_.most_improbable = nameOf(fit.effects.front());
+  }
+  return false;
 }
 
 /// An effect for a part of the recording can be made to fit any few images that are a little off: it must

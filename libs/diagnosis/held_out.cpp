@@ -99,7 +99,7 @@ Nuisances nuisancesOf(const Eigen::SparseMatrix<double>& J, const std::vector<Ei
     entries.emplace_back(first + c, c, kRidge * lengths[static_cast<std::size_t>(c)]);
   Eigen::SparseMatrix<double> own(first + width, width);
   own.setFromTriplets(entries.begin(), entries.end());
-  return Nuisances(std::move(own));
+  return Nuisances(own);
 }
 
 Part partOf(const WhitenedModel& model, std::vector<Eigen::Index> rows, const Eigen::MatrixXd& columns,
@@ -139,7 +139,7 @@ struct Piece {
 std::array<double, 2> central95(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const auto at = [&](double share) {
-    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+    return values[static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)))];
   };
   return {at(0.025), at(0.975)};
 }
@@ -164,6 +164,18 @@ std::string metricOf(BatchChannel channel) {
       break;
   }
   return "";
+}
+
+/// What a unit of residual is in the reading's own unit, as the residuals have it.
+double rawPerUnit(const Linearization& linear, BatchChannel channel) {
+  double raw = 0, residual = 0;
+  for (std::size_t i = 0; i < linear.rows.size(); ++i)
+    if (linear.rows[i].channel == channel) {
+      raw += linear.rows[i].raw * linear.rows[i].raw;
+      residual +=
+          linear.residual[static_cast<Eigen::Index>(i)] * linear.residual[static_cast<Eigen::Index>(i)];
+    }
+  return residual > 0 ? std::sqrt(raw / residual) : 0;
 }
 
 /// Which channels the effects act on, those they change most first.
@@ -318,7 +330,7 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
   };
   HeldOutGain gain;
   gain.by_effect.assign(effects.size(), 0);
-  std::vector<Piece> pieces(static_cast<std::size_t>(stretch_count * kParts));
+  std::vector<Piece> pieces(static_cast<std::size_t>(stretch_count) * kParts);
   Progress progress("holding out");
   for (int fold = 0; fold < options.folds; ++fold) {
     progress.update(static_cast<double>(fold) / options.folds);
@@ -397,7 +409,7 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
     held.channel = channel;
     held.metric = metricOf(channel);
     // What is left is in units of noise: back into the reading's.
-    const double unit = noiseUnit(linear, channel) * unitOf(channel).scale * noise.of(channel).scale /
+    const double unit = rawPerUnit(linear, channel) * unitOf(channel).scale * noise.of(channel).scale /
                         noise.of(channel).independentScale();
     held.before = unit * rms(every, channel, &Piece::Sums::before);
     held.after = unit * rms(every, channel, &Piece::Sums::after);
@@ -408,7 +420,7 @@ HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>&
     for (int stretch = 0; stretch < stretch_count; ++stretch) {
       std::vector<const Piece*> own;
       for (int part = 0; part < kParts; ++part)
-        own.push_back(&pieces[static_cast<std::size_t>(stretch * kParts + part)]);
+        own.push_back(&pieces[static_cast<std::size_t>(stretch) * kParts + static_cast<std::size_t>(part)]);
       const double from_s = data.first_s + stretch * span_s;
       held.blocks.push_back({from_s, from_s + span_s, unit * rms(own, channel, &Piece::Sums::before),
                              unit * rms(own, channel, &Piece::Sums::after),

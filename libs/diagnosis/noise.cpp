@@ -52,7 +52,7 @@ Saturated saturate(const Linearization& linear) {
   J.setFromTriplets(entries.begin(), entries.end());
   Eigen::VectorXd residual = Eigen::VectorXd::Zero(row);
   residual.head(linear.residual.size()) = linear.residual;
-  return {candidates, Nuisances(std::move(J)), std::move(residual)};
+  return {candidates, Nuisances(J), std::move(residual)};
 }
 
 /// Sums over a channel of squares and of neighbours' products.

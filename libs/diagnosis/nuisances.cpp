@@ -26,7 +26,7 @@ Eigen::MatrixXd gramOf(const Eigen::MatrixXd& U) {
 
 }  // namespace
 
-Nuisances::Nuisances(Eigen::SparseMatrix<double> J) : J_(std::move(J)) {
+Nuisances::Nuisances(const Eigen::SparseMatrix<double>& J) : J_(J) {
   const Eigen::SparseMatrix<double> normal = J_.transpose() * J_;
   factors_.compute(normal);
   if (factors_.info() != Eigen::Success || factors_.vectorD().minCoeff() <= 0)

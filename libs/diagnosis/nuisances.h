@@ -17,7 +17,7 @@ struct Reduced {
 class Nuisances {
  public:
   /// Columns in an order that eliminates with little fill. Throws std::runtime_error where J lacks rank.
-  explicit Nuisances(Eigen::SparseMatrix<double> J);
+  explicit Nuisances(const Eigen::SparseMatrix<double>& J);
 
   const Eigen::SparseMatrix<double>& J() const { return J_; }
   /// `blocks`: sizes of the gram's diagonal blocks that are wanted, everything else is zero; none: all of it.

@@ -120,10 +120,14 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
     info.reading = i;
     info.robust_weight = cost.robustWeight(r);
     const Eigen::VectorXd raw = cost.raw(r);
+    Eigen::VectorXd sigma = Eigen::VectorXd::Zero(r.size());  // of what has been whitened
+    for (Eigen::Index k = 0; k < r.size(); ++k)
+      sigma += cost.raw(Eigen::VectorXd::Unit(r.size(), k)).cwiseAbs2();
+    sigma = sigma.cwiseSqrt();
     for (Eigen::Index k = 0; k < r.size(); ++k) {
       info.component = static_cast<int>(k);
       info.raw = raw[k];
-      info.per_unit = 1 / cost.raw(Eigen::VectorXd::Unit(r.size(), k))[k];
+      info.per_unit = 1 / sigma[k];
       if (info.marker >= 0) setCorner(info, data.markers[static_cast<std::size_t>(info.marker)]);
       linear.rows[static_cast<std::size_t>(first[i] + k)] = info;
     }
