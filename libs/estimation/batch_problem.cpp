@@ -481,7 +481,7 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
 
   cost->model = std::move(model);
   cost->source = source;
-  cost->whitening = std::move(whitening) / options_.noise_scale[static_cast<std::size_t>(source.channel)];
+  cost->whitening = whitening / options_.noise_scale[static_cast<std::size_t>(source.channel)];
   cost->robust_threshold = thresholdOf(source.channel, reading.size());
   cost->reading = std::move(reading);
   cost->finish();

@@ -63,6 +63,8 @@ INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenEffect,
 #endif
 
 TEST(Diagnosis, SaysThatNothingIsMissing) {
+  if (kFew)
+    GTEST_SKIP() << "takes minutes under sanitizers; HiddenEffect takes the same way and a longer one";
   for (const auto& run : {test::plainNull(dive(), 1), test::richNull(dive(), 1)}) {
     const test::Answer answer = test::answerOf(run, excitation());
     EXPECT_EQ(nameOf(answer.outcome), "none") << run.name << ", " << told(answer);
@@ -72,6 +74,8 @@ TEST(Diagnosis, SaysThatNothingIsMissing) {
 
 class OutsideCatalogue : public testing::TestWithParam<std::size_t> {};
 TEST_P(OutsideCatalogue, IsNotTakenForAnEffect) {
+  if (kFew)
+    GTEST_SKIP() << "takes minutes under sanitizers; HiddenEffect takes the same way and a longer one";
   const auto run = test::outsideCatalogue(dive(), GetParam(), 1);
   const test::Answer answer = test::answerOf(run, excitation());
   EXPECT_TRUE(test::ownsUp(answer)) << run.name << ", " << told(answer);
@@ -92,6 +96,7 @@ TEST(Diagnosis, NamesNothingWithConfidenceFromWrongInput) {
 }
 
 TEST(Diagnosis, DoesNotDependOnTheNumberOfThreads) {
+  if (kFew) GTEST_SKIP() << "two diagnoses take minutes under sanitizers; HiddenEffect is one";
   test::BatchRun run = test::richRun(2, 8.0);
   run.effects.add<DvlScale>({0.1});
   const BatchInput input = run.input();
