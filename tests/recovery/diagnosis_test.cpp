@@ -51,6 +51,7 @@ TEST(DiagnosisRuns, SizeIsTheLikelihoodThatAnEffectIsWorth) {
 
 class HiddenEffect : public testing::TestWithParam<const char*> {};
 TEST_P(HiddenEffect, IsNamed) {
+  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   const auto hidden = test::effectOfSize(dive(), excitation(), *findEffect(GetParam()), 16.0, 1);
   const test::Answer answer = test::answerOf(hidden, excitation());
   EXPECT_TRUE(test::namesTheEffect(answer)) << told(answer);
@@ -63,8 +64,7 @@ INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenEffect,
 #endif
 
 TEST(Diagnosis, SaysThatNothingIsMissing) {
-  if (kFew)
-    GTEST_SKIP() << "takes minutes under sanitizers; HiddenEffect takes the same way and a longer one";
+  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers; DiagnoseCommand takes the same way there";
   for (const auto& run : {test::plainNull(dive(), 1), test::richNull(dive(), 1)}) {
     const test::Answer answer = test::answerOf(run, excitation());
     EXPECT_EQ(nameOf(answer.outcome), "none") << run.name << ", " << told(answer);
@@ -74,8 +74,7 @@ TEST(Diagnosis, SaysThatNothingIsMissing) {
 
 class OutsideCatalogue : public testing::TestWithParam<std::size_t> {};
 TEST_P(OutsideCatalogue, IsNotTakenForAnEffect) {
-  if (kFew)
-    GTEST_SKIP() << "takes minutes under sanitizers; HiddenEffect takes the same way and a longer one";
+  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers; DiagnoseCommand takes the same way there";
   const auto run = test::outsideCatalogue(dive(), GetParam(), 1);
   const test::Answer answer = test::answerOf(run, excitation());
   EXPECT_TRUE(test::ownsUp(answer)) << run.name << ", " << told(answer);
@@ -96,7 +95,7 @@ TEST(Diagnosis, NamesNothingWithConfidenceFromWrongInput) {
 }
 
 TEST(Diagnosis, DoesNotDependOnTheNumberOfThreads) {
-  if (kFew) GTEST_SKIP() << "two diagnoses take minutes under sanitizers; HiddenEffect is one";
+  if (kFew) GTEST_SKIP() << "two diagnoses take minutes under sanitizers: DiagnoseCommand is one";
   test::BatchRun run = test::richRun(2, 8.0);
   run.effects.add<DvlScale>({0.1});
   const BatchInput input = run.input();
