@@ -11,7 +11,7 @@
 namespace fathom {
 namespace {
 
-constexpr int kDraws = 16;
+constexpr int kNoiseDraws = 16;
 constexpr int kRounds = 5;               // of matching the correlation
 constexpr std::size_t kFewestRows = 30;  // fewer show no noise of their own
 constexpr double kClearSigmas = 4;       // from which on a correlation is more than chance
@@ -199,7 +199,7 @@ NoiseModel shownNoise(const Linearization& linear, const NoiseModel& assumed, st
   const auto rows = rowsByChannel(linear);
   const Eigen::VectorXd left = saturated.nuisances.project(saturated.residual);
   Random random(seed);
-  Eigen::MatrixXd white(saturated.residual.size(), kDraws);
+  Eigen::MatrixXd white(saturated.residual.size(), kNoiseDraws);
   for (Eigen::Index i = 0; i < white.size(); ++i) white.data()[i] = random.normal();
 
   NoiseModel noise = assumed;
@@ -213,10 +213,10 @@ NoiseModel shownNoise(const Linearization& linear, const NoiseModel& assumed, st
       if (channel.rows < kFewestRows) continue;
       const Moments seen = momentsOf(left, rows[c].rows, rows[c].pairs);
       Moments expected;
-      for (Eigen::Index d = 0; d < kDraws; ++d) {
+      for (Eigen::Index d = 0; d < kNoiseDraws; ++d) {
         const Moments draw = momentsOf(simulated.col(d), rows[c].rows, rows[c].pairs);
-        expected.square += draw.square / kDraws;
-        expected.product += draw.product / kDraws;
+        expected.square += draw.square / kNoiseDraws;
+        expected.product += draw.product / kNoiseDraws;
       }
       const double difference = seen.correlation() - expected.correlation();
       if (round == 0)

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kLeastKept = 1e-4;  // of a direction's length: less is rounding
 constexpr double kForAPart = 2.0;    // ln of the odds for an effect that lasts
-constexpr int kDraws = 100;
+constexpr int kAlarmDraws = 100;
 constexpr std::size_t kKeptSets = 60;  // of a size, to which another effect is added
 
 bool has(const EffectInfo& effect, ParameterKind kind) {
@@ -325,11 +325,11 @@ double Screening::alignment(std::size_t a, std::size_t b) const {
 double Screening::alarm(double log_p, std::uint64_t seed) const {
   if (all_.empty()) return 1;
   Random random(seed);
-  Eigen::MatrixXd noise(columns_.rows(), kDraws);
+  Eigen::MatrixXd noise(columns_.rows(), kAlarmDraws);
   for (Eigen::Index i = 0; i < noise.size(); ++i) noise.data()[i] = random.normal();
   const Eigen::MatrixXd scores = columns_.transpose() * model_.nuisances().project(noise);
-  std::vector<double> best(kDraws, 0);
-  tbb::parallel_for(0, kDraws, [&](int draw) {
+  std::vector<double> best(kAlarmDraws, 0);
+  tbb::parallel_for(0, kAlarmDraws, [&](int draw) {
     std::map<int, double> largest;  // by degrees of freedom
     for (const Test& test : all_) {
       const Eigen::VectorXd g = scoreOf(test.run, scores.col(draw));
@@ -339,8 +339,8 @@ double Screening::alarm(double log_p, std::uint64_t seed) const {
     double& least = best[static_cast<std::size_t>(draw)];
     for (const auto& [dof, statistic] : largest) least = std::min(least, chiSquareLogTail(dof, statistic));
   });
-  std::nth_element(best.begin(), best.begin() + kDraws / 2, best.end());
-  const double looks = std::log(2.0) / std::exp(best[kDraws / 2]);
+  std::nth_element(best.begin(), best.begin() + kAlarmDraws / 2, best.end());
+  const double looks = std::log(2.0) / std::exp(best[kAlarmDraws / 2]);
   return -std::expm1(-looks * std::exp(log_p));
 }
 

@@ -28,8 +28,6 @@ std::string rangeText(const Handle& handle) {
   return text;
 }
 
-std::string nameOf(const Marker& marker) { return marker.family + " " + std::to_string(marker.id); }
-
 // ---- reading
 
 Marker readMarker(const YamlMap& y) {
@@ -143,6 +141,8 @@ void checkHandles(const std::vector<YamlMap>& listed, const std::vector<Handle>&
 }
 
 }  // namespace
+
+std::string nameOf(const Marker& marker) { return marker.family + " " + std::to_string(marker.id); }
 
 std::string_view nameOf(HandleKind kind) {
   switch (kind) {

@@ -25,6 +25,9 @@ struct Marker {
   std::array<Vector3d, 4> corners_panel() const;
 };
 
+/// "family id", as in messages.
+std::string nameOf(const Marker& marker);
+
 enum class HandleKind { lever, valve, wheel };
 std::string_view nameOf(HandleKind kind);
 

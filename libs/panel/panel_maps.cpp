@@ -9,8 +9,6 @@ namespace {
 
 constexpr const char* kPanels = "panels";
 
-std::string nameOf(const Marker& marker) { return marker.family + " " + std::to_string(marker.id); }
-
 void checkApart(const YamlMap& list, const PanelMap& panel, const PanelMap& other) {
   if (panel.name == other.name) throw list.error(kPanels, "two panels are called `" + panel.name + "`");
   const std::string both = other.name + " and " + panel.name + " both have ";

@@ -11,7 +11,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kInputBytes = std::size_t{1} << 16;
-constexpr int kGzipWindow = 15 + 16;  // zlib: the largest window, gzip header and checksum
 
 }  // namespace
 

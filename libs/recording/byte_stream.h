@@ -13,6 +13,9 @@
 
 namespace fathom {
 
+/// zlib: the largest window, gzip header (without a time) and checksum.
+inline constexpr int kGzipWindow = 15 + 16;
+
 /// The bytes of a plain or gzip file, inflated, with a look ahead. Used by the rawlog reader only.
 ///
 /// Damage ends the bytes, it is not an Error: damage() then says what was found. A gzip member (the file may

@@ -56,7 +56,7 @@ class Lines {
   std::size_t number_ = 0;
 };
 
-std::vector<std::string_view> split(std::string_view line) {
+std::vector<std::string_view> splitAtCommas(std::string_view line) {
   std::vector<std::string_view> fields;
   for (;;) {
     const auto comma = line.find(',');
@@ -69,7 +69,7 @@ std::vector<std::string_view> split(std::string_view line) {
 /// Where each wanted column stands in the file.
 std::vector<std::size_t> findColumns(const Lines& lines, const std::string& header,
                                      const std::vector<std::string>& columns) {
-  const auto names = split(header);
+  const auto names = splitAtCommas(header);
   for (const auto name : names) {
     if (std::find(columns.begin(), columns.end(), name) == columns.end())
       throw lines.error("unknown column `" + std::string(name) + "`");
@@ -104,7 +104,7 @@ std::vector<std::vector<double>> readCsv(const std::filesystem::path& file,
 
   std::vector<std::vector<double>> rows;
   while (lines.next(line)) {
-    const auto fields = split(line);
+    const auto fields = splitAtCommas(line);
     if (fields.size() != places.size())
       throw lines.error("has " + std::to_string(fields.size()) + " fields instead of " +
                         std::to_string(places.size()));

@@ -14,8 +14,6 @@ namespace fathom {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kEntriesPerProgress = 4096;
-
 std::string fileName(const std::string& label) {
   std::string name;
   for (const char c : label) {

@@ -22,6 +22,9 @@ struct RecordingLoss {
   std::string reason;      ///< one line
 };
 
+/// Progress of reading is told after so many entries.
+inline constexpr std::uint64_t kEntriesPerProgress = 4096;
+
 /// One line, without the file's name.
 std::string describe(const RecordingLoss& loss);
 

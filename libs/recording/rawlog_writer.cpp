@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "recording/byte_stream.h"
 #include "recording/observations.h"
 #include "recording/rawlog.h"
 
@@ -14,7 +15,6 @@ namespace fathom {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kGzipWindow = 15 + 16;  // zlib: the largest window, gzip header (without a time) and checksum
 constexpr int kLevel = 6;
 // Small enough that the reader checks a block as a whole (ByteStream::kBlockBytes), large enough to cost
 // nothing in size: deflate looks back 32 KiB only.

@@ -13,7 +13,6 @@ namespace fathom {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kEntriesPerProgress = 4096;
 constexpr double kPoseTolerance = 1e-9;
 
 struct Kind {

@@ -21,7 +21,7 @@ constexpr std::size_t kFields = 8;
 constexpr double kUnitTolerance = 1e-3;
 constexpr long double kLatestSecond = 16e9L;  // about the year 2477
 
-std::vector<std::string_view> split(std::string_view line) {
+std::vector<std::string_view> splitAtBlanks(std::string_view line) {
   constexpr std::string_view kBlanks = " \t\r";
   std::vector<std::string_view> words;
   for (auto begin = line.find_first_not_of(kBlanks); begin != std::string_view::npos;) {
@@ -69,7 +69,7 @@ std::vector<StampedPose> readTum(const fs::path& file) {
   std::vector<StampedPose> poses;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
-    const auto words = split(std::string_view(line).substr(0, line.find('#')));
+    const auto words = splitAtBlanks(std::string_view(line).substr(0, line.find('#')));
     if (words.empty()) continue;
     try {
       const StampedPose pose = parsePose(words);

@@ -59,7 +59,7 @@ fs::path writePlain(const std::vector<const mrpt::serialization::CSerializable*>
   return file;
 }
 
-std::string errorOf(const fs::path& file) {
+std::string rawlogErrorOf(const fs::path& file) {
   try {
     readRecording(file);
   } catch (const Error& error) {
@@ -293,15 +293,15 @@ TEST(Rawlog, WriterRefusesWhatTheConventionDoesNot) {
 
 TEST(Rawlog, FilesThatAreNone) {
   const auto folder = scratchFolder();
-  EXPECT_EQ(errorOf(folder / "missing.rawlog"), ": no such file");
-  EXPECT_EQ(errorOf(folder), ": is not a file");
+  EXPECT_EQ(rawlogErrorOf(folder / "missing.rawlog"), ": no such file");
+  EXPECT_EQ(rawlogErrorOf(folder), ": is not a file");
   writeTextFile(folder / "empty.rawlog", "");
-  EXPECT_EQ(errorOf(folder / "empty.rawlog"), ": is empty");
+  EXPECT_EQ(rawlogErrorOf(folder / "empty.rawlog"), ": is empty");
   writeTextFile(folder / "text.rawlog", "a,b,c\n1,2,3\n");
-  EXPECT_EQ(errorOf(folder / "text.rawlog"),
+  EXPECT_EQ(rawlogErrorOf(folder / "text.rawlog"),
             ": is no rawlog, or damaged from the start: no object begins where one should");
   writeTextFile(folder / "gzip.rawlog", "\x1f\x8b and then nonsense");
-  EXPECT_NE(errorOf(folder / "gzip.rawlog").find("gzip data are damaged"), std::string::npos);
+  EXPECT_NE(rawlogErrorOf(folder / "gzip.rawlog").find("gzip data are damaged"), std::string::npos);
 }
 
 TEST(Rawlog, WrongClassIsNamedWithItsByte) {
@@ -312,14 +312,14 @@ TEST(Rawlog, WrongClassIsNamedWithItsByte) {
   const auto file = writePlain({&first, &range});
   mrpt::io::CMemoryStream stream;
   mrpt::serialization::archiveFrom(stream) << first;
-  EXPECT_EQ(errorOf(file), "byte " + std::to_string(stream.getTotalBytesCount()) +
+  EXPECT_EQ(rawlogErrorOf(file), "byte " + std::to_string(stream.getTotalBytesCount()) +
                                ": an entry labelled INS is a mrpt::obs::CObservationRange, must be a "
                                "mrpt::obs::CObservationIMU");
 }
 
 TEST(Rawlog, DepthNeedsPressure) {
   const CObservationIMU depth = imuLabelled("DEPTH");
-  EXPECT_EQ(errorOf(writePlain({&depth})), "byte 0: a DEPTH entry lacks IMU_PRESSURE");
+  EXPECT_EQ(rawlogErrorOf(writePlain({&depth})), "byte 0: a DEPTH entry lacks IMU_PRESSURE");
 }
 
 TEST(Rawlog, ImagesMustBeFiles) {
@@ -327,7 +327,7 @@ TEST(Rawlog, ImagesMustBeFiles) {
   image.timestamp = kStart;
   image.sensorLabel = "CAMERA";
   image.image = mrpt::img::CImage(40, 30, mrpt::img::CH_RGB);
-  EXPECT_NE(errorOf(writePlain({&image})).find("byte 0: an image is stored in the rawlog"),
+  EXPECT_NE(rawlogErrorOf(writePlain({&image})).find("byte 0: an image is stored in the rawlog"),
             std::string::npos);
   image.sensorLabel = "HANDYCAM";  // no business of the convention
   const ReadBack back = readRecording(writePlain({&image}));
@@ -337,7 +337,7 @@ TEST(Rawlog, ImagesMustBeFiles) {
 
 TEST(Rawlog, ActionsAndFramesAreRefused) {
   const CSensoryFrame frame;
-  EXPECT_EQ(errorOf(writePlain({&frame})),
+  EXPECT_EQ(rawlogErrorOf(writePlain({&frame})),
             "byte 0: holds a mrpt::obs::CSensoryFrame: not in the observations-only format");
 }
 

@@ -19,7 +19,7 @@ std::vector<StampedPose> readTumText(const std::string& text) {
   return readTum(file);
 }
 
-std::string errorOf(const std::string& text) {
+std::string tumErrorOf(const std::string& text) {
   try {
     readTumText(text);
   } catch (const Error& error) {
@@ -45,20 +45,20 @@ TEST(Tum, ReadsWhatItsFormatAllows) {
 
 TEST(Tum, NamesLineAndReason) {
   const std::string good = "1 0 0 0 0 0 0 1\n";
-  EXPECT_EQ(errorOf(good + "2 0 0 0 0 0 1\n"),
+  EXPECT_EQ(tumErrorOf(good + "2 0 0 0 0 0 1\n"),
             "line 2: has 7 fields, must have 8: time tx ty tz qx qy qz qw");
-  EXPECT_EQ(errorOf(good + "2 0 0 0 0 0 0 1 9\n"),
+  EXPECT_EQ(tumErrorOf(good + "2 0 0 0 0 0 0 1 9\n"),
             "line 2: has 9 fields, must have 8: time tx ty tz qx qy qz qw");
-  EXPECT_EQ(errorOf(good + "\n2 0 0 1.5m 0 0 0 1\n"), "line 3: `1.5m` is not a number");
-  EXPECT_EQ(errorOf(good + "2 0 0 nan 0 0 0 1\n"), "line 2: `nan` is not finite");
-  EXPECT_EQ(errorOf(good + "2 0 inf 0 0 0 0 1\n"), "line 2: `inf` is not finite");
-  EXPECT_EQ(errorOf(good + "2 0 0 0 0 0 0 1.01\n"), "line 2: the quaternion is not of unit norm");
-  EXPECT_EQ(errorOf(good + "1 0 0 0 0 0 0 1\n"), "line 2: time does not increase");
-  EXPECT_EQ(errorOf("-1 0 0 0 0 0 0 1\n"), "line 1: time is not within 1970 to 2477");
-  EXPECT_EQ(errorOf("1e300 0 0 0 0 0 0 1\n"), "line 1: time is not within 1970 to 2477");
-  EXPECT_EQ(errorOf("1,0,0,0,0,0,0,1\n"), "line 1: has 1 fields, must have 8: time tx ty tz qx qy qz qw");
-  EXPECT_EQ(errorOf("# only a comment\n"), ": holds no pose");
-  EXPECT_EQ(errorOf(""), ": holds no pose");
+  EXPECT_EQ(tumErrorOf(good + "\n2 0 0 1.5m 0 0 0 1\n"), "line 3: `1.5m` is not a number");
+  EXPECT_EQ(tumErrorOf(good + "2 0 0 nan 0 0 0 1\n"), "line 2: `nan` is not finite");
+  EXPECT_EQ(tumErrorOf(good + "2 0 inf 0 0 0 0 1\n"), "line 2: `inf` is not finite");
+  EXPECT_EQ(tumErrorOf(good + "2 0 0 0 0 0 0 1.01\n"), "line 2: the quaternion is not of unit norm");
+  EXPECT_EQ(tumErrorOf(good + "1 0 0 0 0 0 0 1\n"), "line 2: time does not increase");
+  EXPECT_EQ(tumErrorOf("-1 0 0 0 0 0 0 1\n"), "line 1: time is not within 1970 to 2477");
+  EXPECT_EQ(tumErrorOf("1e300 0 0 0 0 0 0 1\n"), "line 1: time is not within 1970 to 2477");
+  EXPECT_EQ(tumErrorOf("1,0,0,0,0,0,0,1\n"), "line 1: has 1 fields, must have 8: time tx ty tz qx qy qz qw");
+  EXPECT_EQ(tumErrorOf("# only a comment\n"), ": holds no pose");
+  EXPECT_EQ(tumErrorOf(""), ": holds no pose");
   EXPECT_THROW(readTum(scratchFolder() / "missing.tum"), Error);
   EXPECT_THROW(readTum(scratchFolder()), Error);
 }

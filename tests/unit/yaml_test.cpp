@@ -11,7 +11,7 @@ namespace {
 
 /// What a call throws; fails the test where it throws nothing.
 template <class F>
-Error errorOf(F&& call) {
+Error yamlErrorOf(F&& call) {
   try {
     call();
   } catch (const Error& error) {
@@ -22,7 +22,7 @@ Error errorOf(F&& call) {
 }
 
 Error errorIn(const std::string& text, const std::function<void(const YamlMap&)>& read = {}) {
-  return errorOf([&] {
+  return yamlErrorOf([&] {
     const YamlFile yaml = YamlFile::parse(text, "some.yaml");
     if (read) read(yaml.root());
     yaml.rejectUnknownKeys();
@@ -182,9 +182,9 @@ TEST(Yaml, ValuesOfTheWrongKindOrRange) {
 }
 
 TEST(Yaml, MissingFileAndFolder) {
-  EXPECT_EQ(errorOf([] { YamlFile("/nowhere/at/all.yaml"); }).file, "/nowhere/at/all.yaml");
+  EXPECT_EQ(yamlErrorOf([] { YamlFile("/nowhere/at/all.yaml"); }).file, "/nowhere/at/all.yaml");
   const auto folder = test::scratchFolder();
-  errorOf([&] { const YamlFile yaml(folder); });
+  yamlErrorOf([&] { const YamlFile yaml(folder); });
 }
 
 }  // namespace
