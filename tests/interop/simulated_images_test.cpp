@@ -314,7 +314,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 }
 
 /// `fathom simulate` of 100 small images into a folder.
-std::string command(const fs::path& folder, const std::string& out) {
+std::string simulateCommand(const fs::path& folder, const std::string& out) {
   std::string vehicle = readTextFile(kRov);
   for (const auto& [what, by] : {std::pair{"rate_hz: 1\n", "rate_hz: 5\n"},
                                  {"width_px: 640", "width_px: 160"},
@@ -333,10 +333,10 @@ std::string command(const fs::path& folder, const std::string& out) {
 
 TEST(SimulateCommand, GoesOnWhereItWasInterrupted) {
   const auto folder = test::scratchFolder();
-  ASSERT_EQ(test::runShell(command(folder, "whole")).status, 0);
+  ASSERT_EQ(test::runShell(simulateCommand(folder, "whole")).status, 0);
   const std::string images = (folder / "cut/r_Images").string();
   const auto cut =
-      test::runShell(command(folder, "cut") + " & pid=$!; until [[ $(ls " + images +
+      test::runShell(simulateCommand(folder, "cut") + " & pid=$!; until [[ $(ls " + images +
                      "/*.png 2>/dev/null | wc -l) -ge 5 ]]; do sleep 0.01; done; kill -TERM $pid; "
                      "wait $pid");
   EXPECT_EQ(cut.status, 130) << cut.err;
@@ -345,7 +345,7 @@ TEST(SimulateCommand, GoesOnWhereItWasInterrupted) {
   const auto made = filesIn(folder / "cut").size();
   EXPECT_LT(made, 90U);
 
-  ASSERT_EQ(test::runShell(command(folder, "cut")).status, 0);
+  ASSERT_EQ(test::runShell(simulateCommand(folder, "cut")).status, 0);
   fs::remove(folder / "whole/r_simulation.json");  // says where it was written
   fs::remove(folder / "cut/r_simulation.json");
   expectSameFiles(folder / "whole", folder / "cut");
@@ -353,7 +353,7 @@ TEST(SimulateCommand, GoesOnWhereItWasInterrupted) {
 
 TEST(SimulateCommand, SaysWhyThereAreNoImages) {
   const auto folder = test::scratchFolder();
-  const std::string whole = command(folder, "out") + " --duration 1";
+  const std::string whole = simulateCommand(folder, "out") + " --duration 1";
   const auto without = [&](const std::string& option) {
     const auto at = whole.find(option);
     const auto end = whole.find(" --", at + 1);
