@@ -44,6 +44,8 @@ std::vector<InputFile> filesOf(const BatchRecordingOptions& options, const Batch
 }  // namespace
 
 void addBatchRecordingOptions(CLI::App& command, BatchRecordingOptions& options) {
+  command.add_option("RECORDING", options.rawlog, "The recording")->required()->type_name(values::kRawlog);
+  command.add_option("--out", options.folder, "Where the results go")->required()->type_name(values::kFolder);
   command.add_option("--vehicle", options.vehicle, "Vehicle file (default: the one the recording names)")
       ->type_name(values::kYaml);
   command.add_option("--map", options.map, "Panel map (default: the one the recording names)")

@@ -14,10 +14,11 @@ namespace fathom {
 
 struct BatchRecordingOptions {
   std::filesystem::path rawlog;
-  std::string vehicle, map;    ///< files; empty: those that the recording names
-  std::string start = "auto";  ///< see startPose()
+  std::string vehicle, map;      ///< files; empty: those that the recording names
+  std::string start = "auto";    ///< see startPose()
+  std::filesystem::path folder;  ///< of the results
 };
-/// All but the rawlog, as options of a command.
+/// All of it, as options of a command.
 void addBatchRecordingOptions(CLI::App& command, BatchRecordingOptions& options);
 
 /// A file that a result depends on.

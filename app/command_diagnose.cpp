@@ -15,7 +15,6 @@ namespace {
 
 struct DiagnoseOptions {
   BatchRecordingOptions recording;
-  fs::path folder;
   std::string calibration;
   DiagnosisOptions diagnosis;
   bool rerun = false;
@@ -45,7 +44,7 @@ void runDiagnosis(DiagnoseOptions options, const RunContext& context) {
   DiagnosisStory story;
   story.run = {.command_line = context.command_line, .seed = options.diagnosis.seed};
   story.recording = options.recording.rawlog;
-  story.folder = options.folder;
+  story.folder = options.recording.folder;
   story.false_alarm = options.diagnosis.false_alarm;
   std::optional<RecordingJob> again;  // read before the long work, so that a mistake shows at once
   if (options.rerun) again = rerunJob(options.recording, context.command_line);
@@ -55,8 +54,9 @@ void runDiagnosis(DiagnoseOptions options, const RunContext& context) {
 
   story.diagnosis = diagnose(story.read.input, options.diagnosis);
   if (again && story.diagnosis.verdict == Verdict::explained) {
-    writeTextFile(options.folder / "calibration.yaml", formatCalibration(story.diagnosis.calibration));
-    story.rerun = rerunTasks(*again, options.calibration, options.folder);
+    writeTextFile(options.recording.folder / "calibration.yaml",
+                  formatCalibration(story.diagnosis.calibration));
+    story.rerun = rerunTasks(*again, options.calibration, options.recording.folder);
   }
   writeDiagnosis(story);
   printStory(story);
@@ -105,15 +105,9 @@ void addDiagnose(const RunContext& context) {
       "  fathom diagnose dive.rawlog --rerun --out out/dive\n"
       "  fathom localize dive.rawlog --calibration out/dive/calibration.yaml --out out/localized");
   const auto options = std::make_shared<DiagnoseOptions>();
-  command->add_option("RECORDING", options->recording.rawlog, "The recording")
-      ->required()
-      ->type_name(values::kRawlog);
-  command->add_option("--out", options->folder, "Where the results go")
-      ->required()
-      ->type_name(values::kFolder);
+  addBatchRecordingOptions(*command, options->recording);
   command->add_option("--calibration", options->calibration, "Effects known to be there already")
       ->type_name(values::kYaml);
-  addBatchRecordingOptions(*command, options->recording);
   addFitOptions(*command, *options);
   command->add_flag(
       "--rerun", options->rerun,

@@ -16,7 +16,6 @@ namespace {
 
 struct SmoothOptions {
   BatchRecordingOptions recording;
-  fs::path folder;
   std::string calibration;
   std::vector<std::string> estimate;
   bool noise_from_data = false;
@@ -56,16 +55,17 @@ void smooth(const SmoothOptions& options, const RunContext& context) {
   recording.linear =
       linearize(recording.input.data, *problemAt(recording.input.data, recording.estimate, batch), false);
 
-  writePath(options.folder / "trajectory.tum", recording.input.data, recording.estimate);
-  writeTextFile(options.folder / "calibration.yaml", formatCalibration(recording.estimate.state.effects));
-  writeSmoothReport(recording, options.folder);
+  writePath(options.recording.folder / "trajectory.tum", recording.input.data, recording.estimate);
+  writeTextFile(options.recording.folder / "calibration.yaml",
+                formatCalibration(recording.estimate.state.effects));
+  writeSmoothReport(recording, options.recording.folder);
   const BatchEstimate& e = recording.estimate;
   std::cout << print("%zu poses from %zu rows in %d steps", e.path.size(), e.rows, e.iterations) << "\n";
   for (const auto& [channel, r] : e.residuals)
     if (channel != BatchChannel::prior)
       std::cout << print("  %-14s %6zu rows, rms %.3f sigma, expected %.3f\n", nameOf(channel).c_str(),
                          r.rows, r.rms, r.expected_rms);
-  std::cout << (options.folder / "report.html").string() << "\n";
+  std::cout << (options.recording.folder / "report.html").string() << "\n";
 }
 
 }  // namespace
@@ -86,18 +86,12 @@ void addSmooth(const RunContext& context) {
       "  fathom smooth dive.rawlog --out out/dive\n"
       "  fathom smooth dive.rawlog --estimate dvl-scale camera-misalignment --out out/dive");
   const auto options = std::make_shared<SmoothOptions>();
-  command->add_option("RECORDING", options->recording.rawlog, "The recording")
-      ->required()
-      ->type_name(values::kRawlog);
-  command->add_option("--out", options->folder, "Where the results go")
-      ->required()
-      ->type_name(values::kFolder);
+  addBatchRecordingOptions(*command, options->recording);
   command->add_option("--estimate", options->estimate, "Effects whose parameters are estimated");
   command
       ->add_option("--calibration", options->calibration,
                    "Effects known to be there; of those estimated, where to start")
       ->type_name(values::kYaml);
-  addBatchRecordingOptions(*command, options->recording);
   command->add_flag("--noise-from-data", options->noise_from_data,
                     "Then once more, with each channel's noise as its residuals show where that is more than "
                     "stated");

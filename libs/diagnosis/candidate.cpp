@@ -1,5 +1,7 @@
 #include "diagnosis/candidate.h"
 
+#include <algorithm>
+
 #include "core/text.h"
 #include "effects/catalogue.h"
 
@@ -39,6 +41,19 @@ std::vector<std::size_t> columnsOf(const Linearization& linear, std::size_t effe
   for (std::size_t c = 0; c < linear.columns.size(); ++c)
     if (linear.columns[c].effect == effect) columns.push_back(c);
   return columns;
+}
+
+Eigen::VectorXd priorSigmas(const Linearization& linear, const std::vector<Candidate>& candidates) {
+  std::vector<double> sigmas;
+  for (const Candidate& candidate : candidates)
+    for (const std::size_t c : columnsOf(linear, candidate.effect))
+      sigmas.push_back(linear.columns[c].prior_sigma);
+  return Eigen::Map<Eigen::VectorXd>(sigmas.data(), std::ssize(sigmas));
+}
+
+bool isEstimated(const Linearization& linear, std::size_t effect) {
+  return std::any_of(linear.columns.begin(), linear.columns.end(),
+                     [&](const EffectColumn& c) { return c.effect == effect && c.estimated; });
 }
 
 Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::vector<Candidate>& candidates) {

@@ -31,6 +31,12 @@ bool actsOn(const Candidate& candidate, const RowInfo& row);
 /// Scalars that a fit estimates: so many columns has the candidate.
 std::vector<std::size_t> columnsOf(const Linearization& linear, std::size_t effect);
 
+/// Prior sigmas of all candidates' columns, one behind the other.
+Eigen::VectorXd priorSigmas(const Linearization& linear, const std::vector<Candidate>& candidates);
+
+/// Whether the effect is among what the linearized problem estimates.
+bool isEstimated(const Linearization& linear, std::size_t effect);
+
 /// Columns of the candidates, one behind the other, over the linearization's rows: zero where a candidate
 /// does not act.
 Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::vector<Candidate>& candidates);

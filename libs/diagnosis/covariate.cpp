@@ -54,22 +54,26 @@ std::vector<Covariate> covariatesOf(const Linearization& linear, BatchChannel ch
   return varying;
 }
 
+int componentOf(const RowInfo& row) {
+  return row.channel == BatchChannel::markers ? row.component % 2 : row.component;
+}
+
 std::vector<Direction> directionsOf(const Linearization& linear, BatchChannel channel) {
   const std::size_t rows = linear.rows.size();
   std::vector<Direction> directions;
   if (channel == BatchChannel::markers) {
     // A camera turned about its y axis sees all shifted to the side, about x up or down: by f per radian.
-    const auto shift = [&](std::string name, std::size_t axis, double sign) {
-      Direction direction{std::move(name), std::vector<double>(rows, 0)};
+    const auto shift = [&](std::string name, std::size_t axis, int component) {
+      Direction direction{std::move(name), std::vector<double>(rows, 0), component};
       for (std::size_t c = 0; c < linear.columns.size(); ++c) {
         if (linear.columns[c].scalar != kEffectOffsets[kEffectIndex<CameraMisalignment>] + axis) continue;
         for (std::size_t i = 0; i < rows; ++i)
           if (linear.rows[i].channel == channel)
-            direction.values[i] = sign * linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c));
+            direction.values[i] = linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c));
       }
       directions.push_back(std::move(direction));
     };
-    shift("sideways", 1, 1);
+    shift("sideways", 1, 0);
     shift("up and down", 0, 1);
     // A pixel's worth: the columns are of a degree.
     const double noise_px = noiseUnit(linear, channel);
@@ -84,7 +88,7 @@ std::vector<Direction> directionsOf(const Linearization& linear, BatchChannel ch
     return directions;
   }
   for (int axis = 0; axis < 3; ++axis) {
-    Direction direction{std::string(1, "xyz"[axis]), std::vector<double>(rows, 0)};
+    Direction direction{std::string(1, "xyz"[axis]), std::vector<double>(rows, 0), axis};
     bool any = false;
     for (std::size_t i = 0; i < rows; ++i)
       if (linear.rows[i].channel == channel && linear.rows[i].component == axis) {

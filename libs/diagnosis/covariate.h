@@ -27,7 +27,11 @@ std::vector<Covariate> covariatesOf(const Linearization& linear, BatchChannel ch
 struct Direction {
   std::string name;            ///< "x", "right", …
   std::vector<double> values;  ///< by row of the linearization: d residual
+  int component = 0;           ///< of the reading: axis, or 0: image x, 1: image y
 };
+
+/// Which of its reading's components a row is: axis, or 0: image x, 1: image y.
+int componentOf(const RowInfo& row);
 
 std::vector<Direction> directionsOf(const Linearization& linear, BatchChannel channel);
 /// Unit of a channel's readings, as people read them, and what a reading's own unit is multiplied by.

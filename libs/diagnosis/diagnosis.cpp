@@ -9,7 +9,7 @@
 #include "core/progress.h"
 #include "core/text.h"
 #include "diagnosis/onset.h"
-#include "effects/catalogue.h"
+#include "diagnosis/verdict.h"
 
 namespace fathom {
 namespace {
@@ -22,10 +22,6 @@ constexpr double kContenderShare = 0.1;
 constexpr std::size_t kContenders = 5, kRivals = 4;
 constexpr double kDiscovery = 5;    // sqrt(lambda) from which on an effect is named: noise has tails, too
 constexpr double kConfirmed = 0.3;  // of the likelihood it gains, on stretches that it was not fitted to
-constexpr double kUnexplained_p = 0.01;
-constexpr double kDetectable = 18;   // information times prior variance: 5 % over the catalogue, power 90 %
-constexpr double kLeastShare = 0.2;  // of the catalogue to be within reach, for "none" to mean something
-constexpr double kMaterialTolerance_m = 0.001;
 
 /// The course of a diagnosis.
 class Course {
@@ -40,7 +36,8 @@ class Course {
     locate();
     attribute();
     verify();
-    judge();
+    report();
+    judge(diagnosis_, nominal_.model->linear(), options_.calibration);
     return std::move(diagnosis_);
   }
 
@@ -49,7 +46,7 @@ class Course {
   void locate();
   void attribute();
   void verify();
-  void judge();
+  void report();
 
   bool insufficient(const std::string& why);
   /// Each set of effects is fitted once.
@@ -66,14 +63,14 @@ class Course {
   double segment_s() const { return (data_.last_s - data_.first_s) / options_.segments; }
   std::optional<Refit> bestOf(const Refit& from, const Screening& screening, std::size_t size);
   Refit settled(Refit fit);
-  Refit without(const Refit& fit, std::size_t effect);
+  Refit without(const Refit& from, std::vector<Candidate> effects, std::size_t one);
+  Refit without(const Refit& from, std::size_t one) { return without(from, from.effects, one); }
   Refit onlyNeeded(Refit fit);
   bool isBelieved(const Refit& fit, const Screening& screening);
   bool leaveOutUnconfirmed(const Refit& fit);
   HeldOutResult heldOut(const Refit& fit, bool yardsticks) const;
   void addAlternatives(std::size_t effect);
   FoundEffect describe(std::size_t effect);
-  std::string sentence(const FoundEffect& found) const;
 
   const BatchData& data_;
   const StartPath& start_;
@@ -137,9 +134,7 @@ Refit Course::settled(Refit fit) {
   std::vector<Candidate> effects = fit.effects;
   bool changed = false;
   for (std::size_t i = 0; i < effects.size(); ++i) {
-    std::vector<Candidate> others = effects;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    const Refit rest = others.empty() ? nominal_ : this->fit(fit, others);
+    const Refit rest = without(fit, effects, i);
     if (!rest.succeeded) continue;
     const bool lasting = effects[i].isForGood() && !effects[i].time_s;
     if (lasting && !effects[i].marker_id) continue;  // screened with intervals already
@@ -155,18 +150,11 @@ Refit Course::settled(Refit fit) {
 
 /// The best set of so many more effects, each contender estimated in full.
 std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screening, std::size_t size) {
-  const std::vector<TestedSet> sets = screening.bestSets(size, 200);
+  const std::vector<TestedSet> sets = screening.bestSets(size, kContenders, kLogOdds);
   std::optional<Refit> best;
-  std::size_t tried = 0;
-  const auto adjusted = [](const TestedSet& set) { return set.support - oddsAgainst(set.members.size()); };
-  double largest = -1e300;
-  for (const TestedSet& set : sets) largest = std::max(largest, adjusted(set));
-  std::vector<TestedSet> order = sets;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](const TestedSet& a, const TestedSet& b) { return adjusted(a) > adjusted(b); });
-  for (const TestedSet& set : order) {
-    if (adjusted(set) < largest - kContenderMargin - kContenderShare * std::abs(largest)) break;
-    if (++tried > kContenders) break;
+  for (const TestedSet& set : sets) {
+    const double largest = sets.front().support;
+    if (set.support < largest - kContenderMargin - kContenderShare * std::abs(largest)) break;
     std::vector<Candidate> effects = from.effects;
     for (const std::size_t m : set.members) effects.push_back(screening.candidates()[m].candidate);
     Refit refitted = fit(from, effects);
@@ -175,10 +163,10 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
   return best;
 }
 
-Refit Course::without(const Refit& fit, std::size_t effect) {
-  std::vector<Candidate> others = fit.effects;
-  others.erase(others.begin() + static_cast<std::ptrdiff_t>(effect));
-  return others.empty() ? nominal_ : this->fit(fit, others);
+/// Refitted with one effect fewer.
+Refit Course::without(const Refit& from, std::vector<Candidate> effects, std::size_t one) {
+  effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(one));
+  return effects.empty() ? nominal_ : fit(from, effects);
 }
 
 /// Effects that the others make superfluous are dropped.
@@ -266,6 +254,14 @@ HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {
                  fit.estimate.state.effects, diagnosis_.noise, data_, options);
 }
 
+void Course::report() {
+  diagnosis_.before = nominal_.estimate;
+  diagnosis_.before_options = nominal_.options;
+  diagnosis_.after = final_.estimate;
+  diagnosis_.after_options = final_.options;
+  diagnosis_.calibration = final_.estimate.state.effects;
+}
+
 /// Other effects in this one's place that are as good.
 void Course::addAlternatives(std::size_t effect) {
   const Refit rest = without(final_, effect);
@@ -286,7 +282,7 @@ void Course::addAlternatives(std::size_t effect) {
     return candidates[a].support > candidates[b].support;
   });
   Alternatives set{{final_.effects[effect]}, {0}, {1}, {}};
-  std::optional<Refit> like;
+  std::optional<SizedEffect> like;
   const double first_order = candidates[*own].support;
   std::size_t tried = 0;
   for (const std::size_t m : order) {
@@ -303,16 +299,15 @@ void Course::addAlternatives(std::size_t effect) {
     if (!rival.succeeded) continue;
     const double difference = worth(rival) - worth(final_);
     if (difference < -kSameSupport) continue;
-    set.candidates.push_back(rival.effects.back());
+    set.candidates.push_back(candidates[m].candidate);
     set.support.push_back(difference);
     set.alignment.push_back(screening.alignment(*own, m));
-    if (set.candidates.size() == 2) like = rival;
+    if (set.candidates.size() == 2) like = sized(rival, candidates[m].candidate);
   }
   if (!like) return;
-  std::vector<Candidate> stated = rest.effects;
-  stated.push_back(final_.effects[effect]);
   try {
-    set.advice = adviseManoeuvre(data_, *rest.model, fit(rest, stated), *like, diagnosis_.noise);
+    set.advice = adviseManoeuvre(data_, *rest.model, final_.estimate, sized(final_, final_.effects[effect]),
+                                 *like, diagnosis_.noise);
   } catch (const std::runtime_error&) {
     // A manoeuvre in which nothing holds the path tells nothing apart.
   }
@@ -348,119 +343,7 @@ void Course::verify() {
     diagnosis_.effects[i].heldout_log_likelihood_gain = diagnosis_.heldout.gain.by_effect[i];
 }
 
-std::string Course::sentence(const FoundEffect& found) const {
-  const EffectInfo& effect = allEffects()[found.candidate.effect];
-  std::string text = nameOf(found.candidate) + " (" + std::string(effect.text.title) + "): ";
-  std::size_t scalar = effect.first_scalar;
-  std::string separator;
-  for (const Parameter& p : effect.parameters) {
-    for (int i = 0; i < p.size; ++i, ++scalar)
-      for (const EffectEstimate& estimate : found.estimates)
-        if (estimate.scalar == scalar) {
-          const std::string axis = p.size > 1 ? print("[%d]", i) : "";
-          text += separator + print("%s%s = %.4g ± %.2g", std::string(p.name).c_str(), axis.c_str(),
-                                    estimate.value, estimate.sigma);
-          separator = ", ";
-        }
-  }
-  return text + print("; its size is %.1f times what the recording can resolve", found.sqrt_lambda);
-}
-
-void Course::judge() {
-  diagnosis_.before = nominal_.estimate;
-  diagnosis_.before_options = nominal_.options;
-  diagnosis_.after = final_.estimate;
-  diagnosis_.after_options = final_.options;
-  diagnosis_.calibration = final_.estimate.state.effects;
-
-  for (const BatchChannel channel : kBatchChannels)
-    if (const ChannelNoise& noise = diagnosis_.noise.of(channel);
-        noise.rows > 0 && channel != BatchChannel::prior && (noise.scale > 1.5 || noise.scale < 0.5))
-      diagnosis_.remarks.push_back(
-          print("%s scatters %.2f times as much as stated", nameOf(channel).c_str(), noise.scale));
-
-  std::vector<std::string> failures;
-  for (const Mismatch& map : diagnosis_.remaining)
-    if (map.material && map.log_p < std::log(kUnexplained_p))
-      failures.push_back(print("%s of %s against %s (%s: %.1f sigma, %.2g %s in all)", map.statistic.c_str(),
-                               nameOf(map.channel).c_str(), map.against.c_str(), map.where.c_str(),
-                               map.size_sigma, map.size_raw, map.raw_unit.c_str()));
-  for (const FoundEffect& found : diagnosis_.effects)
-    for (const InteractionTest& test : found.interactions)
-      if (test.failed)
-        failures.push_back(
-            print("%s would have to change with %s, by %.0f %% over one standard deviation of it",
-                  nameOf(found.candidate).c_str(), test.against.c_str(), 100 * test.relative_change));
-  if (diagnosis_.noise.panel_tolerance_m > kMaterialTolerance_m)
-    failures.push_back(
-        print("markers lie %.1f mm off the map, one by one", 1000 * diagnosis_.noise.panel_tolerance_m));
-
-  if (!failures.empty()) {
-    diagnosis_.verdict = Verdict::unexplained;
-    diagnosis_.why =
-        "Something is missing that no effect of the catalogue describes. It shows as " + failures[0];
-    for (std::size_t i = 1; i < std::min<std::size_t>(3, failures.size()); ++i)
-      diagnosis_.why += "; " + failures[i];
-    diagnosis_.why += ".";
-    if (!diagnosis_.effects.empty()) {
-      diagnosis_.why += " What comes nearest is " + sentence(diagnosis_.effects[0]) + ".";
-      diagnosis_.nearest = std::move(diagnosis_.effects);
-      diagnosis_.effects.clear();
-      diagnosis_.calibration = options_.calibration;
-    }
-    return;
-  }
-  if (!diagnosis_.effects.empty()) {
-    diagnosis_.verdict = Verdict::explained;
-    diagnosis_.why = "The model leaves out ";
-    for (std::size_t i = 0; i < diagnosis_.effects.size(); ++i)
-      diagnosis_.why += (i > 0 ? "; and " : "") + sentence(diagnosis_.effects[i]);
-    diagnosis_.why += ".";
-    for (const Alternatives& set : diagnosis_.alternatives) {
-      diagnosis_.why += " As good in place of " + nameOf(set.candidates[0]) + ":";
-      for (std::size_t i = 1; i < set.candidates.size(); ++i)
-        diagnosis_.why += (i > 1 ? ", " : " ") + nameOf(set.candidates[i]);
-      diagnosis_.why += ". This recording cannot choose among them.";
-      if (!set.advice.manoeuvre.empty())
-        diagnosis_.why += " To tell them apart: " + set.advice.manoeuvre + ".";
-    }
-    return;
-  }
-  std::size_t within_reach = 0;
-  for (const TestedCandidate& tested : diagnosis_.tested)
-    within_reach +=
-        std::any_of(tested.one_step.begin(), tested.one_step.end(), [&](const EffectEstimate& one) {
-          for (const EffectColumn& column : nominal_.model->linear().columns)
-            if (column.scalar == one.scalar)
-              return one.sigma > 0 && std::pow(column.prior_sigma / one.sigma, 2) > kDetectable;
-          return false;
-        });
-  if (static_cast<double>(within_reach) < kLeastShare * static_cast<double>(diagnosis_.tested.size())) {
-    insufficient(print("Nothing shows, but of %zu things tried only %zu would have shown at a usual size.",
-                       diagnosis_.tested.size(), within_reach));
-    return;
-  }
-  diagnosis_.why = print(
-      "Nothing material is missing: of %zu things tried the most telling, %s, would be seen by "
-      "chance with probability %.2g.",
-      diagnosis_.tested.size(), diagnosis_.most_improbable.c_str(), diagnosis_.alarm_p);
-}
-
 }  // namespace
-
-std::string nameOf(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::none:
-      return "none";
-    case Verdict::explained:
-      return "explained";
-    case Verdict::unexplained:
-      return "unexplained";
-    case Verdict::insufficient:
-      break;
-  }
-  return "insufficient";
-}
 
 Diagnosis diagnose(const BatchInput& input, const DiagnosisOptions& options) {
   return Course(input, options).run();

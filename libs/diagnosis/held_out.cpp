@@ -1,25 +1,22 @@
 #include "diagnosis/held_out.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
+#include <optional>
 
-#include "core/chi_square.h"
 #include "core/progress.h"
 #include "core/random.h"
 #include "diagnosis/covariate.h"
-#include "diagnosis/screening.h"
+#include "diagnosis/placebo.h"
 
 namespace fathom {
 namespace {
 
-constexpr double kRidge = 1e-4;  // of a column's length, where a stretch by itself says nothing
-constexpr int kStretches = 3;    // of a fold, between those of others: an effect for a part is in most
-constexpr int kParts = 2;        // of a stretch, that are drawn anew by the bootstrap
+constexpr int kStretches = 3;  // of a fold, between those of others: an effect for a part is in most
+constexpr int kParts = 2;      // of a stretch, that are drawn anew by the bootstrap
 constexpr int kResamples = 1000;
-constexpr int kPlacebos = 20, kFloorDraws = 8;
+constexpr int kFloorDraws = 8;
 
 /// The linearization with the effects' columns taken out of the nuisances: the residual is that without them.
 Linearization withoutEffects(const Linearization& linear, const Eigen::SparseMatrix<double>& columns,
@@ -45,85 +42,25 @@ Linearization withoutEffects(const Linearization& linear, const Eigen::SparseMat
 }
 
 /// Splines over the covariates (of first order: how far readings are off in each bin), every direction.
-Eigen::SparseMatrix<double> blackBox(const Linearization& linear, const std::vector<BatchChannel>& channels,
+Eigen::SparseMatrix<double> blackBox(const Linearization& linear, BatchChannel channel,
                                      std::vector<double>& sigma) {
   std::vector<Eigen::Triplet<double>> entries;
   int column = 0;
-  for (const BatchChannel channel : channels) {
-    const double unit = noiseUnit(linear, channel);
-    for (const Direction& direction : directionsOf(linear, channel))
-      for (const Covariate& covariate : covariatesOf(linear, channel)) {
-        if (covariate.name == "time") continue;  // another stretch is another time
-        const std::vector<double> limits = binLimits(linear, channel, covariate);
-        for (std::size_t i = 0; i < linear.rows.size(); ++i)
-          if (linear.rows[i].channel == channel && direction.values[i] != 0)
-            entries.emplace_back(static_cast<int>(i),
-                                 column + static_cast<int>(binOf(limits, covariate.of(linear.rows[i]))),
-                                 direction.values[i]);
-        column += static_cast<int>(limits.size() - 1);
-        sigma.resize(static_cast<std::size_t>(column), unit);
-      }
-  }
+  for (const Direction& direction : directionsOf(linear, channel))
+    for (const Covariate& covariate : covariatesOf(linear, channel)) {
+      if (covariate.name == "time") continue;  // another stretch is another time
+      const std::vector<double> limits = binLimits(linear, channel, covariate);
+      for (std::size_t i = 0; i < linear.rows.size(); ++i)
+        if (linear.rows[i].channel == channel && direction.values[i] != 0)
+          entries.emplace_back(static_cast<int>(i),
+                               column + static_cast<int>(binOf(limits, covariate.of(linear.rows[i]))),
+                               direction.values[i]);
+      column += static_cast<int>(limits.size() - 1);
+    }
+  sigma.assign(static_cast<std::size_t>(column), noiseUnit(linear, channel));
   Eigen::SparseMatrix<double> columns(std::ssize(linear.rows), column);
   columns.setFromTriplets(entries.begin(), entries.end());
   return columns;
-}
-
-/// Some of the rows by themselves, with all columns that are tested: projected.
-struct Part {
-  std::vector<Eigen::Index> rows;  // of the model
-  Eigen::VectorXd residual;        // P r
-  Eigen::MatrixXd columns;         // P C
-  Eigen::MatrixXd noise;           // P of simulated white noise
-};
-
-/// The nuisances of some rows, each held a little: a stretch by itself may not determine them all.
-Nuisances nuisancesOf(const Eigen::SparseMatrix<double>& J, const std::vector<Eigen::Index>& rows) {
-  std::vector<int> place(static_cast<std::size_t>(J.rows()), -1);
-  for (std::size_t k = 0; k < rows.size(); ++k)
-    place[static_cast<std::size_t>(rows[k])] = static_cast<int>(k);
-  std::vector<Eigen::Triplet<double>> entries;
-  std::vector<double> lengths;
-  for (Eigen::Index c = 0; c < J.outerSize(); ++c) {
-    const int column = static_cast<int>(lengths.size());
-    double square = 0;
-    for (Eigen::SparseMatrix<double>::InnerIterator e(J, c); e; ++e) {
-      if (place[static_cast<std::size_t>(e.row())] < 0) continue;
-      entries.emplace_back(place[static_cast<std::size_t>(e.row())], column, e.value());
-      square += e.value() * e.value();
-    }
-    if (square > 0) lengths.push_back(std::sqrt(square));
-  }
-  const int first = static_cast<int>(rows.size()), width = static_cast<int>(lengths.size());
-  for (int c = 0; c < width; ++c)
-    entries.emplace_back(first + c, c, kRidge * lengths[static_cast<std::size_t>(c)]);
-  Eigen::SparseMatrix<double> own(first + width, width);
-  own.setFromTriplets(entries.begin(), entries.end());
-  return Nuisances(own);
-}
-
-Part partOf(const WhitenedModel& model, std::vector<Eigen::Index> rows, const Eigen::MatrixXd& columns,
-            const Eigen::MatrixXd& noise) {
-  const Nuisances nuisances = nuisancesOf(model.nuisances().J(), rows);
-  const auto projected = [&](const Eigen::MatrixXd& all) {
-    Eigen::MatrixXd own = Eigen::MatrixXd::Zero(nuisances.J().rows(), all.cols());
-    own.topRows(std::ssize(rows)) = all(rows, Eigen::all);
-    return Eigen::MatrixXd(nuisances.project(own).topRows(std::ssize(rows)));
-  };
-  Part part;
-  part.residual = projected(model.residual());
-  part.columns = projected(columns);
-  part.noise = projected(noise);
-  part.rows = std::move(rows);
-  return part;
-}
-
-Eigen::VectorXd fit(const Eigen::MatrixXd& columns, const Eigen::VectorXd& residual,
-                    const Eigen::VectorXd& sigma) {
-  if (columns.cols() == 0) return {};
-  Eigen::MatrixXd A = columns.transpose() * columns;
-  A.diagonal() += sigma.array().square().inverse().matrix();
-  return -A.ldlt().solve(columns.transpose() * residual);
 }
 
 /// Sums over a piece of a held-out stretch.
@@ -192,97 +129,251 @@ std::vector<BatchChannel> channelsOf(const Linearization& linear, const Eigen::V
   return channels;
 }
 
-/// The best of all candidates on each draw of noise, and what it gains on stretches it was not trained on.
-class Placebo {
+/// The recording cut into stretches, each a member of a fold, and each of parts for the bootstrap.
+class Stretches {
  public:
-  Placebo(std::vector<Eigen::Index> first, std::vector<Eigen::Index> size, Eigen::VectorXd sigma)
-      : first_(std::move(first)), size_(std::move(size)), sigma_(std::move(sigma)) {}
+  Stretches(const BatchData& data, int folds)
+      : first_s_(data.first_s),
+        folds_(folds),
+        count_(folds * kStretches),
+        span_s_((data.last_s - first_s_) / count_) {}
 
-  /// `columns`: where the candidates' are among the parts'.
-  void add(const Part& train, const Part& test, Eigen::Index column) {
-    Fold fold;
-    const auto own = [&](const Part& part) { return part.columns.middleCols(column, sigma_.size()); };
-    fold.A_train = own(train).transpose() * own(train);
-    fold.A_test = own(test).transpose() * own(test);
-    fold.g_train = own(train).transpose() * train.noise.leftCols(kPlacebos);
-    fold.g_test = own(test).transpose() * test.noise.leftCols(kPlacebos);
-    folds_.push_back(std::move(fold));
+  int count() const { return count_; }
+  int foldOf(double t_s) const { return partOf(t_s) / kParts % folds_; }
+  /// Stretch by stretch.
+  int partOf(double t_s) const {
+    return std::clamp(static_cast<int>((t_s - first_s_) / span_s_ * kParts), 0, count_ * kParts - 1);
   }
-
-  double percentile95() const {
-    std::vector<double> gains;
-    for (Eigen::Index draw = 0; draw < kPlacebos && !folds_.empty(); ++draw) {
-      double best_evidence = -1e300, gain = 0;
-      for (std::size_t c = 0; c < first_.size(); ++c) {
-        const double evidence = evidenceOf(c, draw);
-        if (evidence <= best_evidence) continue;
-        best_evidence = evidence;
-        gain = gainOf(c, draw);
-      }
-      gains.push_back(gain);
-    }
-    if (gains.empty()) return 0;
-    std::sort(gains.begin(), gains.end());
-    return gains[gains.size() * 95 / 100];
-  }
+  double begin_s(int stretch) const { return first_s_ + stretch * span_s_; }
 
  private:
-  struct Fold {
-    Eigen::MatrixXd A_train, A_test, g_train, g_test;
-  };
-  double evidenceOf(std::size_t c, Eigen::Index draw) const {
-    const Eigen::Index k = first_[c], n = size_[c];
-    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
-    Eigen::VectorXd g = Eigen::VectorXd::Zero(n);
-    for (const Fold& fold : folds_) {
-      A += fold.A_test.block(k, k, n, n);
-      g += fold.g_test.col(draw).segment(k, n);
-    }
-    return support(A, g, sigma_.segment(k, n));
-  }
-  double gainOf(std::size_t c, Eigen::Index draw) const {
-    const Eigen::Index k = first_[c], n = size_[c];
-    double gain = 0;
-    for (const Fold& fold : folds_) {
-      Eigen::MatrixXd A = fold.A_train.block(k, k, n, n);
-      A.diagonal() += sigma_.segment(k, n).array().square().inverse().matrix();
-      const Eigen::VectorXd value = -A.ldlt().solve(fold.g_train.col(draw).segment(k, n));
-      gain -= fold.g_test.col(draw).segment(k, n).dot(value) +
-              0.5 * value.dot(fold.A_test.block(k, k, n, n) * value);
-    }
-    return gain;
-  }
-  std::vector<Eigen::Index> first_, size_;
-  Eigen::VectorXd sigma_;
-  std::vector<Fold> folds_;
+  double first_s_;
+  int folds_, count_;
+  double span_s_;
 };
 
-Eigen::VectorXd priorSigmas(const Linearization& linear, const std::vector<Candidate>& candidates) {
-  std::vector<double> sigmas;
-  for (const Candidate& candidate : candidates)
-    for (const std::size_t c : columnsOf(linear, candidate.effect))
-      sigmas.push_back(linear.columns[c].prior_sigma);
-  return Eigen::Map<Eigen::VectorXd>(sigmas.data(), std::ssize(sigmas));
+/// Columns that are fitted together, among all.
+struct Fitted {
+  std::vector<Eigen::Index> columns;
+  Eigen::VectorXd sigma;
+};
+
+/// What is left of held-out rows once columns are fitted to the others.
+Eigen::VectorXd leftOf(const RowsAlone& test, const RowsAlone& train, const Fitted& what) {
+  if (what.columns.empty()) return test.residual;
+  const Eigen::VectorXd value = fitted(train.columns(Eigen::all, what.columns), train.residual, what.sigma);
+  return test.residual + test.columns(Eigen::all, what.columns) * value;
 }
 
-/// What is left of a held-out stretch with all effects but one, whose columns come first.
-Eigen::VectorXd leftWithout(const Linearization& linear, const std::vector<Candidate>& effects,
-                            std::size_t one, const Part& train, const Part& test) {
-  std::vector<Eigen::Index> others;
-  std::vector<double> sigmas;
+/// Fold by fold: the physics and its yardsticks trained on all stretches but its own, and what is left there.
+class HoldOut {
+ public:
+  HoldOut(const Linearization& linear, const std::vector<Candidate>& effects,
+          const EffectParameters<double>& values, const NoiseModel& noise, const BatchData& data,
+          const HeldOutOptions& options);
+  HeldOutResult run();
+
+ private:
+  void holdOutFold(int fold);
+  void add(const RowsAlone& test, const Eigen::VectorXd& after, const Eigen::VectorXd& black_box);
+  bool isPrior(Eigen::Index row) const {
+    return row >= std::ssize(bare_.rows) ||
+           bare_.rows[static_cast<std::size_t>(row)].channel == BatchChannel::prior;
+  }
+  /// Columns of all effects, or of all but one.
+  Fitted physics(std::optional<std::size_t> but) const;
+  void resample(HeldOutResult& result, std::map<BatchChannel, std::vector<double>>& rms);
+  HeldOut summary(BatchChannel channel, const std::vector<double>& resampled) const;
+
+  const Linearization& linear_;
+  const std::vector<Candidate>& effects_;
+  const NoiseModel& noise_;
+  HeldOutOptions options_;
+  Eigen::SparseMatrix<double> physics_;
+  Eigen::VectorXd found_;  // the effects' values
+  WhitenedModel model_;
+  const Linearization& bare_;
+  std::vector<BatchChannel> channels_;  // that the effects act on, those they change most first
+  Stretches stretches_;
+  Random random_;
+  Eigen::MatrixXd columns_;  // physics, black box, every candidate for the placebo
+  Fitted box_;
+  Eigen::MatrixXd simulated_;
+  std::optional<Placebo> placebo_;
+  Eigen::Index first_placebo_ = 0;
+  std::vector<Piece> pieces_;
+  std::vector<const Piece*> filled_;
+  HeldOutGain gain_;
+};
+
+Eigen::VectorXd valuesOf(const Linearization& linear, const std::vector<Candidate>& effects,
+                         const EffectParameters<double>& all) {
+  std::vector<double> values;
+  for (const Candidate& effect : effects)
+    for (const std::size_t c : columnsOf(linear, effect.effect))
+      values.push_back(all.values[linear.columns[c].scalar]);
+  return Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values));
+}
+
+HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effects,
+                 const EffectParameters<double>& values, const NoiseModel& noise, const BatchData& data,
+                 const HeldOutOptions& options)
+    : linear_(linear),
+      effects_(effects),
+      noise_(noise),
+      options_(options),
+      physics_(columnsOf(linear, effects)),
+      found_(valuesOf(linear, effects, values)),
+      model_(withoutEffects(linear, physics_, found_), noise, data),
+      bare_(model_.linear()),
+      channels_(channelsOf(bare_, physics_ * found_)),
+      stretches_(data, options.folds),
+      random_(options.seed),
+      pieces_(static_cast<std::size_t>(stretches_.count()) * kParts) {
+  gain_.by_effect.assign(effects.size(), 0);
+  std::vector<double> box_sigma;
+  Eigen::SparseMatrix<double> box(std::ssize(bare_.rows), 0), candidates = box;
+  if (options.yardsticks) {
+    // A physics-free correction of the readings that the effects change most.
+    box = blackBox(bare_, channels_.front(), box_sigma);
+    placebo_.emplace(bare_);
+    candidates = placebo_->columns();
+  }
+  columns_.resize(model_.residual().size(), physics_.cols() + box.cols() + candidates.cols());
+  columns_ << Eigen::MatrixXd(model_.whitened(columnsOf(bare_, effects))),
+      Eigen::MatrixXd(model_.whitened(box)), Eigen::MatrixXd(model_.whitened(candidates));
+  for (Eigen::Index c = 0; c < box.cols(); ++c) box_.columns.push_back(physics_.cols() + c);
+  box_.sigma = Eigen::Map<Eigen::VectorXd>(box_sigma.data(), std::ssize(box_sigma));
+  first_placebo_ = physics_.cols() + box.cols();
+  simulated_ = random_.normals(model_.residual().size(), options.yardsticks ? kPlacebos : 0);
+}
+
+Fitted HoldOut::physics(std::optional<std::size_t> but) const {
+  Fitted what;
+  std::vector<Candidate> kept;
   Eigen::Index column = 0;
-  for (std::size_t e = 0; e < effects.size(); ++e)
-    for (const std::size_t c : columnsOf(linear, effects[e].effect)) {
-      if (e != one) {
-        others.push_back(column);
-        sigmas.push_back(linear.columns[c].prior_sigma);
-      }
-      ++column;
+  for (std::size_t e = 0; e < effects_.size(); ++e) {
+    if (e != but) kept.push_back(effects_[e]);
+    for (std::size_t k = 0; k < columnsOf(bare_, effects_[e].effect).size(); ++k, ++column)
+      if (e != but) what.columns.push_back(column);
+  }
+  what.sigma = priorSigmas(bare_, kept);
+  return what;
+}
+
+void HoldOut::holdOutFold(int fold) {
+  std::vector<Eigen::Index> in_train, in_test;
+  for (Eigen::Index i = 0; i < model_.residual().size(); ++i) {
+    const bool is_test =
+        !isPrior(i) && stretches_.foldOf(bare_.rows[static_cast<std::size_t>(i)].t_s) == fold;
+    if (is_test || isPrior(i)) in_test.push_back(i);
+    if (!is_test) in_train.push_back(i);
+  }
+  const RowsAlone train = rowsAlone(model_, std::move(in_train), columns_, simulated_);
+  const RowsAlone test = rowsAlone(model_, std::move(in_test), columns_, simulated_);
+  if (placebo_) placebo_->add(train, test, first_placebo_);
+  const Eigen::VectorXd after = leftOf(test, train, physics({}));
+  for (std::size_t e = 0; e < effects_.size(); ++e)
+    gain_.by_effect[e] += 0.5 * (leftOf(test, train, physics(e)).squaredNorm() - after.squaredNorm());
+  add(test, after, leftOf(test, train, box_));
+}
+
+void HoldOut::add(const RowsAlone& test, const Eigen::VectorXd& after, const Eigen::VectorXd& black_box) {
+  for (Eigen::Index k = 0; k < std::ssize(test.rows); ++k) {
+    const Eigen::Index row = test.rows[static_cast<std::size_t>(k)];
+    if (isPrior(row)) continue;
+    const RowInfo& info = bare_.rows[static_cast<std::size_t>(row)];
+    Piece& piece = pieces_[static_cast<std::size_t>(stretches_.partOf(info.t_s))];
+    Piece::Sums& sums = piece.channels[info.channel];
+    const double before = test.residual[k] * test.residual[k];
+    sums.before += before;
+    sums.after += after[k] * after[k];
+    sums.black_box += black_box[k] * black_box[k];
+    if (placebo_) sums.floor += test.noise.row(k).head(kFloorDraws).squaredNorm() / kFloorDraws;
+    ++sums.rows;
+    piece.physics += 0.5 * (before - after[k] * after[k]);
+    piece.black_box += 0.5 * (before - black_box[k] * black_box[k]);
+  }
+}
+
+double rmsOf(const std::vector<const Piece*>& pieces, BatchChannel channel, double Piece::Sums::*what) {
+  double sum = 0, rows = 0;
+  for (const Piece* piece : pieces)
+    if (const auto it = piece->channels.find(channel); it != piece->channels.end()) {
+      sum += it->second.*what;
+      rows += static_cast<double>(it->second.rows);
     }
-  if (others.empty()) return test.residual;
-  const Eigen::VectorXd value = fit(train.columns(Eigen::all, others), train.residual,
-                                    Eigen::Map<Eigen::VectorXd>(sigmas.data(), std::ssize(sigmas)));
-  return test.residual + test.columns(Eigen::all, others) * value;
+  return rows > 0 ? std::sqrt(sum / rows) : 0.0;
+}
+
+/// Block bootstrap: pieces drawn with replacement.
+void HoldOut::resample(HeldOutResult& result, std::map<BatchChannel, std::vector<double>>& rms) {
+  std::vector<double> gains, over_box;
+  for (int resample = 0; resample < kResamples; ++resample) {
+    std::vector<const Piece*> drawn;
+    double gain = 0, over = 0;
+    for (std::size_t k = 0; k < filled_.size(); ++k) {
+      const auto which = static_cast<std::size_t>(random_.uniform() * static_cast<double>(filled_.size()));
+      drawn.push_back(filled_[which]);
+      gain += drawn.back()->physics;
+      over += drawn.back()->physics - drawn.back()->black_box;
+    }
+    gains.push_back(gain);
+    over_box.push_back(over);
+    for (const BatchChannel channel : channels_)
+      rms[channel].push_back(rmsOf(drawn, channel, &Piece::Sums::after));
+  }
+  result.gain.physics_ci95 = central95(gains);
+  result.gain.over_black_box_ci95 = central95(over_box);
+}
+
+HeldOut HoldOut::summary(BatchChannel channel, const std::vector<double>& resampled) const {
+  HeldOut held;
+  held.channel = channel;
+  held.metric = metricOf(channel);
+  // What is left is in units of noise: back into the reading's.
+  const ChannelNoise& noise = noise_.of(channel);
+  const double unit =
+      rawPerUnit(linear_, channel) * unitOf(channel).scale * noise.scale / noise.independentScale();
+  held.before = unit * rmsOf(filled_, channel, &Piece::Sums::before);
+  held.after = unit * rmsOf(filled_, channel, &Piece::Sums::after);
+  held.black_box = unit * rmsOf(filled_, channel, &Piece::Sums::black_box);
+  held.noise_floor = unit * rmsOf(filled_, channel, &Piece::Sums::floor);
+  held.after_ci95 = central95(resampled);
+  for (double& limit : held.after_ci95) limit *= unit;
+  for (int stretch = 0; stretch < stretches_.count(); ++stretch) {
+    std::vector<const Piece*> own;
+    for (int part = 0; part < kParts; ++part)
+      own.push_back(&pieces_[static_cast<std::size_t>(stretch * kParts + part)]);
+    held.blocks.push_back({stretches_.begin_s(stretch), stretches_.begin_s(stretch + 1),
+                           unit * rmsOf(own, channel, &Piece::Sums::before),
+                           unit * rmsOf(own, channel, &Piece::Sums::after),
+                           unit * rmsOf(own, channel, &Piece::Sums::black_box)});
+  }
+  return held;
+}
+
+HeldOutResult HoldOut::run() {
+  Progress progress("holding out");
+  for (int fold = 0; fold < options_.folds; ++fold) {
+    progress.update(static_cast<double>(fold) / options_.folds);
+    holdOutFold(fold);
+  }
+  for (const Piece& piece : pieces_)
+    if (!piece.channels.empty()) filled_.push_back(&piece);
+  HeldOutResult result;
+  result.gain = gain_;
+  if (filled_.empty()) return result;
+  std::map<BatchChannel, std::vector<double>> resampled;
+  resample(result, resampled);
+  for (const BatchChannel channel : channels_)
+    result.channels.push_back(summary(channel, resampled[channel]));
+  for (const Piece* piece : filled_) {
+    result.gain.physics += piece->physics;
+    result.gain.black_box += piece->black_box;
+  }
+  if (placebo_) result.gain.placebo = placebo_->percentile95();
+  return result;
 }
 
 }  // namespace
@@ -290,154 +381,7 @@ Eigen::VectorXd leftWithout(const Linearization& linear, const std::vector<Candi
 HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>& effects,
                       const EffectParameters<double>& values, const NoiseModel& noise, const BatchData& data,
                       const HeldOutOptions& options) {
-  const Eigen::SparseMatrix<double> physics = columnsOf(linear, effects);
-  Eigen::VectorXd found(physics.cols());
-  Eigen::Index scalar = 0;
-  for (const Candidate& effect : effects)
-    for (const std::size_t c : columnsOf(linear, effect.effect))
-      found[scalar++] = values.values[linear.columns[c].scalar];
-  const WhitenedModel model(withoutEffects(linear, physics, found), noise, data);
-  const Linearization& bare = model.linear();
-  const std::vector<BatchChannel> channels = channelsOf(bare, physics * found);
-  std::vector<BatchChannel> corrected;
-  for (const BatchChannel channel : channels)
-    if (corrected.empty() && options.yardsticks) corrected.push_back(channel);
-
-  // All that is fitted, side by side: physics, black box, every candidate (for the placebo).
-  std::vector<double> box_sigma;
-  const Eigen::SparseMatrix<double> box = blackBox(bare, corrected, box_sigma);
-  const std::vector<Candidate> all = options.yardsticks ? lastingCandidates(bare) : std::vector<Candidate>{};
-  const Eigen::SparseMatrix<double> candidates = columnsOf(bare, all);
-  Eigen::MatrixXd columns(model.residual().size(), physics.cols() + box.cols() + candidates.cols());
-  columns << Eigen::MatrixXd(model.whitened(columnsOf(bare, effects))), Eigen::MatrixXd(model.whitened(box)),
-      Eigen::MatrixXd(model.whitened(candidates));
-  std::vector<Eigen::Index> first, size;
-  Eigen::Index at = 0;
-  for (const Candidate& candidate : all) {
-    first.push_back(at);
-    size.push_back(std::ssize(columnsOf(bare, candidate.effect)));
-    at += size.back();
-  }
-  Placebo placebo(first, size, priorSigmas(bare, all));
-  Random random(options.seed);
-  Eigen::MatrixXd simulated(model.residual().size(), options.yardsticks ? kPlacebos : 0);
-  for (Eigen::Index i = 0; i < simulated.size(); ++i) simulated.data()[i] = random.normal();
-
-  const int stretch_count = options.folds * kStretches;
-  const double span_s = (data.last_s - data.first_s) / stretch_count;
-  const auto stretchOf = [&](double t_s) {
-    return std::clamp(static_cast<int>((t_s - data.first_s) / span_s), 0, stretch_count - 1);
-  };
-  HeldOutGain gain;
-  gain.by_effect.assign(effects.size(), 0);
-  std::vector<Piece> pieces(static_cast<std::size_t>(stretch_count) * kParts);
-  Progress progress("holding out");
-  for (int fold = 0; fold < options.folds; ++fold) {
-    progress.update(static_cast<double>(fold) / options.folds);
-    std::vector<Eigen::Index> in_train, in_test;
-    for (Eigen::Index i = 0; i < model.residual().size(); ++i) {
-      const bool is_prior =
-          i >= std::ssize(bare.rows) || bare.rows[static_cast<std::size_t>(i)].channel == BatchChannel::prior;
-      const bool is_test =
-          !is_prior && stretchOf(bare.rows[static_cast<std::size_t>(i)].t_s) % options.folds == fold;
-      if (is_prior || is_test) in_test.push_back(i);
-      if (!is_test) in_train.push_back(i);
-    }
-    const Part train = partOf(model, std::move(in_train), columns, simulated);
-    const Part test = partOf(model, std::move(in_test), columns, simulated);
-    if (options.yardsticks) placebo.add(train, test, physics.cols() + box.cols());
-    const auto left = [&](Eigen::Index column, Eigen::Index count, const Eigen::VectorXd& sigma) {
-      const Eigen::VectorXd value = fit(train.columns.middleCols(column, count), train.residual, sigma);
-      return Eigen::VectorXd(test.residual + test.columns.middleCols(column, count) * value);
-    };
-    const Eigen::VectorXd after = left(0, physics.cols(), priorSigmas(bare, effects));
-    for (std::size_t e = 0; e < effects.size(); ++e)
-      gain.by_effect[e] +=
-          0.5 * (leftWithout(bare, effects, e, train, test).squaredNorm() - after.squaredNorm());
-    const Eigen::VectorXd black_box = left(
-        physics.cols(), box.cols(), Eigen::Map<Eigen::VectorXd>(box_sigma.data(), std::ssize(box_sigma)));
-    for (Eigen::Index row = 0; row < std::ssize(test.rows); ++row) {
-      const auto i = static_cast<std::size_t>(test.rows[static_cast<std::size_t>(row)]);
-      if (i >= bare.rows.size() || bare.rows[i].channel == BatchChannel::prior) continue;
-      const double place = (bare.rows[i].t_s - data.first_s) / span_s * kParts;
-      Piece& piece = pieces[static_cast<std::size_t>(
-          std::clamp(static_cast<int>(place), 0, stretch_count * kParts - 1))];
-      Piece::Sums& sums = piece.channels[bare.rows[i].channel];
-      const double b = test.residual[row] * test.residual[row], a = after[row] * after[row],
-                   x = black_box[row] * black_box[row];
-      sums.before += b;
-      sums.after += a;
-      sums.black_box += x;
-      if (options.yardsticks) sums.floor += test.noise.row(row).head(kFloorDraws).squaredNorm() / kFloorDraws;
-      ++sums.rows;
-      piece.physics += 0.5 * (b - a);
-      piece.black_box += 0.5 * (b - x);
-    }
-  }
-
-  HeldOutResult result;
-  result.gain = gain;
-  const auto rms = [&](const std::vector<const Piece*>& of, BatchChannel channel, double Piece::Sums::*what) {
-    double sum = 0, rows = 0;
-    for (const Piece* piece : of)
-      if (const auto it = piece->channels.find(channel); it != piece->channels.end()) {
-        sum += it->second.*what;
-        rows += static_cast<double>(it->second.rows);
-      }
-    return rows > 0 ? std::sqrt(sum / rows) : 0.0;
-  };
-  std::vector<const Piece*> every;
-  for (const Piece& piece : pieces)
-    if (!piece.channels.empty()) every.push_back(&piece);
-  std::map<BatchChannel, std::vector<double>> resampled;
-  std::vector<double> gains, over_box;
-  for (int resample = 0; resample < kResamples && !every.empty(); ++resample) {
-    std::vector<const Piece*> drawn;
-    double physics_gain = 0, over = 0;
-    for (std::size_t k = 0; k < every.size(); ++k) {
-      drawn.push_back(every[static_cast<std::size_t>(random.uniform() * static_cast<double>(every.size()))]);
-      physics_gain += drawn.back()->physics;
-      over += drawn.back()->physics - drawn.back()->black_box;
-    }
-    gains.push_back(physics_gain);
-    over_box.push_back(over);
-    for (const BatchChannel channel : channels)
-      resampled[channel].push_back(rms(drawn, channel, &Piece::Sums::after));
-  }
-  for (const BatchChannel channel : channels) {
-    HeldOut held;
-    held.channel = channel;
-    held.metric = metricOf(channel);
-    // What is left is in units of noise: back into the reading's.
-    const double unit = rawPerUnit(linear, channel) * unitOf(channel).scale * noise.of(channel).scale /
-                        noise.of(channel).independentScale();
-    held.before = unit * rms(every, channel, &Piece::Sums::before);
-    held.after = unit * rms(every, channel, &Piece::Sums::after);
-    held.black_box = unit * rms(every, channel, &Piece::Sums::black_box);
-    held.noise_floor = unit * rms(every, channel, &Piece::Sums::floor);
-    held.after_ci95 = central95(resampled[channel]);
-    for (double& limit : held.after_ci95) limit *= unit;
-    for (int stretch = 0; stretch < stretch_count; ++stretch) {
-      std::vector<const Piece*> own;
-      for (int part = 0; part < kParts; ++part)
-        own.push_back(&pieces[static_cast<std::size_t>(stretch) * kParts + static_cast<std::size_t>(part)]);
-      const double from_s = data.first_s + stretch * span_s;
-      held.blocks.push_back({from_s, from_s + span_s, unit * rms(own, channel, &Piece::Sums::before),
-                             unit * rms(own, channel, &Piece::Sums::after),
-                             unit * rms(own, channel, &Piece::Sums::black_box)});
-    }
-    result.channels.push_back(std::move(held));
-  }
-  for (const Piece* piece : every) {
-    result.gain.physics += piece->physics;
-    result.gain.black_box += piece->black_box;
-  }
-  if (!gains.empty()) {
-    result.gain.physics_ci95 = central95(gains);
-    result.gain.over_black_box_ci95 = central95(over_box);
-  }
-  result.gain.placebo = placebo.percentile95();
-  return result;
+  return HoldOut(linear, effects, values, noise, data, options).run();
 }
 
 }  // namespace fathom

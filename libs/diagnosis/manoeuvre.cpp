@@ -109,24 +109,19 @@ double separation(const Reduced& reduced, Eigen::Index size, const Eigen::Vector
   return std::sqrt(std::max(0.0, value.dot((A - B * information.inverse * B.transpose()) * value)));
 }
 
-struct Pair {
-  Candidate first, second;
-  Eigen::VectorXd first_value, second_value;
-};
-
-double separation(const WhitenedModel& model, const Pair& pair) {
-  const auto oneWay = [&](const Candidate& a, const Candidate& b, const Eigen::VectorXd& value) {
-    return separation(model.reduce(std::vector<Candidate>{a, b}), value.size(), value);
+double separation(const WhitenedModel& model, const SizedEffect& first, const SizedEffect& second) {
+  const auto oneWay = [&](const SizedEffect& a, const SizedEffect& b) {
+    return separation(model.reduce(std::vector<Candidate>{a.candidate, b.candidate}), a.value.size(),
+                      a.value);
   };
-  return std::min(oneWay(pair.first, pair.second, pair.first_value),
-                  oneWay(pair.second, pair.first, pair.second_value));
+  return std::min(oneWay(first, second), oneWay(second, first));
 }
 
-Eigen::VectorXd valuesOf(const Refit& fit) {
-  std::vector<double> values;
-  for (const EffectEstimate& estimate : fit.estimates)
-    if (estimate.effect == fit.effects.back().effect) values.push_back(estimate.value);
-  return Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values));
+/// On for good: a manoeuvre is made where and when the effect acts.
+SizedEffect lasting(SizedEffect effect) {
+  effect.candidate.active_s = {};
+  if (effect.candidate.time_s) effect.candidate.time_s = 0;
+  return effect;
 }
 
 WhitenedModel modelOf(const BatchData& data, const std::vector<double>& times_s,
@@ -175,17 +170,19 @@ const std::vector<Manoeuvre>& manoeuvres() {
   return all;
 }
 
-Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, const Refit& first,
-                       const Refit& second, const NoiseModel& noise) {
-  Pair pair{first.effects.back(), second.effects.back(), valuesOf(first), valuesOf(second)};
+SizedEffect sized(const Refit& fit, const Candidate& effect) {
+  std::vector<double> values;
+  for (const EffectEstimate& estimate : fit.estimates)
+    if (estimate.effect == effect.effect) values.push_back(estimate.value);
+  return {effect, Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values))};
+}
+
+Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, const BatchEstimate& estimate,
+                       const SizedEffect& first, const SizedEffect& second, const NoiseModel& noise) {
   Advice advice;
-  advice.separation_now = separation(without, pair);
+  advice.separation_now = separation(without, first, second);
   if (!data.hasMotion()) return advice;  // nothing that could be driven
-  // For good: the manoeuvre is made where and when they act.
-  pair.first.active_s = pair.second.active_s = {};
-  for (Candidate* candidate : {&pair.first, &pair.second})
-    if (candidate->time_s) candidate->time_s = 0;
-  const Pose station = stationOf(data, first.estimate);
+  const Pose station = stationOf(data, estimate);
   for (const Manoeuvre& manoeuvre : manoeuvres()) {
     std::vector<double> times_s;
     std::vector<Pose> poses;
@@ -194,7 +191,8 @@ Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, cons
       poses.push_back(station * manoeuvre.T_station_robot(t_s));
     }
     const BatchData readings = readingsOf(data, times_s, poses);
-    const double reached = separation(modelOf(readings, times_s, poses, first.estimate, noise), pair);
+    const double reached =
+        separation(modelOf(readings, times_s, poses, estimate, noise), lasting(first), lasting(second));
     if (reached <= advice.separation) continue;
     advice.separation = reached;
     advice.manoeuvre = manoeuvre.text;

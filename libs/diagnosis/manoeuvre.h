@@ -24,10 +24,17 @@ struct Advice {
   double separation_now = 0;  ///< in the recording
 };
 
-/// The best of the library for telling the first of two fits' last effects from the other's. By Jacobians
-/// alone: nothing is simulated, only predicted at the poses of each manoeuvre from the place where the
-/// recording saw most markers. `without`: the recording's model with neither.
-Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, const Refit& first,
-                       const Refit& second, const NoiseModel& noise);
+/// An effect at the size that a fit found.
+struct SizedEffect {
+  Candidate candidate;
+  Eigen::VectorXd value;  ///< of its continuous scalars
+};
+SizedEffect sized(const Refit& fit, const Candidate& effect);
+
+/// The best of the library for telling one of two effects from the other. By Jacobians alone: nothing is
+/// simulated, only predicted at the poses of each manoeuvre from the place where the recording saw most
+/// markers. `without`: the recording's model with neither; `estimate`: where the robot and the panels were.
+Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, const BatchEstimate& estimate,
+                       const SizedEffect& first, const SizedEffect& second, const NoiseModel& noise);
 
 }  // namespace fathom

@@ -23,6 +23,7 @@ struct Plan {
   Mismatch map;
   std::vector<std::vector<std::size_t>> rows;     // of each bin
   std::vector<std::vector<std::size_t>> columns;  // of each bin
+  std::optional<int> component;                   // of the direction
 };
 
 class Planner {
@@ -36,6 +37,7 @@ class Planner {
       for (const Direction& direction : directions) {
         Plan plan = begin(channel, "mean residual", covariate.name, covariate.unit);
         plan.map.direction = direction.name;
+        plan.component = direction.component;
         for (std::size_t bin = 0; bin + 1 < limits.size(); ++bin) {
           const double low = limits[bin] * covariate.scale, high = limits[bin + 1] * covariate.scale;
           addBin(plan, low, high, print("%.3g to %.3g %s", low, high, covariate.unit.c_str()));
@@ -163,18 +165,34 @@ Score scoreOf(const Reduced& reduced, const std::vector<std::size_t>& columns) {
   return {g.dot(information.inverse * g), information.rank};
 }
 
-void describeBin(const Linearization& linear, const std::vector<std::size_t>& rows, MismatchBin& bin) {
-  const ReadingUnit unit = rows.empty() ? ReadingUnit{} : unitOf(linear.rows[rows[0]].channel);
-  double sum = 0, square = 0;
-  for (const std::size_t i : rows) {
-    sum += linear.rows[i].raw;
-    square += linear.rows[i].raw * linear.rows[i].raw;
-  }
+struct Scatter {
+  double sum = 0, square = 0, rows = 0;
+  double mean() const { return sum / rows; }
+  double variance() const { return std::max(0.0, square / rows - mean() * mean()); }
+};
+
+void describeBin(const Linearization& linear, const std::vector<std::size_t>& rows,
+                 std::optional<int> component, MismatchBin& bin) {
   bin.rows = rows.size();
   if (rows.empty()) return;
-  const double n = static_cast<double>(rows.size());
-  bin.mean_raw = sum / n * unit.scale;
-  bin.sigma = std::sqrt(std::max(0.0, square / n - sum / n * sum / n) / n) * unit.scale;
+  std::map<int, Scatter> scatters;  // by component
+  for (const std::size_t i : rows) {
+    const RowInfo& row = linear.rows[i];
+    if (component && componentOf(row) != *component) continue;
+    Scatter& scatter = scatters[componentOf(row)];
+    scatter.sum += row.raw;
+    scatter.square += row.raw * row.raw;
+    ++scatter.rows;
+  }
+  const double scale = unitOf(linear.rows[rows[0]].channel).scale;
+  double square = 0, variance = 0;
+  for (const auto& [axis, scatter] : scatters) {
+    square += scatter.mean() * scatter.mean();
+    variance += scatter.variance() / scatter.rows / static_cast<double>(scatters.size());
+  }
+  const bool is_signed = component && !scatters.empty();
+  bin.mean_raw = scale * (is_signed ? scatters.begin()->second.mean() : std::sqrt(square));
+  bin.sigma = scale * std::sqrt(variance);
 }
 
 void finish(Plan& plan, const WhitenedModel& model, const Reduced& reduced) {
@@ -183,7 +201,7 @@ void finish(Plan& plan, const WhitenedModel& model, const Reduced& reduced) {
   std::vector<std::size_t> all;
   std::size_t worst = 0, rows = 0;
   for (std::size_t bin = 0; bin < map.bins.size(); ++bin) {
-    describeBin(linear, plan.rows[bin], map.bins[bin]);
+    describeBin(linear, plan.rows[bin], plan.component, map.bins[bin]);
     map.bins[bin].size_sigma = std::sqrt(std::max(0.0, scoreOf(reduced, plan.columns[bin]).statistic));
     if (map.bins[bin].size_sigma > map.bins[worst].size_sigma) worst = bin;
     all.insert(all.end(), plan.columns[bin].begin(), plan.columns[bin].end());
@@ -223,8 +241,7 @@ Eigen::MatrixXd powersOf(const Eigen::MatrixXd& series) {
 std::vector<Mismatch> spectra(const WhitenedModel& model, std::uint64_t seed) {
   const Linearization& linear = model.linear();
   Random random(seed);
-  Eigen::MatrixXd all(model.residual().size(), kSpectrumDraws + 1);
-  for (Eigen::Index i = 0; i < all.size(); ++i) all.data()[i] = random.normal();
+  Eigen::MatrixXd all = random.normals(model.residual().size(), kSpectrumDraws + 1);
   all.col(0) = model.residual();
   all = model.nuisances().project(all);
   std::vector<Mismatch> maps;

@@ -15,8 +15,9 @@ struct MismatchBin {
   double low = 0, high = 0;  ///< of the covariate, in its unit
   std::string label;         ///< "id 14", "2.1 to 2.4 m"
   std::size_t rows = 0;
-  double mean_raw = 0;    ///< in the reading's unit as people read it (ReadingUnit)
-  double sigma = 0;       ///< of it, by noise alone
+  double mean_raw = 0;    ///< in the reading's unit as people read it (ReadingUnit), along the direction;
+                          ///< without one, the length of the mean over all components
+  double sigma = 0;       ///< of it, by the readings' own scatter
   double size_sigma = 0;  ///< root of its score statistic, nuisances projected off
 };
 

@@ -5,8 +5,8 @@
 
 #include "core/chi_square.h"
 #include "core/random.h"
-#include "diagnosis/nuisances.h"
 #include "effects/catalogue.h"
+#include "estimation/nuisances.h"
 
 namespace fathom {
 namespace {
@@ -19,11 +19,6 @@ constexpr double kLargestCorrelation = 0.95;
 constexpr std::size_t kFewestMarkers = 4;
 constexpr double kLargestTolerance_m = 1.0;
 
-bool hasDiscrete(const EffectInfo& effect, ParameterKind kind) {
-  return std::any_of(effect.parameters.begin(), effect.parameters.end(),
-                     [&](const Parameter& p) { return p.kind == kind; });
-}
-
 /// The estimate with all lasting effects among its unknowns, each held by its prior.
 struct Saturated {
   std::vector<Candidate> candidates;
@@ -33,24 +28,9 @@ struct Saturated {
 
 Saturated saturate(const Linearization& linear) {
   const std::vector<Candidate> candidates = lastingCandidates(linear);
-  const Eigen::SparseMatrix<double> C = columnsOf(linear, candidates);
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto add = [&](const Eigen::SparseMatrix<double>& part, Eigen::Index first_column) {
-    for (Eigen::Index c = 0; c < part.outerSize(); ++c)
-      for (Eigen::SparseMatrix<double>::InnerIterator entry(part, c); entry; ++entry)
-        entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(first_column + c),
-                             entry.value());
-  };
-  add(linear.J, 0);
-  add(C, linear.J.cols());
-  Eigen::Index row = linear.J.rows(), column = linear.J.cols();
-  for (const Candidate& candidate : candidates)
-    for (const std::size_t c : columnsOf(linear, candidate.effect))
-      entries.emplace_back(static_cast<int>(row++), static_cast<int>(column++),
-                           1 / linear.columns[c].prior_sigma);
-  Eigen::SparseMatrix<double> J(row, column);
-  J.setFromTriplets(entries.begin(), entries.end());
-  Eigen::VectorXd residual = Eigen::VectorXd::Zero(row);
+  const Eigen::SparseMatrix<double> J =
+      withHeldColumns(linear.J, columnsOf(linear, candidates), priorSigmas(linear, candidates));
+  Eigen::VectorXd residual = Eigen::VectorXd::Zero(J.rows());
   residual.head(linear.residual.size()) = linear.residual;
   return {candidates, Nuisances(J), std::move(residual)};
 }
@@ -163,14 +143,11 @@ std::vector<Candidate> lastingCandidates(const Linearization& linear) {
   const std::set<int> ids = markersOf(linear);
   std::vector<Candidate> candidates;
   for (const EffectInfo& effect : allEffects()) {
-    const bool estimated =
-        std::any_of(linear.columns.begin(), linear.columns.end(),
-                    [&](const EffectColumn& c) { return c.effect == effect.index && c.estimated; });
-    if (estimated || hasDiscrete(effect, ParameterKind::time)) continue;
+    if (isEstimated(linear, effect.index) || effect.has(ParameterKind::time)) continue;
     Candidate candidate{.effect = effect.index, .marker_id = {}, .time_s = {}, .active_s = {}};
-    if (!hasDiscrete(effect, ParameterKind::marker_id)) candidates.push_back(candidate);
+    if (!effect.has(ParameterKind::marker_id)) candidates.push_back(candidate);
     for (const int id : ids)
-      if (hasDiscrete(effect, ParameterKind::marker_id)) {
+      if (effect.has(ParameterKind::marker_id)) {
         candidate.marker_id = id;
         candidates.push_back(candidate);
       }
@@ -199,8 +176,7 @@ NoiseModel shownNoise(const Linearization& linear, const NoiseModel& assumed, st
   const auto rows = rowsByChannel(linear);
   const Eigen::VectorXd left = saturated.nuisances.project(saturated.residual);
   Random random(seed);
-  Eigen::MatrixXd white(saturated.residual.size(), kNoiseDraws);
-  for (Eigen::Index i = 0; i < white.size(); ++i) white.data()[i] = random.normal();
+  const Eigen::MatrixXd white = random.normals(saturated.residual.size(), kNoiseDraws);
 
   NoiseModel noise = assumed;
   std::array<double, kBatchChannels.size()> correlation{};

@@ -17,11 +17,8 @@ std::vector<double> evidences(const WhitenedModel& model, const std::vector<Cand
   std::vector<double> evidences;
   Eigen::Index first = 0;
   for (const Candidate& candidate : candidates) {
-    const std::vector<std::size_t> columns = columnsOf(model.linear(), candidate.effect);
-    const auto size = std::ssize(columns);
-    Eigen::VectorXd prior(size);
-    for (Eigen::Index k = 0; k < size; ++k)
-      prior[k] = model.linear().columns[columns[static_cast<std::size_t>(k)]].prior_sigma;
+    const Eigen::VectorXd prior = priorSigmas(model.linear(), {candidate});
+    const Eigen::Index size = prior.size();
     evidences.push_back(
         support(reduced.gram.block(first, first, size, size), reduced.score.segment(first, size), prior));
     first += size;
@@ -57,12 +54,7 @@ Candidate refinedInterval(const WhitenedModel& model, Candidate candidate, doubl
 }
 
 Candidate bestInterval(const WhitenedModel& model, const Candidate& lasting, int segments) {
-  double first_s = 1e300, last_s = -1e300;
-  for (const RowInfo& row : model.linear().rows)
-    if (row.channel != BatchChannel::prior) {
-      first_s = std::min(first_s, row.t_s);
-      last_s = std::max(last_s, row.t_s);
-    }
+  const auto [first_s, last_s] = readingsSpan(model.linear());
   const double step_s = (last_s - first_s) / segments;
   std::vector<Candidate> tried{lasting};
   for (int from = 0; from < segments; ++from)

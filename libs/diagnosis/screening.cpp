@@ -21,16 +21,6 @@ constexpr double kForAPart = 2.0;    // ln of the odds for an effect that lasts
 constexpr int kAlarmDraws = 100;
 constexpr std::size_t kKeptSets = 60;  // of a size, to which another effect is added
 
-bool has(const EffectInfo& effect, ParameterKind kind) {
-  return std::any_of(effect.parameters.begin(), effect.parameters.end(),
-                     [&](const Parameter& p) { return p.kind == kind; });
-}
-
-bool isEstimated(const Linearization& linear, std::size_t effect) {
-  return std::any_of(linear.columns.begin(), linear.columns.end(),
-                     [&](const EffectColumn& c) { return c.effect == effect && c.estimated; });
-}
-
 }  // namespace
 
 double logPriorOf(const Candidate& candidate, int segments) {
@@ -123,23 +113,18 @@ Eigen::MatrixXd Screening::gramOf(std::size_t a, std::size_t b) const {
 }
 
 void Screening::layOut(const Linearization& linear, int segments, const std::set<std::size_t>& lasting_only) {
-  double last_s = 0;
-  first_s_ = 1e300;
-  for (const RowInfo& row : linear.rows)
-    if (row.channel != BatchChannel::prior) {
-      first_s_ = std::min(first_s_, row.t_s);
-      last_s = std::max(last_s, row.t_s);
-    }
-  segment_s_ = std::max(1e-9, (last_s - first_s_) / segments);
+  const Interval span = readingsSpan(linear);
+  first_s_ = span.from_s;
+  segment_s_ = std::max(1e-9, (span.to_s - first_s_) / segments);
   prior_sigma_.assign(kEffectOffsets[kEffectCount], 0);
   for (const EffectColumn& c : linear.columns) prior_sigma_[c.scalar] = c.prior_sigma;
   Eigen::Index column = 0;
   for (const EffectInfo& effect : allEffects()) {
     const bool lasts = lasting_only.contains(effect.index);
-    if (isEstimated(linear, effect.index) || (lasts && has(effect, ParameterKind::time))) continue;
+    if (isEstimated(linear, effect.index) || (lasts && effect.has(ParameterKind::time))) continue;
     Family family;
     family.candidate.effect = effect.index;
-    family.is_step = has(effect, ParameterKind::time);
+    family.is_step = effect.has(ParameterKind::time);
     for (const std::size_t c : columnsOf(linear, effect.index))
       family.scalars.push_back(linear.columns[c].scalar);
     const auto add = [&](std::optional<int> id, int count) {
@@ -150,8 +135,8 @@ void Screening::layOut(const Linearization& linear, int segments, const std::set
       column += family.size * count;
       families_.push_back(family);
     };
-    if (!has(effect, ParameterKind::marker_id)) add({}, lasts ? 1 : segments);
-    if (has(effect, ParameterKind::marker_id))
+    if (!effect.has(ParameterKind::marker_id)) add({}, lasts ? 1 : segments);
+    if (effect.has(ParameterKind::marker_id))
       for (const int id : markersOf(linear)) add(id, 1);
   }
 }
@@ -284,7 +269,7 @@ double Screening::supportOf(const std::vector<std::size_t>& members) const {
   return support(A, g, sigma) + prior;
 }
 
-std::vector<TestedSet> Screening::bestSets(std::size_t size, std::size_t count) const {
+std::vector<TestedSet> Screening::bestSets(std::size_t size, std::size_t count, double log_odds) const {
   std::vector<TestedSet> all, latest{{{}, 0}};
   const auto byEvidence = [](const TestedSet& a, const TestedSet& b) { return a.support > b.support; };
   for (std::size_t k = 1; k <= size; ++k) {
@@ -303,7 +288,8 @@ std::vector<TestedSet> Screening::bestSets(std::size_t size, std::size_t count) 
     for (const auto& [members, evidence] : grown) latest.push_back({members, evidence});
     std::stable_sort(latest.begin(), latest.end(), byEvidence);
     if (latest.size() > kKeptSets) latest.resize(kKeptSets);
-    all.insert(all.end(), latest.begin(), latest.end());
+    for (const TestedSet& set : latest)
+      all.push_back({set.members, set.support - log_odds * static_cast<double>(k - 1)});
   }
   std::stable_sort(all.begin(), all.end(), byEvidence);
   if (all.size() > count) all.resize(count);
@@ -325,8 +311,7 @@ double Screening::alignment(std::size_t a, std::size_t b) const {
 double Screening::alarm(double log_p, std::uint64_t seed) const {
   if (all_.empty()) return 1;
   Random random(seed);
-  Eigen::MatrixXd noise(columns_.rows(), kAlarmDraws);
-  for (Eigen::Index i = 0; i < noise.size(); ++i) noise.data()[i] = random.normal();
+  const Eigen::MatrixXd noise = random.normals(columns_.rows(), kAlarmDraws);
   const Eigen::MatrixXd scores = columns_.transpose() * model_.nuisances().project(noise);
   std::vector<double> best(kAlarmDraws, 0);
   tbb::parallel_for(0, kAlarmDraws, [&](int draw) {

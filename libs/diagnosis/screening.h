@@ -49,8 +49,9 @@ class Screening {
 
   /// Each effect (and marker) for good, then with its best interval or time.
   const std::vector<TestedCandidate>& candidates() const { return tested_; }
-  /// Sets of up to `size` effects, best evidence first; at most `count`.
-  std::vector<TestedSet> bestSets(std::size_t size, std::size_t count) const;
+  /// Sets of up to `size` effects, best supported first; at most `count`. `log_odds`: ln of the odds against
+  /// each effect besides the first.
+  std::vector<TestedSet> bestSets(std::size_t size, std::size_t count, double log_odds) const;
   /// The largest |cos| between what two candidates can do to the readings, nuisances projected off.
   double alignment(std::size_t a, std::size_t b) const;
   /// Probability that, where nothing is missing, any candidate's p is as small: simulated once, extrapolated

@@ -64,26 +64,13 @@ Eigen::SparseMatrix<double> WhitenedModel::nuisanceColumns(const NoiseModel& noi
   const std::map<int, double> half_sizes = halfSizes(data);
   std::vector<Candidate> places;
   for (const int id : markersOf(linear_)) places.push_back({kEffectIndex<MarkerMoved>, id, {}, {}});
-  const Eigen::SparseMatrix<double> own = W_ * columnsOf(linear_, places);
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto add = [&](const Eigen::SparseMatrix<double>& part, Eigen::Index first_column) {
-    for (Eigen::Index c = 0; c < part.outerSize(); ++c)
-      for (Eigen::SparseMatrix<double>::InnerIterator entry(part, c); entry; ++entry)
-        entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(first_column + c),
-                             entry.value());
-  };
-  add(J, 0);
-  add(own, J.cols());
-  Eigen::Index row = J.rows(), column = J.cols();
-  for (const Candidate& place : places) {
-    const double turn_deg = degrees(noise.panel_tolerance_m / half_sizes.at(*place.marker_id));
-    for (int axis = 0; axis < 4; ++axis)
-      entries.emplace_back(static_cast<int>(row++), static_cast<int>(column++),
-                           1 / (axis < 3 ? noise.panel_tolerance_m : turn_deg));
+  Eigen::VectorXd sigma(4 * std::ssize(places));
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const double offset_m = noise.panel_tolerance_m;
+    const double turn_deg = degrees(offset_m / half_sizes.at(*places[k].marker_id));
+    sigma.segment<4>(4 * static_cast<Eigen::Index>(k)) << offset_m, offset_m, offset_m, turn_deg;
   }
-  Eigen::SparseMatrix<double> all(row, column);
-  all.setFromTriplets(entries.begin(), entries.end());
-  return all;
+  return withHeldColumns(J, W_ * columnsOf(linear_, places), sigma);
 }
 
 Eigen::SparseMatrix<double> WhitenedModel::whitened(const Eigen::SparseMatrix<double>& columns) const {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "diagnosis/noise.h"
-#include "diagnosis/nuisances.h"
+#include "estimation/nuisances.h"
 
 namespace fathom {
 

@@ -6,6 +6,11 @@
 
 namespace fathom {
 
+bool EffectInfo::has(ParameterKind kind) const {
+  return std::any_of(parameters.begin(), parameters.end(),
+                     [&](const Parameter& p) { return p.kind == kind; });
+}
+
 std::vector<std::string_view> EffectInfo::confusedWith() const {
   const auto& ids = text.confused_with;
   return {ids.begin(), std::find(ids.begin(), ids.end(), std::string_view())};

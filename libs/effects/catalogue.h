@@ -20,6 +20,8 @@ struct EffectInfo {
   std::size_t scalars = 0;       ///< so many, list by list in the order of the parameters
 
   std::vector<std::string_view> confusedWith() const;
+  /// Whether any of its parameters is of this kind.
+  bool has(ParameterKind kind) const;
 };
 
 /// In the order of the registry.

@@ -140,6 +140,16 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
   return linear;
 }
 
+Interval readingsSpan(const Linearization& linear) {
+  Interval span{Interval::kForever_s, -Interval::kForever_s};
+  for (const RowInfo& row : linear.rows)
+    if (row.channel != BatchChannel::prior) {
+      span.from_s = std::min(span.from_s, row.t_s);
+      span.to_s = std::max(span.to_s, row.t_s);
+    }
+  return span;
+}
+
 void applyRobustWeights(Linearization& linear) {
   Eigen::VectorXd root(linear.residual.size());
   for (Eigen::Index i = 0; i < root.size(); ++i)
@@ -147,20 +157,6 @@ void applyRobustWeights(Linearization& linear) {
   linear.residual.array() *= root.array();
   linear.C.array().colwise() *= root.array();
   linear.J = (root.asDiagonal() * linear.J).eval();
-}
-
-Projected projectOff(const Eigen::SparseMatrix<double>& J, const Eigen::MatrixXd& C,
-                     const Eigen::VectorXd& r) {
-  const Eigen::SparseMatrix<double> normal = J.transpose() * J;
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factors(
-      normal);
-  if (factors.info() != Eigen::Success) throw std::runtime_error("the nuisances' derivative lacks rank");
-  Projected projected;
-  const Eigen::MatrixXd along = factors.solve(J.transpose() * C);
-  projected.C_perp = C - J * along;
-  projected.gram = projected.C_perp.transpose() * projected.C_perp;
-  projected.score = projected.C_perp.transpose() * r;
-  return projected;
 }
 
 }  // namespace fathom

@@ -69,15 +69,7 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
 /// Multiplies each row by the root of its robust weight: what the estimate has minimized, to first order.
 void applyRobustWeights(Linearization& linear);
 
-/// What the nuisances leave of candidates and residual: (I - J (J^T J)^-1 J^T) C and its products. All may
-/// have been whitened further.
-struct Projected {
-  Eigen::MatrixXd C_perp;
-  Eigen::MatrixXd gram;   ///< C_perp^T C_perp
-  Eigen::VectorXd score;  ///< C_perp^T r
-};
-/// One sparse factorization of J^T J, natural order. Throws std::runtime_error where J lacks rank.
-Projected projectOff(const Eigen::SparseMatrix<double>& J, const Eigen::MatrixXd& C,
-                     const Eigen::VectorXd& r);
+/// From the first reading to the last.
+Interval readingsSpan(const Linearization& linear);
 
 }  // namespace fathom

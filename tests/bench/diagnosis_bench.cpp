@@ -2,21 +2,16 @@
 // effect costs: its columns of the linearization and their projection, of the whole.
 //
 //     build/release/tests/diagnosis_bench
-#include <chrono>
 #include <cstdio>
 
 #include "diagnosis/diagnosis.h"
 #include "support/diagnosis_runs.h"
+#include "support/stopwatch.h"
 
 namespace fathom {
 namespace {
 
-template <class Work>
-double seconds(const Work& work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
+using test::seconds;
 
 /// Of linearization and projection, a registered effect's part.
 double secondsOfAnEffect(const BatchInput& input) {
@@ -25,8 +20,8 @@ double secondsOfAnEffect(const BatchInput& input) {
   Linearization bare, all;
   const double bare_s = seconds([&] { bare = linearize(input.data, *problem, false); });
   const double all_s = seconds([&] { all = linearize(input.data, *problem); });
-  const double factor_s = seconds([&] { projectOff(bare.J, bare.C, bare.residual); });
-  const double project_s = seconds([&] { projectOff(all.J, all.C, all.residual); });
+  const double factor_s = seconds([&] { Nuisances{bare.J}; });
+  const double project_s = seconds([&] { Nuisances(all.J).reduce(all.C.sparseView(), all.residual); });
   return (all_s - bare_s + project_s - factor_s) / static_cast<double>(kEffectCount);
 }
 

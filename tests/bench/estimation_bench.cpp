@@ -1,20 +1,16 @@
 // The batch estimate: seconds for three minutes with an image a second, cost against length, and what one
 // more effect costs in the linearization. Prints ratios against the shortest run of the same call.
-#include <chrono>
 #include <cstdio>
 
 #include "estimation/linearization.h"
+#include "estimation/nuisances.h"
 #include "support/batch_runs.h"
+#include "support/stopwatch.h"
 
 namespace fathom {
 namespace {
 
-template <class Work>
-double seconds(const Work& work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
+using test::seconds;
 
 void run() {
   double shortest_s = 0;
@@ -28,7 +24,8 @@ void run() {
     const auto problem = problemAt(input.data, estimate, {});
     const double bare_s = seconds([&] { bare = linearize(input.data, *problem, false); });
     const double linear_s = seconds([&] { linear = linearize(input.data, *problem); });
-    const double project_s = seconds([&] { projectOff(linear.J, linear.C, linear.residual); });
+    const double project_s =
+        seconds([&] { Nuisances(linear.J).reduce(linear.C.sparseView(), linear.residual); });
     if (shortest_s == 0) shortest_s = estimate_s;
     std::printf(
         "%4.0f s, %zu markers, %zu rows, %zu unknowns: filter and data %.2f s, estimate %.2f s (%d steps; "

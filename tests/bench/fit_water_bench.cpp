@@ -1,22 +1,16 @@
 // Time of fitting water to 50 pairs of 640 x 480 px, beside that of rendering them.
 //
 //     build/release/tests/fit_water_bench
-#include <chrono>
 #include <cstdio>
 
 #include "environment/water_study.h"
 #include "support/sil_recordings.h"
+#include "support/stopwatch.h"
 
 namespace {
 
 using namespace fathom;
-
-template <class Work>
-double seconds(const Work& work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
+using test::seconds;
 
 }  // namespace
 

@@ -6,6 +6,7 @@
 
 #include "diagnosis/candidate.h"
 #include "effects/catalogue.h"
+#include "estimation/nuisances.h"
 #include "support/batch_runs.h"
 
 /// Recordings that hide something, for the diagnosis: an effect of a size in units of what the recording can
@@ -115,9 +116,7 @@ class Excitation {
   }
 
  private:
-  Eigen::MatrixXd project(const Eigen::MatrixXd& C) const {
-    return projectOff(linear_.J, C, linear_.residual).C_perp;
-  }
+  Eigen::MatrixXd project(const Eigen::MatrixXd& C) const { return Nuisances(linear_.J).project(C); }
 
   Eigen::VectorXd residualsWith(const EffectParameters<double>& effects) const {
     BatchEstimate moved = estimate_;

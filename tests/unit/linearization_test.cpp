@@ -6,6 +6,7 @@
 
 #include "core/random.h"
 #include "effects/catalogue.h"
+#include "estimation/nuisances.h"
 #include "estimation/selected_inverse.h"
 #include "support/batch_runs.h"
 
@@ -42,7 +43,7 @@ TEST(SelectedInverse, IsTheDenseInverseWhereItIsKept) {
   EXPECT_THROW(SelectedInverse(Eigen::SparseMatrix<double>(3, 3)), std::runtime_error);
 }
 
-TEST(ProjectOff, IsWhatDenseAlgebraSays) {
+TEST(Nuisances, AreProjectedOffAsDenseAlgebraSays) {
   Random random(2);
   const Eigen::SparseMatrix<double> J = randomRows(90, 30, random);
   Eigen::MatrixXd C(90, 4);
@@ -53,11 +54,31 @@ TEST(ProjectOff, IsWhatDenseAlgebraSays) {
   const Eigen::MatrixXd D(J);
   const Eigen::MatrixXd P =
       Eigen::MatrixXd::Identity(90, 90) - D * (D.transpose() * D).inverse() * D.transpose();
-  const Projected projected = projectOff(J, C, r);
-  EXPECT_LT((projected.C_perp - P * C).norm(), 1e-11);
-  EXPECT_LT((projected.gram - C.transpose() * P * C).norm(), 1e-10);
-  EXPECT_LT((projected.score - C.transpose() * P * r).norm(), 1e-10);
-  EXPECT_LT(projected.C_perp.col(3).norm(), 1e-10);
+  const Nuisances nuisances(J);
+  const Eigen::MatrixXd C_perp = nuisances.project(C);
+  EXPECT_LT((C_perp - P * C).norm(), 1e-11);
+  EXPECT_LT(C_perp.col(3).norm(), 1e-10);
+  const Eigen::SparseMatrix<double> columns = C.sparseView();
+  const Reduced reduced = nuisances.reduce(columns, r);
+  EXPECT_LT((reduced.gram - C.transpose() * P * C).norm(), 1e-10);
+  EXPECT_LT((reduced.score - C.transpose() * P * r).norm(), 1e-10);
+  EXPECT_LT((reduced.norms - C.colwise().norm().transpose()).norm(), 1e-12);
+  // Of diagonal blocks alone, nothing else.
+  const Eigen::MatrixXd blocks = nuisances.reduce(columns, r, {2, 2}).gram;
+  EXPECT_LT((blocks.topLeftCorner(2, 2) - reduced.gram.topLeftCorner(2, 2)).norm(), 1e-12);
+  EXPECT_EQ(blocks.topRightCorner(2, 2).norm(), 0);
+}
+
+TEST(Nuisances, HeldColumnsAreEstimatedWithTheirPrior) {
+  Random random(3);
+  const Eigen::SparseMatrix<double> J = randomRows(40, 7, random);
+  const Eigen::SparseMatrix<double> C = randomRows(40, 5, random);
+  const Eigen::VectorXd sigma = Eigen::VectorXd::LinSpaced(5, 0.5, 2.0);
+  const Eigen::MatrixXd all(withHeldColumns(J, C, sigma));
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(45, 12);
+  expected << Eigen::MatrixXd(J), Eigen::MatrixXd(C), Eigen::MatrixXd::Zero(5, 7),
+      Eigen::MatrixXd(sigma.cwiseInverse().asDiagonal());
+  EXPECT_EQ(all, expected);
 }
 
 /// A short run with noise, its estimate, and an uncertain panel.

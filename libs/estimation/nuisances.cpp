@@ -1,4 +1,4 @@
-#include "diagnosis/nuisances.h"
+#include "estimation/nuisances.h"
 
 #include <tbb/parallel_for.h>
 
@@ -25,6 +25,25 @@ Eigen::MatrixXd gramOf(const Eigen::MatrixXd& U) {
 }
 
 }  // namespace
+
+Eigen::SparseMatrix<double> withHeldColumns(const Eigen::SparseMatrix<double>& J,
+                                            const Eigen::SparseMatrix<double>& C,
+                                            const Eigen::VectorXd& sigma) {
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&](const Eigen::SparseMatrix<double>& part, Eigen::Index first_column) {
+    for (Eigen::Index c = 0; c < part.outerSize(); ++c)
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(part, c); entry; ++entry)
+        entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(first_column + c),
+                             entry.value());
+  };
+  add(J, 0);
+  add(C, J.cols());
+  for (Eigen::Index k = 0; k < sigma.size(); ++k)
+    entries.emplace_back(static_cast<int>(J.rows() + k), static_cast<int>(J.cols() + k), 1 / sigma[k]);
+  Eigen::SparseMatrix<double> all(J.rows() + sigma.size(), J.cols() + sigma.size());
+  all.setFromTriplets(entries.begin(), entries.end());
+  return all;
+}
 
 Nuisances::Nuisances(const Eigen::SparseMatrix<double>& J) : J_(J) {
   const Eigen::SparseMatrix<double> normal = J_.transpose() * J_;

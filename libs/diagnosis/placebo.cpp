@@ -1,0 +1,73 @@
+#include "diagnosis/placebo.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "diagnosis/screening.h"
+
+namespace fathom {
+
+Placebo::Placebo(const Linearization& linear) {
+  const std::vector<Candidate> candidates = lastingCandidates(linear);
+  columns_ = columnsOf(linear, candidates);
+  sigma_ = priorSigmas(linear, candidates);
+  Eigen::Index first = 0;
+  for (const Candidate& candidate : candidates) {
+    first_.push_back(first);
+    size_.push_back(std::ssize(columnsOf(linear, candidate.effect)));
+    first += size_.back();
+  }
+}
+
+void Placebo::add(const RowsAlone& train, const RowsAlone& test, Eigen::Index first) {
+  const auto own = [&](const RowsAlone& rows) { return rows.columns.middleCols(first, sigma_.size()); };
+  Fold fold;
+  fold.A_train = own(train).transpose() * own(train);
+  fold.A_test = own(test).transpose() * own(test);
+  fold.g_train = own(train).transpose() * train.noise.leftCols(kPlacebos);
+  fold.g_test = own(test).transpose() * test.noise.leftCols(kPlacebos);
+  folds_.push_back(std::move(fold));
+}
+
+double Placebo::percentile95() const {
+  if (folds_.empty()) return 0;
+  std::vector<double> gains;
+  for (Eigen::Index draw = 0; draw < kPlacebos; ++draw) {
+    double best = -1e300, gain = 0;
+    for (std::size_t c = 0; c < first_.size(); ++c) {
+      const double own = supportOf(c, draw);
+      if (own <= best) continue;
+      best = own;
+      gain = gainOf(c, draw);
+    }
+    gains.push_back(gain);
+  }
+  std::sort(gains.begin(), gains.end());
+  return gains[gains.size() * 95 / 100];
+}
+
+double Placebo::supportOf(std::size_t candidate, Eigen::Index draw) const {
+  const Eigen::Index k = first_[candidate], n = size_[candidate];
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(n);
+  for (const Fold& fold : folds_) {
+    A += fold.A_test.block(k, k, n, n);
+    g += fold.g_test.col(draw).segment(k, n);
+  }
+  return support(A, g, sigma_.segment(k, n));
+}
+
+double Placebo::gainOf(std::size_t candidate, Eigen::Index draw) const {
+  const Eigen::Index k = first_[candidate], n = size_[candidate];
+  double gain = 0;
+  for (const Fold& fold : folds_) {
+    Eigen::MatrixXd A = fold.A_train.block(k, k, n, n);
+    A.diagonal() += sigma_.segment(k, n).array().square().inverse().matrix();
+    const Eigen::VectorXd value = -A.ldlt().solve(fold.g_train.col(draw).segment(k, n));
+    gain -= fold.g_test.col(draw).segment(k, n).dot(value) +
+            0.5 * value.dot(fold.A_test.block(k, k, n, n) * value);
+  }
+  return gain;
+}
+
+}  // namespace fathom
