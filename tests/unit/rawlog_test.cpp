@@ -313,8 +313,8 @@ TEST(Rawlog, WrongClassIsNamedWithItsByte) {
   mrpt::io::CMemoryStream stream;
   mrpt::serialization::archiveFrom(stream) << first;
   EXPECT_EQ(rawlogErrorOf(file), "byte " + std::to_string(stream.getTotalBytesCount()) +
-                               ": an entry labelled INS is a mrpt::obs::CObservationRange, must be a "
-                               "mrpt::obs::CObservationIMU");
+                                     ": an entry labelled INS is a mrpt::obs::CObservationRange, must be a "
+                                     "mrpt::obs::CObservationIMU");
 }
 
 TEST(Rawlog, DepthNeedsPressure) {
