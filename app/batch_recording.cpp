@@ -7,6 +7,7 @@
 #include "core/fingerprint.h"
 #include "core/text.h"
 #include "effects/catalogue.h"
+#include "landmarks/given_corners.h"
 #include "panel/panel_maps.h"
 #include "recording/tum.h"
 #include "tasks/companions.h"
@@ -23,6 +24,10 @@ Detections findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& pane
   const std::vector<CameraImage> images = imagesOf(imageEntries(source));
   if (source.loss()) remarks.push_back("The recording is damaged: " + describe(*source.loss()));
   if (panels.empty()) return {};
+  if (const fs::path given = cornersBeside(rawlog); fs::exists(given)) {
+    remarks.push_back("Corners are those of " + given.filename().string() + ": images are not searched.");
+    return readGivenCorners(given, source.imageFolder());
+  }
   DetectionSettings settings;
   settings.families = familiesOf(panels);
   settings.backend = Backend::apriltag;
@@ -36,6 +41,8 @@ Detections findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& pane
 
 std::vector<InputFile> filesOf(const BatchRecordingOptions& options, const BatchRecording& recording) {
   std::vector<InputFile> files{inputFile(options.rawlog), inputFile(recording.vehicle)};
+  if (const fs::path given = cornersBeside(options.rawlog); fs::exists(given))
+    files.push_back(inputFile(given));
   if (recording.map)
     for (const fs::path& map : panelMapFiles(*recording.map)) files.push_back(inputFile(map));
   return files;

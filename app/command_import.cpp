@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
+#include "import_corners.h"
 #include "recording/import_bag.h"
 #include "recording/import_csv.h"
 #include "recording/rawlog.h"
@@ -169,9 +170,11 @@ void addImport(const RunContext& context) {
       "\n"
       "Examples:\n"
       "  fathom import csv tables --section 1 --out out/trial\n"
-      "  fathom import bag dive.bag --topics config/husky_topics.yaml --out out/dive");
+      "  fathom import bag dive.bag --topics config/husky_topics.yaml --out out/dive\n"
+      "  fathom import corners corners.csv --camera camera.yaml --out out/tank");
   addCsv(*command, context);
   addBag(*command, context);
+  addImportCorners(*command, context);
 }
 
 }  // namespace fathom

@@ -45,6 +45,7 @@ inline constexpr const char* kRawlog = "FILE.rawlog";
 inline constexpr const char* kYaml = "FILE.yaml";
 inline constexpr const char* kTum = "FILE.tum";
 inline constexpr const char* kBag = "FILE.bag";
+inline constexpr const char* kCsv = "FILE.csv";
 inline constexpr const char* kFile = "FILE";
 inline constexpr const char* kFolder = "FOLDER";
 }  // namespace values

@@ -6,9 +6,8 @@
 #include <charconv>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string_view>
-
-#include "core/error.h"
 
 namespace fathom {
 namespace {
@@ -85,12 +84,21 @@ std::vector<std::size_t> findColumns(const Lines& lines, const std::string& head
   return places;
 }
 
-double toNumber(const Lines& lines, std::string_view field) {
+std::optional<double> finiteNumber(std::string_view field) {
   double value = 0.0;
   const auto [end, problem] = std::from_chars(field.data(), field.data() + field.size(), value);
-  if (problem != std::errc() || end != field.data() + field.size() || !std::isfinite(value))
-    throw lines.error("not a finite number: `" + std::string(field) + "`");
+  if (problem != std::errc() || end != field.data() + field.size() || !std::isfinite(value)) return {};
   return value;
+}
+
+double toNumber(const Lines& lines, std::string_view field) {
+  if (const auto value = finiteNumber(field)) return *value;
+  throw lines.error("not a finite number: `" + std::string(field) + "`");
+}
+
+void requireFields(const Lines& lines, std::size_t found, std::size_t wanted) {
+  if (found != wanted)
+    throw lines.error("has " + std::to_string(found) + " fields instead of " + std::to_string(wanted));
 }
 
 }  // namespace
@@ -105,9 +113,7 @@ std::vector<std::vector<double>> readCsv(const std::filesystem::path& file,
   std::vector<std::vector<double>> rows;
   while (lines.next(line)) {
     const auto fields = splitAtCommas(line);
-    if (fields.size() != places.size())
-      throw lines.error("has " + std::to_string(fields.size()) + " fields instead of " +
-                        std::to_string(places.size()));
+    requireFields(lines, fields.size(), places.size());
     std::vector<double> row;
     row.reserve(places.size());
     for (const std::size_t place : places) row.push_back(toNumber(lines, fields[place]));
@@ -116,6 +122,32 @@ std::vector<std::vector<double>> readCsv(const std::filesystem::path& file,
   }
   if (rows.empty()) throw lines.error("has no rows");
   return rows;
+}
+
+Error TextTable::error(std::size_t row, const std::string& why) const {
+  return {file.string(), "line " + std::to_string(row + 2), why};
+}
+
+double TextTable::number(std::size_t row, std::size_t column) const {
+  if (const auto value = finiteNumber(rows[row][column])) return *value;
+  throw error(row, "not a finite number: `" + rows[row][column] + "`");
+}
+
+TextTable readTable(const std::filesystem::path& file) {
+  Lines lines(file);
+  std::string line;
+  if (!lines.next(line)) throw Error(file.string(), "line 1", "empty: must start with the columns' names");
+  const auto texts = [&] {
+    const auto fields = splitAtCommas(line);
+    return std::vector<std::string>(fields.begin(), fields.end());
+  };
+  TextTable table{file, texts(), {}};
+  while (lines.next(line)) {
+    table.rows.push_back(texts());
+    requireFields(lines, table.rows.back().size(), table.columns.size());
+  }
+  if (table.rows.empty()) throw lines.error("has no rows");
+  return table;
 }
 
 }  // namespace fathom

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "core/error.h"
+
 namespace fathom {
 
 /// Reads a table of numbers, gzip or plain: a header line with exactly these column names, in any order, then
@@ -12,5 +14,19 @@ namespace fathom {
 /// number of fields, not a finite number, time not increasing, no row at all.
 std::vector<std::vector<double>> readCsv(const std::filesystem::path& file,
                                          const std::vector<std::string>& columns);
+
+/// A table of text, gzip or plain, as it stands.
+struct TextTable {
+  std::filesystem::path file;
+  std::vector<std::string> columns;
+  std::vector<std::vector<std::string>> rows;  ///< row k is line k + 2
+
+  /// An Error at a row.
+  Error error(std::size_t row, const std::string& why) const;
+  /// Throws Error where it is not a finite number.
+  double number(std::size_t row, std::size_t column) const;
+};
+/// Throws Error with file and line: cannot be read, damaged gzip, wrong number of fields, no row at all.
+TextTable readTable(const std::filesystem::path& file);
 
 }  // namespace fathom

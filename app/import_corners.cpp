@@ -1,0 +1,249 @@
+#include "import_corners.h"
+
+#include <iostream>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <regex>
+
+#include "core/error.h"
+#include "core/files.h"
+#include "core/text.h"
+#include "core/yaml.h"
+#include "landmarks/board_corners.h"
+#include "landmarks/given_corners.h"
+#include "recording/rawlog.h"
+#include "recording/recorded_camera.h"
+#include "report/run_info.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kMargin = 1;         // squares between the outer corners and the board's edge
+constexpr double kInterval_s = 1;     // the tables have no times
+constexpr double kBehind_m = 0.0005;  // the board's face behind its squares
+
+struct CornerOptions {
+  std::string table, camera, calibrate, board, image_size, name;
+  fs::path folder;
+  double square_m = 0, sigma_px = 0.1;
+
+  fs::path file(const std::string& ending) const { return folder / (name + ending); }
+};
+
+/// "8x6".
+std::array<int, 2> timesOf(const std::string& option, const std::string& text) {
+  std::smatch parts;
+  if (!std::regex_match(text, parts, std::regex("([0-9]{1,5})x([0-9]{1,5})")))
+    throw Error(option, text, "must be WIDTHxHEIGHT");
+  return {std::stoi(parts[1]), std::stoi(parts[2])};
+}
+
+std::optional<Checkerboard> boardOf(const CornerOptions& options) {
+  if (options.board.empty()) return std::nullopt;
+  const auto [columns, rows] = timesOf("--board", options.board);
+  if (columns < 2 || rows < 2) throw Error("--board", options.board, "must be 2x2 or more");
+  if (!(options.square_m > 0)) throw Error("--square-m", "", "needed with --board, greater than zero");
+  return Checkerboard{columns, rows, options.square_m};
+}
+
+/// Intrinsics as such data sets publish them. Where no size stands there or in `size`, the principal point is
+/// taken for the image's middle.
+CameraModel readIntrinsics(const fs::path& file, const std::optional<std::array<int, 2>>& size) {
+  const YamlFile yaml(file);
+  const YamlMap& root = yaml.root();
+  CameraModel camera;
+  camera.fx_px = root.positive("fx_px");
+  camera.fy_px = root.positive("fy_px");
+  camera.cx_px = root.number("cx_px");
+  camera.cy_px = root.number("cy_px");
+  camera.width_px = static_cast<int>(std::lround(2 * camera.cx_px + 1));
+  camera.height_px = static_cast<int>(std::lround(2 * camera.cy_px + 1));
+  root.read("width_px", camera.width_px);
+  root.read("height_px", camera.height_px);
+  if (size) std::tie(camera.width_px, camera.height_px) = std::tie((*size)[0], (*size)[1]);
+  if (camera.width_px < 1 || camera.height_px < 1) throw root.error("cx_px", "the image would have no size");
+  if (root.has("distortion")) {
+    const std::vector<double> d = root.numbers("distortion");
+    if (d.size() != 4 && d.size() != 5)
+      throw root.error("distortion", "must be k1, k2, p1, p2 and perhaps k3, in OpenCV's order");
+    camera.k1 = d[0];
+    camera.k2 = d[1];
+    camera.p1 = d[2];
+    camera.p2 = d[3];
+    camera.k3 = d.size() > 4 ? d[4] : 0;
+  }
+  yaml.rejectUnknownKeys();
+  return camera;
+}
+
+CameraModel cameraOf(const CornerOptions& options, const std::optional<Checkerboard>& board) {
+  std::optional<std::array<int, 2>> size;
+  if (!options.image_size.empty()) size = timesOf("--image-size", options.image_size);
+  if (options.calibrate.empty()) return readIntrinsics(options.camera, size);
+  if (!size) throw Error("--image-size", "", "needed with --calibrate");
+  const BoardCorners air = readBoardCorners(options.calibrate, board, options.sigma_px);
+  try {
+    const CalibratedCamera calibrated = calibrateCamera(air, (*size)[0], (*size)[1]);
+    std::cout << print("camera calibrated from %zu views: %.3f px rms\n", air.by_image.size(),
+                       calibrated.rms_px);
+    return calibrated.camera;
+  } catch (const std::invalid_argument& e) {
+    throw Error(options.calibrate, "", e.what());
+  }
+}
+
+/// A sheet behind the squares of a board, with some margin.
+void writeSheet(const PanelMap& board, const fs::path& folder) {
+  double low_x = 1e300, high_x = -1e300, low_y = 1e300, high_y = -1e300;
+  for (const Marker& marker : board.markers)
+    for (const Vector3d& corner : marker.corners_panel()) {
+      low_x = std::min(low_x, corner.x());
+      high_x = std::max(high_x, corner.x());
+      low_y = std::min(low_y, corner.y());
+      high_y = std::max(high_y, corner.y());
+    }
+  const double margin = kMargin * board.markers[0].size_m;
+  std::string text = "mtllib " + board.name + ".mtl\no board\nusemtl board\n";
+  for (const auto& [x, y] : {std::pair{low_x - margin, low_y - margin},
+                             {high_x + margin, low_y - margin},
+                             {high_x + margin, high_y + margin},
+                             {low_x - margin, high_y + margin}})
+    text += print("v %.9g %.9g %.9g\n", x, y, -kBehind_m);
+  writeTextFile(folder / (board.name + ".obj"), text + "f 1 2 3 4\n");
+  writeTextFile(folder / (board.name + ".mtl"), "newmtl board\nKd 0.8 0.8 0.8\n");
+}
+
+/// The map's file: of one board its own, of several their list.
+fs::path writeMap(const CornerOptions& options, std::vector<PanelMap> boards) {
+  const fs::path folder = options.file("_boards");
+  fs::create_directories(folder);
+  std::string list;
+  for (PanelMap& board : boards) {
+    board.mesh_file = board.name + ".obj";
+    writeSheet(board, folder);
+    writeTextFile(folder / (board.name + ".yaml"), formatPanelMap(board));
+    list += (list.empty() ? "" : ", ") + board.name + ".yaml";
+  }
+  if (boards.size() == 1) return folder / (boards[0].name + ".yaml");
+  writeTextFile(folder / "boards.yaml", "panels: [" + list + "]\n");
+  return folder / "boards.yaml";
+}
+
+std::string vehicleYaml(const CameraModel& c, double sigma_px) {
+  return print(
+      "# A camera by itself. Only its model and its corners' sigma are known; nothing else of this is used.\n"
+      "gravity_m_s2: 9.80665\n"
+      "camera:\n"
+      "  rate_hz: %.9g\n  width_px: %d\n  height_px: %d\n"
+      "  fx_px: %.9g\n  fy_px: %.9g\n  cx_px: %.9g\n  cy_px: %.9g\n"
+      "  distortion: {k1: %.9g, k2: %.9g, p1: %.9g, p2: %.9g, k3: %.9g}\n"
+      "  exposure_s: 0.004\n  gain: fixed\n  response_gamma: 1.0\n  bits: 8\n  full_well_e: 30000\n"
+      "  read_noise_e: 12\n  corner_sigma_px: %.9g\n"
+      "  pose: {x: 0, y: 0, z: 0, yaw_deg: 0, pitch_deg: 0, roll_deg: 0}\n",
+      1 / kInterval_s, c.width_px, c.height_px, c.fx_px, c.fy_px, c.cx_px, c.cy_px, c.k1, c.k2, c.p1, c.p2,
+      c.k3, sigma_px);
+}
+
+/// The squares as they were seen, for whoever opens the recording.
+void drawImage(const CameraModel& camera, const std::vector<Detection>& squares, const fs::path& file) {
+  constexpr int kFraction = 4;  // bits of a pixel
+  cv::Mat image(camera.height_px, camera.width_px, CV_8UC1, cv::Scalar(200));
+  for (const Detection& square : squares) {
+    std::vector<cv::Point> corners;
+    for (const Vector2d& p : square.corners_px)
+      corners.emplace_back(static_cast<int>(std::lround(p.x() * (1 << kFraction))),
+                           static_cast<int>(std::lround(p.y() * (1 << kFraction))));
+    cv::fillConvexPoly(image, corners, cv::Scalar(40), cv::LINE_AA, kFraction);
+  }
+  if (!cv::imwrite(file.string(), image)) throw Error(file.string(), "", "cannot be written");
+}
+
+void importCorners(CornerOptions options, const RunContext& context) {
+  if (options.name.empty()) options.name = fs::path(options.table).stem().string();
+  const std::optional<Checkerboard> board = boardOf(options);
+  const CameraModel camera = cameraOf(options, board);
+  const BoardCorners corners = readBoardCorners(options.table, board, options.sigma_px);
+  fs::create_directories(options.file("_Images"));
+  const fs::path map = writeMap(options, corners.boards);
+  writeTextFile(options.file("_vehicle.yaml"), vehicleYaml(camera, options.sigma_px));
+
+  std::map<std::string, std::vector<Detection>> by_file;
+  std::vector<Sample> samples;
+  const Time begin = after(Time{}, 946684800.0);  // the tables have no time: 2000-01-01
+  for (const auto& [image, squares] : corners.by_image) {
+    const std::string file = fs::path(image).stem().string() + ".png";
+    if (by_file.contains(file)) throw Error(options.table, "image `" + image + "`", "is there twice");
+    drawImage(camera, squares, options.file("_Images") / file);
+    samples.push_back({.time = after(begin, kInterval_s * static_cast<double>(samples.size())),
+                       .label = labels::kCamera,
+                       .reading = ImageSample{Pose{}, recordedCamera(camera), file}});
+    by_file[file] = squares;
+  }
+  writeGivenCorners(cornersBeside(options.file(".rawlog")), by_file);
+  RawlogWriter rawlog(
+      options.file(".rawlog"),
+      {fs::relative(map, options.folder).string(), options.file("_vehicle.yaml").filename().string(),
+       "corners of " + fs::path(options.table).filename().string()},
+      begin);
+  for (const Sample& sample : samples) rawlog.write(sample);
+  rawlog.finish();
+  nlohmann::ordered_json json;
+  json["run"] = toJson(RunInfo{.command_line = context.command_line});
+  json["images"] = samples.size();
+  json["boards"] = corners.boards.size();
+  writeJson(options.file("_import.json"), json);
+
+  std::size_t squares = 0;
+  for (const auto& [image, of_image] : corners.by_image) squares += of_image.size();
+  std::cout << print("%zu images of %zu board%s, %zu squares with all four corners\n", samples.size(),
+                     corners.boards.size(), corners.boards.size() > 1 ? "s" : "", squares);
+  for (const char* ending : {".rawlog", "_corners.csv", "_vehicle.yaml", "_import.json"})
+    std::cout << "wrote " << options.file(ending).string() << "\n";
+  std::cout << "wrote " << map.string() << "\n";
+}
+
+}  // namespace
+
+void addImportCorners(CLI::App& parent, const RunContext& context) {
+  auto* command = parent.add_subcommand("corners", "From measured checkerboard corners, without images");
+  command->footer(
+      "Reads image,corner,u_px,v_px (corners numbered row by row on --board) or x_mm,y_mm,z_mm,u_px,v_px "
+      "(one\n"
+      "image of one or more boards). Every second square of a board is taken for a marker. Writes a\n"
+      "recording with the squares drawn, a map of the boards, and NAME_corners.csv, which `smooth` and\n"
+      "`diagnose` take instead of searching the images.\n"
+      "\n"
+      "Examples:\n"
+      "  fathom import corners water.csv --board 8x6 --square-m 0.03 --calibrate air.csv \\\n"
+      "    --image-size 1440x1080 --out out/dome\n"
+      "  fathom import corners corners.csv --camera camera.yaml --out out/tank\n"
+      "  fathom diagnose out/tank/corners.rawlog --out out/tank/diagnosis");
+  const auto options = std::make_shared<CornerOptions>();
+  command->add_option("TABLE", options->table, "The corners")->required()->type_name(values::kCsv);
+  command->add_option("--out", options->folder, "Where the recording goes")
+      ->required()
+      ->type_name(values::kFolder);
+  command->add_option("--board", options->board, "The board's inner corners, COLUMNSxROWS");
+  command->add_option("--square-m", options->square_m, "Side of a square of the board, m");
+  auto* camera = command->add_option_group("camera");
+  camera
+      ->add_option("--camera", options->camera,
+                   "Intrinsics: fx_px, fy_px, cx_px, cy_px, distortion [k1, k2, p1, p2, k3]")
+      ->type_name(values::kYaml);
+  camera
+      ->add_option("--calibrate", options->calibrate,
+                   "Intrinsics from another table of the same board, such as one in air")
+      ->type_name(values::kCsv);
+  camera->require_option(1);
+  command->add_option("--image-size", options->image_size,
+                      "WIDTHxHEIGHT, px (default: the principal point is in the middle)");
+  command->add_option("--sigma-px", options->sigma_px, "Of a corner's coordinate")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--name", options->name, "NAME of the files (default: the table's)");
+  command->callback([options, &context] { importCorners(*options, context); });
+}
+
+}  // namespace fathom

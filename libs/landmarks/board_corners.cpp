@@ -1,0 +1,229 @@
+#include "landmarks/board_corners.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+#include <stdexcept>
+
+#include "core/text.h"
+#include "recording/csv.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kFamily = "tag36h11";
+constexpr double kRegular = 0.02;  // of a square: so far may points lie off their grid
+constexpr std::size_t kFewestViews = 3;
+
+/// A regular grid of points: corner (c, r) at origin + c right + r down.
+struct Grid {
+  Vector3d origin = Vector3d::Zero(), right = Vector3d::Zero(), down = Vector3d::Zero();
+  int columns = 0, rows = 0;
+
+  double square_m() const { return right.norm(); }
+  Vector3d at(double column, double row) const { return origin + column * right + row * down; }
+  std::size_t index(int column, int row) const { return static_cast<std::size_t>(row * columns + column); }
+};
+
+/// What stands in an image, corner by corner; NaN: not seen.
+using Pixels = std::vector<Vector2d>;
+
+/// Whether the rows go down as the camera sees them: the grid's right and down turn as the image's do.
+bool seenFromTheFront(const Grid& grid, const Pixels& pixels) {
+  double turn = 0;
+  for (int r = 0; r + 1 < grid.rows; ++r)
+    for (int c = 0; c + 1 < grid.columns; ++c) {
+      const Vector2d &at = pixels[grid.index(c, r)], &right = pixels[grid.index(c + 1, r)],
+                     &down = pixels[grid.index(c, r + 1)];
+      const Vector2d a = right - at, b = down - at;
+      if (a.allFinite() && b.allFinite()) turn += a.x() * b.y() - a.y() * b.x();
+    }
+  return turn > 0;
+}
+
+/// The same corners with the rows counted from the other side.
+void turnOver(Grid& grid, Pixels& pixels) {
+  Pixels turned = pixels;
+  for (int r = 0; r < grid.rows; ++r)
+    for (int c = 0; c < grid.columns; ++c)
+      turned[grid.index(c, r)] = pixels[grid.index(c, grid.rows - 1 - r)];
+  grid.origin = grid.at(0, grid.rows - 1);
+  grid.down = -grid.down;
+  pixels = std::move(turned);
+}
+
+/// The board with a marker for every second square of every second row.
+PanelMap boardOf(const Grid& grid, const std::string& name, int first_id) {
+  PanelMap board;
+  board.name = name;
+  const Vector3d x = grid.right.normalized(), y = -grid.down.normalized();
+  board.T_odom_panel.rotation << x, y, x.cross(y);
+  board.T_odom_panel.position = grid.origin;
+  const double s = grid.square_m();
+  for (int r = 0; r + 1 < grid.rows; r += 2)
+    for (int c = 0; c + 1 < grid.columns; c += 2) {
+      Marker marker;
+      marker.family = kFamily;
+      marker.id = first_id + static_cast<int>(board.markers.size());
+      marker.size_m = s;
+      marker.T_panel_marker.position = {(c + 0.5) * s, -(r + 0.5) * s, 0};
+      board.markers.push_back(marker);
+    }
+  return board;
+}
+
+/// The markers of which all four corners are seen.
+std::vector<Detection> squaresOf(const Grid& grid, const Pixels& pixels, int first_id, double sigma_px) {
+  std::vector<Detection> squares;
+  int id = first_id;
+  for (int r = 0; r + 1 < grid.rows; r += 2)
+    for (int c = 0; c + 1 < grid.columns; c += 2, ++id) {
+      Detection square;
+      square.family = kFamily;
+      square.id = id;
+      square.corners_px = {pixels[grid.index(c, r)], pixels[grid.index(c + 1, r)],
+                           pixels[grid.index(c + 1, r + 1)], pixels[grid.index(c, r + 1)]};
+      square.covariance_px2 = sigma_px * sigma_px * Matrix8d::Identity();
+      square.refined = true;
+      if (std::all_of(square.corners_px.begin(), square.corners_px.end(),
+                      [](const Vector2d& p) { return p.allFinite(); }))
+        squares.push_back(square);
+    }
+  return squares;
+}
+
+BoardCorners numberedCorners(const TextTable& table, const Checkerboard& board, double sigma_px) {
+  Grid grid{Vector3d::Zero(), {board.square_m, 0, 0}, {0, board.square_m, 0}, board.columns, board.rows};
+  std::map<std::string, Pixels> views;
+  for (std::size_t row = 0; row < table.rows.size(); ++row) {
+    const double corner = table.number(row, 1);
+    Pixels& pixels = views[table.rows[row][0]];
+    pixels.resize(static_cast<std::size_t>(board.columns * board.rows), Vector2d::Constant(std::nan("")));
+    if (corner < 0 || corner != std::floor(corner) || corner >= static_cast<double>(pixels.size()))
+      throw table.error(row, print("the board has corners 0 to %zu", pixels.size() - 1));
+    Vector2d& pixel = pixels[static_cast<std::size_t>(corner)];
+    if (pixel.allFinite()) throw table.error(row, "this corner is in this image twice");
+    pixel = {table.number(row, 2), table.number(row, 3)};
+  }
+  const bool front = seenFromTheFront(grid, views.begin()->second);
+  BoardCorners corners;
+  for (auto& [image, pixels] : views) {
+    if (seenFromTheFront(grid, pixels) != front)
+      throw Error(table.file.string(), "image `" + image + "`", "is a mirror image of others");
+    Grid own = grid;
+    if (!front) turnOver(own, pixels);
+    corners.by_image[image] = squaresOf(own, pixels, 0, sigma_px);
+  }
+  if (!front) {
+    Pixels unused(static_cast<std::size_t>(board.columns * board.rows));
+    turnOver(grid, unused);
+  }
+  corners.boards.push_back(boardOf(grid, "board", 0));
+  return corners;
+}
+
+/// The longest regular grid that begins at a row of the table.
+Grid gridFrom(const std::vector<Vector3d>& points, std::size_t first) {
+  Grid grid;
+  grid.origin = points[first];
+  const std::size_t left = points.size() - first;
+  if (left < 4) return grid;
+  grid.right = points[first + 1] - grid.origin;
+  const double tolerance_m = kRegular * grid.square_m();
+  const auto lies = [&](std::size_t k, double column, double row) {
+    return k < left && (points[first + k] - grid.at(column, row)).norm() < tolerance_m;
+  };
+  std::size_t columns = 2;
+  while (lies(columns, static_cast<double>(columns), 0)) ++columns;
+  if (columns >= left) return grid;
+  grid.down = points[first + columns] - grid.origin;
+  if (std::abs(grid.down.norm() - grid.square_m()) > tolerance_m ||
+      std::abs(grid.down.dot(grid.right)) > tolerance_m * grid.square_m())
+    return grid;
+  std::size_t count = 0;
+  while (lies(count, static_cast<double>(count % columns), static_cast<double>(count / columns))) ++count;
+  grid.columns = static_cast<int>(columns);
+  grid.rows = static_cast<int>(count / columns);
+  return grid;
+}
+
+BoardCorners placedCorners(const TextTable& table, double sigma_px) {
+  std::vector<Vector3d> points;
+  Pixels pixels;
+  for (std::size_t row = 0; row < table.rows.size(); ++row) {
+    points.push_back(0.001 * Vector3d(table.number(row, 0), table.number(row, 1), table.number(row, 2)));
+    pixels.emplace_back(table.number(row, 3), table.number(row, 4));
+  }
+  BoardCorners corners;
+  std::vector<Detection>& seen = corners.by_image[table.file.stem().string()];
+  int id = 0;
+  for (std::size_t first = 0; first < points.size();) {
+    Grid grid = gridFrom(points, first);
+    if (grid.columns < 2 || grid.rows < 2)
+      throw table.error(first, "here no regular board begins: points must go row by row");
+    const auto count = static_cast<std::ptrdiff_t>(grid.columns * grid.rows);
+    const auto begin = pixels.begin() + static_cast<std::ptrdiff_t>(first);
+    Pixels own(begin, begin + count);
+    if (!seenFromTheFront(grid, own)) turnOver(grid, own);
+    corners.boards.push_back(boardOf(grid, print("board%zu", corners.boards.size() + 1), id));
+    const std::vector<Detection> squares = squaresOf(grid, own, id, sigma_px);
+    seen.insert(seen.end(), squares.begin(), squares.end());
+    id += static_cast<int>(corners.boards.back().markers.size());
+    first += static_cast<std::size_t>(count);
+  }
+  return corners;
+}
+
+}  // namespace
+
+BoardCorners readBoardCorners(const fs::path& file, const std::optional<Checkerboard>& board,
+                              double sigma_px) {
+  const TextTable table = readTable(file);
+  if (table.columns == std::vector<std::string>{"x_mm", "y_mm", "z_mm", "u_px", "v_px"})
+    return placedCorners(table, sigma_px);
+  if (table.columns != std::vector<std::string>{"image", "corner", "u_px", "v_px"})
+    throw Error(file.string(), "line 1", "must be image,corner,u_px,v_px or x_mm,y_mm,z_mm,u_px,v_px");
+  if (!board) throw Error("--board", "", "needed: " + file.string() + " numbers the corners");
+  return numberedCorners(table, *board, sigma_px);
+}
+
+CalibratedCamera calibrateCamera(const BoardCorners& corners, int width_px, int height_px) {
+  if (corners.boards.size() != 1 || corners.by_image.size() < kFewestViews)
+    throw std::invalid_argument("a camera is calibrated from three views of one board or more");
+  std::map<int, std::array<Vector3d, 4>> places;
+  for (const Marker& marker : corners.boards[0].markers) places[marker.id] = marker.corners_panel();
+  std::vector<std::vector<cv::Point3f>> points;
+  std::vector<std::vector<cv::Point2f>> pixels;
+  for (const auto& [image, squares] : corners.by_image) {
+    points.emplace_back();
+    pixels.emplace_back();
+    for (const Detection& square : squares)
+      for (std::size_t k = 0; k < 4; ++k) {
+        const Vector3d& p = places.at(square.id)[k];
+        points.back().emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()), 0.0F);
+        pixels.back().emplace_back(static_cast<float>(square.corners_px[k].x()),
+                                   static_cast<float>(square.corners_px[k].y()));
+      }
+  }
+  cv::Mat K, distortion;
+  std::vector<cv::Mat> turns, shifts;
+  CalibratedCamera result;
+  result.rms_px = cv::calibrateCamera(points, pixels, {width_px, height_px}, K, distortion, turns, shifts);
+  const auto d = [&](int k) { return distortion.at<double>(k); };
+  result.camera = {width_px,
+                   height_px,
+                   K.at<double>(0, 0),
+                   K.at<double>(1, 1),
+                   K.at<double>(0, 2),
+                   K.at<double>(1, 2),
+                   d(0),
+                   d(1),
+                   d(2),
+                   d(3),
+                   d(4)};
+  return result;
+}
+
+}  // namespace fathom

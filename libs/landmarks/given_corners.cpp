@@ -1,0 +1,75 @@
+#include "landmarks/given_corners.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/files.h"
+#include "core/text.h"
+#include "panel/marker_family.h"
+#include "recording/csv.h"
+
+namespace fathom {
+namespace fs = std::filesystem;
+namespace {
+
+const std::vector<std::string> kColumns{"image", "family", "id",    "sigma_px", "x0_px", "y0_px",
+                                        "x1_px", "y1_px",  "x2_px", "y2_px",    "x3_px", "y3_px"};
+constexpr std::size_t kFirstCorner = 4;
+
+Detection detectionOf(const TextTable& table, std::size_t row) {
+  Detection detection;
+  detection.family = table.rows[row][1];
+  if (!isMarkerFamily(detection.family)) throw table.error(row, "no such family: `" + detection.family + "`");
+  const double id = table.number(row, 2), sigma_px = table.number(row, 3);
+  if (id < 0 || id != std::floor(id) || id > 1e6)
+    throw table.error(row, "id must be a whole number from 0 on");
+  if (!(sigma_px > 0)) throw table.error(row, "sigma_px must be greater than zero");
+  detection.id = static_cast<int>(id);
+  for (std::size_t k = 0; k < 4; ++k)
+    detection.corners_px[k] = {table.number(row, kFirstCorner + 2 * k),
+                               table.number(row, kFirstCorner + 2 * k + 1)};
+  detection.covariance_px2 = sigma_px * sigma_px * Matrix8d::Identity();
+  detection.refined = true;
+  return detection;
+}
+
+}  // namespace
+
+fs::path cornersBeside(const fs::path& rawlog) {
+  return rawlog.parent_path() / (rawlog.stem().string() + "_corners.csv");
+}
+
+void writeGivenCorners(const fs::path& file, const std::map<std::string, std::vector<Detection>>& by_image) {
+  std::string text;
+  for (const std::string& column : kColumns) text += (text.empty() ? "" : ",") + column;
+  for (const auto& [image, detections] : by_image)
+    for (const Detection& detection : detections) {
+      text += "\n" + image + "," + detection.family + print(",%d,%.9g", detection.id, detection.sigma_px());
+      for (const Vector2d& corner : detection.corners_px) text += print(",%.9g,%.9g", corner.x(), corner.y());
+    }
+  writeTextFile(file, text + "\n");
+}
+
+Detections readGivenCorners(const fs::path& file, const fs::path& image_folder) {
+  const TextTable table = readTable(file);
+  if (table.columns != kColumns) {
+    std::string wanted;
+    for (const std::string& column : kColumns) wanted += (wanted.empty() ? "" : ",") + column;
+    throw Error(file.string(), "line 1", "must be " + wanted);
+  }
+  Detections detections;
+  for (std::size_t row = 0; row < table.rows.size(); ++row) {
+    Detection detection = detectionOf(table, row);
+    std::vector<Detection>& of_image = detections.by_file[image_folder / table.rows[row][0]];
+    const bool twice = std::any_of(of_image.begin(), of_image.end(), [&](const Detection& other) {
+      return other.id == detection.id && other.family == detection.family;
+    });
+    if (twice) throw table.error(row, "this marker is in this image twice");
+    of_image.push_back(std::move(detection));
+  }
+  for (auto& [image, of_image] : detections.by_file) std::sort(of_image.begin(), of_image.end(), comesBefore);
+  detections.kept_in = file;
+  return detections;
+}
+
+}  // namespace fathom

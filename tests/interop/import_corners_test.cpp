@@ -1,0 +1,96 @@
+// Bare corners, as calibration data sets publish them, from the table to the verdict.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/camera_model.h"
+#include "core/files.h"
+#include "core/random.h"
+#include "core/text.h"
+#include "support/run_program.h"
+#include "support/shared_data.h"
+
+namespace fathom {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr double kCornerSigma_px = 0.1;
+
+/// A board of 8 x 6 corners of 30 mm, looked at from all sides.
+std::string boardTable(int views) {
+  const CameraModel camera{1440, 1080, 1200, 1200, 719.5, 539.5, 0, 0, 0, 0, 0};
+  Random random(4);
+  std::string text = "image,corner,u_px,v_px\n";
+  for (int view = 0; view < views; ++view) {
+    const Pose T_camera_board{
+        rotationFromYawPitchRoll(random.uniform(-0.5, 0.5), random.uniform(-0.6, 0.6),
+                                 random.uniform(-0.6, 0.6)),
+        {random.uniform(-0.15, -0.05), random.uniform(-0.12, -0.03), random.uniform(0.5, 0.9)}};
+    for (int k = 0; k < 48; ++k) {
+      const Vector2d pixel =
+          camera.project<double>(T_camera_board * Vector3d(0.03 * (k % 8), 0.03 * (k / 8), 0));
+      text += print("%02d.png,%d,%.6f,%.6f\n", view, k, pixel.x() + kCornerSigma_px * random.normal(),
+                    pixel.y() + kCornerSigma_px * random.normal());
+    }
+  }
+  return text;
+}
+
+class ImportCorners : public testing::Test {
+ protected:
+  ImportCorners() { writeTextFile(folder_ / "views.csv", boardTable(24)); }
+
+  /// Imported with this focal length and diagnosed.
+  nlohmann::json verdictWith(double focal_px) {
+    writeTextFile(folder_ / "camera.yaml",
+                  print("fx_px: %g\nfy_px: %g\ncx_px: 719.5\ncy_px: 539.5\n", focal_px, focal_px));
+    const std::string out = (folder_ / "out").string();
+    const auto imported = test::runFathom("import corners " + (folder_ / "views.csv").string() +
+                                          " --board 8x6 --square-m 0.03 --camera " +
+                                          (folder_ / "camera.yaml").string() + " --out " + out);
+    EXPECT_EQ(imported.status, 0) << imported.err;
+    const auto diagnosed = test::runFathom("diagnose " + out + "/views.rawlog --out " + out + "/diagnosis");
+    EXPECT_EQ(diagnosed.status, 0) << diagnosed.err;
+    EXPECT_NE(diagnosed.out.find("images are not searched"), std::string::npos) << diagnosed.out;
+    return nlohmann::json::parse(readTextFile(folder_ / "out/diagnosis/result.json"));
+  }
+
+  fs::path folder_ = test::scratchFolder();
+};
+
+TEST_F(ImportCorners, NothingIsMissingWhereTheCameraIsRight) {
+  EXPECT_EQ(verdictWith(1200).at("verdict"), "none");
+}
+
+TEST_F(ImportCorners, AWrongFocalLengthIsFound) {
+  const auto result = verdictWith(1212);
+  EXPECT_EQ(result.at("verdict"), "explained");
+  ASSERT_EQ(result.at("effects").size(), 1U);
+  const auto& effect = result.at("effects")[0];
+  EXPECT_EQ(effect.at("name"), "focal-scale");
+  const double found = effect.at("parameters").at("scale_error"),
+               sigma = effect.at("sigma").at("scale_error");
+  EXPECT_NEAR(found, 1200.0 / 1212 - 1, 4 * sigma);
+  EXPECT_LT(sigma, 0.002);
+}
+
+TEST_F(ImportCorners, WrongInputIsOneLine) {
+  const std::string table = (folder_ / "views.csv").string();
+  const auto complaint = [&](const std::string& arguments) {
+    const auto done =
+        test::runFathom("import corners " + arguments + " --out " + (folder_ / "wrong").string());
+    EXPECT_EQ(done.status, 2) << arguments;
+    return done.err;
+  };
+  writeTextFile(folder_ / "camera.yaml", "fx_px: 1200\nfy_px: 1200\ncx_px: 719.5\ncy_px: 539.5\n");
+  const std::string camera = " --camera " + (folder_ / "camera.yaml").string();
+  EXPECT_NE(complaint(table + camera).find("--board"), std::string::npos);
+  EXPECT_NE(complaint(table + camera + " --board 8").find("WIDTHxHEIGHT"), std::string::npos);
+  EXPECT_NE(complaint(table + camera + " --board 8x6").find("--square-m"), std::string::npos);
+  EXPECT_NE(complaint(table + " --board 8x6 --square-m 0.03 --calibrate " + table).find("--image-size"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "wrong/views.rawlog"));
+}
+
+}  // namespace
+}  // namespace fathom
