@@ -255,7 +255,7 @@ void addNoise(const DiagnosisStory& story, HtmlReport& report) {
   report.table(table);
   if (noise.panel_tolerance_m > 0)
     report.paragraph(
-        print("Markers scatter by %.2g mm about where the map has them.", 1e3 * noise.panel_tolerance_m));
+        print("Markers are taken to lie within %.2g mm of where the map has them.", 1e3 * noise.panel_tolerance_m));
 }
 
 // ---- with it

@@ -343,8 +343,10 @@ HeldOut HoldOut::summary(BatchChannel channel, const std::vector<double>& resamp
   for (double& limit : held.after_ci95) limit *= unit;
   for (int stretch = 0; stretch < stretches_.count(); ++stretch) {
     std::vector<const Piece*> own;
-    for (int part = 0; part < kParts; ++part)
-      own.push_back(&pieces_[static_cast<std::size_t>(stretch * kParts + part)]);
+    for (int k = 0; k < kParts; ++k) {
+      const int part = stretch * kParts + k;
+      own.push_back(&pieces_[static_cast<std::size_t>(part)]);
+    }
     held.blocks.push_back({stretches_.begin_s(stretch), stretches_.begin_s(stretch + 1),
                            unit * rmsOf(own, channel, &Piece::Sums::before),
                            unit * rmsOf(own, channel, &Piece::Sums::after),

@@ -18,6 +18,7 @@ constexpr double kClearSigmas = 4;       // from which on a correlation is more 
 constexpr double kLargestCorrelation = 0.95;
 constexpr std::size_t kFewestMarkers = 4;
 constexpr double kLargestTolerance_m = 1.0;
+constexpr double kCornerBias_px = 0.005;  // what the pixels' lattice leaves however often a corner is seen
 
 /// The estimate with all lasting effects among its unknowns, each held by its prior.
 struct Saturated {
@@ -83,6 +84,24 @@ Eigen::MatrixXd correlated(Eigen::MatrixXd noise, const std::array<ChannelRows, 
     }
   }
   return noise;
+}
+
+/// How far a marker seems to lie elsewhere where its corners are that much off, m.
+double cornerBias_m(const Linearization& linear) {
+  double square = 0, count = 0;
+  for (std::size_t c = 0; c < linear.columns.size(); ++c) {
+    const std::size_t scalar = linear.columns[c].scalar;
+    const std::size_t first = kEffectOffsets[kEffectIndex<MarkerMoved>] + 1;  // behind the marker's id
+    if (scalar != first && scalar != first + 1) continue;                     // in the panel's face
+    for (std::size_t i = 0; i < linear.rows.size(); ++i)
+      if (linear.rows[i].marker_id >= 0) {
+        square += std::pow(
+            linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) / linear.rows[i].per_unit,
+            2);
+        count += 0.5;  // each coordinate has its share of either axis
+      }
+  }
+  return square > 0 ? kCornerBias_px / std::sqrt(square / count) : 0;
 }
 
 /// What an axis of the markers' places scatters by beyond their own uncertainty. The one marker that is most
@@ -205,7 +224,7 @@ NoiseModel shownNoise(const Linearization& linear, const NoiseModel& assumed, st
         correlation[c] = std::clamp(correlation[c] + difference, -0.5, kLargestCorrelation);
     }
   }
-  noise.panel_tolerance_m = panelTolerance(saturated, linear);
+  noise.panel_tolerance_m = std::max(cornerBias_m(linear), panelTolerance(saturated, linear));
   return noise;
 }
 

@@ -21,7 +21,8 @@ struct ChannelNoise {
 
 struct NoiseModel {
   std::array<ChannelNoise, kBatchChannels.size()> channels;  ///< by BatchChannel
-  /// What the panel's markers scatter by about where the map has them, each axis; 0: nothing is to be seen.
+  /// What the panel's markers scatter by about where the map has them, each axis; at least what corners are
+  /// off by however often they are seen. 0: no markers.
   double panel_tolerance_m = 0;
 
   const ChannelNoise& of(BatchChannel channel) const { return channels[static_cast<std::size_t>(channel)]; }

@@ -24,7 +24,11 @@ struct Grid {
 
   double square_m() const { return right.norm(); }
   Vector3d at(double column, double row) const { return origin + column * right + row * down; }
-  std::size_t index(int column, int row) const { return static_cast<std::size_t>(row * columns + column); }
+  std::size_t index(int column, int row) const {
+    const int place = row * columns + column;
+    return static_cast<std::size_t>(place);
+  }
+  std::size_t corners() const { return index(0, rows); }
 };
 
 /// What stands in an image, corner by corner; NaN: not seen.
@@ -100,7 +104,7 @@ BoardCorners numberedCorners(const TextTable& table, const Checkerboard& board, 
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
     const double corner = table.number(row, 1);
     Pixels& pixels = views[table.rows[row][0]];
-    pixels.resize(static_cast<std::size_t>(board.columns * board.rows), Vector2d::Constant(std::nan("")));
+    pixels.resize(grid.corners(), Vector2d::Constant(std::nan("")));
     if (corner < 0 || corner != std::floor(corner) || corner >= static_cast<double>(pixels.size()))
       throw table.error(row, print("the board has corners 0 to %zu", pixels.size() - 1));
     Vector2d& pixel = pixels[static_cast<std::size_t>(corner)];
@@ -117,7 +121,7 @@ BoardCorners numberedCorners(const TextTable& table, const Checkerboard& board, 
     corners.by_image[image] = squaresOf(own, pixels, 0, sigma_px);
   }
   if (!front) {
-    Pixels unused(static_cast<std::size_t>(board.columns * board.rows));
+    Pixels unused(grid.corners());
     turnOver(grid, unused);
   }
   corners.boards.push_back(boardOf(grid, "board", 0));
@@ -163,7 +167,7 @@ BoardCorners placedCorners(const TextTable& table, double sigma_px) {
     Grid grid = gridFrom(points, first);
     if (grid.columns < 2 || grid.rows < 2)
       throw table.error(first, "here no regular board begins: points must go row by row");
-    const auto count = static_cast<std::ptrdiff_t>(grid.columns * grid.rows);
+    const auto count = static_cast<std::ptrdiff_t>(grid.corners());
     const auto begin = pixels.begin() + static_cast<std::ptrdiff_t>(first);
     Pixels own(begin, begin + count);
     if (!seenFromTheFront(grid, own)) turnOver(grid, own);

@@ -84,7 +84,7 @@ View CameraStudio::render(const CameraShot& shot) const { return render(shot, li
 View CameraStudio::renderAlbedo(const CameraShot& shot) const { return render(shot, Lighting{}); }
 
 cv::Mat CameraStudio::panelMask(const CameraShot& shot, const View& view) const {
-  const cv::Mat hit = view.range_m < std::numeric_limits<float>::infinity();
+  cv::Mat hit = view.range_m < std::numeric_limits<float>::infinity();
   if (world_.sea_floor_odom.triangles.empty()) return hit;
   Eye& eye = eyeOf(shot.camera.lens);
   const bool first = !eye.panels_alone;
