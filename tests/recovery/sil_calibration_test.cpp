@@ -68,8 +68,8 @@ TEST(SilCalibration, OfAPortWhichBendsTheLight) {
 
 TEST(SilCalibration, OfAMarkerThatWasMoved) {
   EffectParameters<double> effects;
-  const Marker& marker = readPanelMaps(test::kDexrovMap).front().markers.front();
-  effects.add<MarkerMoved>({1.0 * marker.id, 0.06, 0.02, 0, 15});
+  const int id = readPanelMaps(test::kDexrovMap).front().markers.front().id;
+  effects.add<MarkerMoved>({1.0 * id, 0.06, 0.02, 0, 15});
   const auto recording = recordingWith(effects);
   const double with = alikeness(recording, effects).fsim, without = alikeness(recording, {}).fsim;
   EXPECT_NEAR(with, plainFsim(), kSame);
