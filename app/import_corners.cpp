@@ -171,7 +171,7 @@ void importCorners(CornerOptions options, const RunContext& context) {
 
   std::map<std::string, std::vector<Detection>> by_file;
   std::vector<Sample> samples;
-  const Time begin = after(Time{}, 946684800.0);  // the tables have no time: 2000-01-01
+  const Time begin = fromUnixSeconds(946684800);  // the tables have no time: 2000-01-01
   for (const auto& [image, squares] : corners.by_image) {
     const std::string file = fs::path(image).stem().string() + ".png";
     if (by_file.contains(file)) throw Error(options.table, "image `" + image + "`", "is there twice");

@@ -52,7 +52,7 @@ class ImportCorners : public testing::Test {
     const auto diagnosed = test::runFathom("diagnose " + out + "/views.rawlog --out " + out + "/diagnosis");
     EXPECT_EQ(diagnosed.status, 0) << diagnosed.err;
     EXPECT_NE(diagnosed.out.find("images are not searched"), std::string::npos) << diagnosed.out;
-    return nlohmann::json::parse(readTextFile(folder_ / "out/diagnosis/result.json"));
+    return nlohmann::json::parse(readTextFile(folder_ / "out/diagnosis/result.json")).at("diagnosis");
   }
 
   fs::path folder_ = test::scratchFolder();
@@ -67,7 +67,7 @@ TEST_F(ImportCorners, AWrongFocalLengthIsFound) {
   EXPECT_EQ(result.at("verdict"), "explained");
   ASSERT_EQ(result.at("effects").size(), 1U);
   const auto& effect = result.at("effects")[0];
-  EXPECT_EQ(effect.at("name"), "focal-scale");
+  EXPECT_EQ(effect.at("id"), "focal-scale");
   const double found = effect.at("parameters").at("scale_error"),
                sigma = effect.at("sigma").at("scale_error");
   EXPECT_NEAR(found, 1200.0 / 1212 - 1, 4 * sigma);

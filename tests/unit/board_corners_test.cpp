@@ -130,7 +130,7 @@ TEST(BoardCorners, WrongTablesAreOneLine) {
             std::string::npos)
       << chessError(good + "view0.png,48,1,1\n");
   EXPECT_NE(chessError(good + "view0.png,3,1,1\n").find("twice"), std::string::npos);
-  EXPECT_NE(chessError(good + "view0.png,3,one,1\n").find("not a finite number"), std::string::npos);
+  EXPECT_NE(chessError(good + "view1.png,3,one,1\n").find("not a finite number"), std::string::npos);
   EXPECT_NE(chessError("x_mm,y_mm,z_mm,u_px,v_px\n0,0,0,1,1\n1,0,0,2,2\n0,7,0,1,2\n1,7,0,2,1\n")
                 .find("no regular board"),
             std::string::npos);
