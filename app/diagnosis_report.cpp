@@ -254,8 +254,8 @@ void addNoise(const DiagnosisStory& story, HtmlReport& report) {
   report.heading("The noise that the recording shows");
   report.table(table);
   if (noise.panel_tolerance_m > 0)
-    report.paragraph(
-        print("Markers are taken to lie within %.2g mm of where the map has them.", 1e3 * noise.panel_tolerance_m));
+    report.paragraph(print("Markers are taken to lie within %.2g mm of where the map has them.",
+                           1e3 * noise.panel_tolerance_m));
 }
 
 // ---- with it
