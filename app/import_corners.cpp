@@ -81,7 +81,8 @@ CameraModel readIntrinsics(const fs::path& file, const std::optional<std::array<
 CameraModel cameraOf(const CornerOptions& options, const std::optional<Checkerboard>& board) {
   std::optional<std::array<int, 2>> size;
   if (!options.image_size.empty()) size = timesOf("--image-size", options.image_size);
-  if (options.calibrate.empty()) return readIntrinsics(options.camera, size);
+  if (!options.camera.empty()) return readIntrinsics(options.camera, size);
+  if (options.calibrate.empty()) throw Error("--camera", "", "or --calibrate is needed");
   if (!size) throw Error("--image-size", "", "needed with --calibrate");
   const BoardCorners air = readBoardCorners(options.calibrate, board, options.sigma_px);
   try {
@@ -227,16 +228,15 @@ void addImportCorners(CLI::App& parent, const RunContext& context) {
       ->type_name(values::kFolder);
   command->add_option("--board", options->board, "The board's inner corners, COLUMNSxROWS");
   command->add_option("--square-m", options->square_m, "Side of a square of the board, m");
-  auto* camera = command->add_option_group("camera");
-  camera
-      ->add_option("--camera", options->camera,
-                   "Intrinsics: fx_px, fy_px, cx_px, cy_px, distortion [k1, k2, p1, p2, k3]")
-      ->type_name(values::kYaml);
-  camera
+  auto* camera = command
+                     ->add_option("--camera", options->camera,
+                                  "Intrinsics: fx_px, fy_px, cx_px, cy_px, distortion [k1, k2, p1, p2, k3]")
+                     ->type_name(values::kYaml);
+  command
       ->add_option("--calibrate", options->calibrate,
                    "Intrinsics from another table of the same board, such as one in air")
-      ->type_name(values::kCsv);
-  camera->require_option(1);
+      ->type_name(values::kCsv)
+      ->excludes(camera);
   command->add_option("--image-size", options->image_size,
                       "WIDTHxHEIGHT, px (default: the principal point is in the middle)");
   command->add_option("--sigma-px", options->sigma_px, "Of a corner's coordinate")

@@ -146,10 +146,15 @@ Grid gridFrom(const std::vector<Vector3d>& points, std::size_t first) {
   if (std::abs(grid.down.norm() - grid.square_m()) > tolerance_m ||
       std::abs(grid.down.dot(grid.right)) > tolerance_m * grid.square_m())
     return grid;
-  std::size_t count = 0;
-  while (lies(count, static_cast<double>(count % columns), static_cast<double>(count / columns))) ++count;
+  std::size_t rows = 0;
+  const auto lieInRow = [&](std::size_t row) {
+    for (std::size_t column = 0; column < columns; ++column)
+      if (!lies(row * columns + column, static_cast<double>(column), static_cast<double>(row))) return false;
+    return true;
+  };
+  while (lieInRow(rows)) ++rows;
   grid.columns = static_cast<int>(columns);
-  grid.rows = static_cast<int>(count / columns);
+  grid.rows = static_cast<int>(rows);
   return grid;
 }
 
@@ -157,7 +162,8 @@ BoardCorners placedCorners(const TextTable& table, double sigma_px) {
   std::vector<Vector3d> points;
   Pixels pixels;
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
-    points.push_back(0.001 * Vector3d(table.number(row, 0), table.number(row, 1), table.number(row, 2)));
+    points.emplace_back(0.001 * table.number(row, 0), 0.001 * table.number(row, 1),
+                        0.001 * table.number(row, 2));
     pixels.emplace_back(table.number(row, 3), table.number(row, 4));
   }
   BoardCorners corners;

@@ -27,8 +27,8 @@ std::string boardTable(int views) {
                                  random.uniform(-0.6, 0.6)),
         {random.uniform(-0.15, -0.05), random.uniform(-0.12, -0.03), random.uniform(0.5, 0.9)}};
     for (int k = 0; k < 48; ++k) {
-      const Vector2d pixel =
-          camera.project<double>(T_camera_board * Vector3d(0.03 * (k % 8), 0.03 * (k / 8), 0));
+      const int column = k % 8, row = k / 8;
+      const Vector2d pixel = camera.project<double>(T_camera_board * Vector3d(0.03 * column, 0.03 * row, 0));
       text += print("%02d.png,%d,%.6f,%.6f\n", view, k, pixel.x() + kCornerSigma_px * random.normal(),
                     pixel.y() + kCornerSigma_px * random.normal());
     }
@@ -84,6 +84,7 @@ TEST_F(ImportCorners, WrongInputIsOneLine) {
   };
   writeTextFile(folder_ / "camera.yaml", "fx_px: 1200\nfy_px: 1200\ncx_px: 719.5\ncy_px: 539.5\n");
   const std::string camera = " --camera " + (folder_ / "camera.yaml").string();
+  EXPECT_NE(complaint(table).find("--calibrate is needed"), std::string::npos);
   EXPECT_NE(complaint(table + camera).find("--board"), std::string::npos);
   EXPECT_NE(complaint(table + camera + " --board 8").find("WIDTHxHEIGHT"), std::string::npos);
   EXPECT_NE(complaint(table + camera + " --board 8x6").find("--square-m"), std::string::npos);

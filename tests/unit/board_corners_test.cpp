@@ -90,8 +90,8 @@ TEST(BoardCorners, SeveralBoardsInOneImage) {
   const int columns[]{6, 8}, rows[]{8, 4};
   for (int b = 0; b < 2; ++b)
     for (int k = 0; k < columns[b] * rows[b]; ++k) {
-      const Vector3d p =
-          boards[b] * Vector3d(square_m[b] * (k % columns[b]), square_m[b] * (k / columns[b]), 0);
+      const int column = k % columns[b], row = k / columns[b];
+      const Vector3d p = boards[b] * Vector3d(square_m[b] * column, square_m[b] * row, 0);
       const Vector2d pixel = chessCamera().project<double>(T_camera_table * p);
       text +=
           print("%.9g,%.9g,%.9g,%.9g,%.9g\n", 1000 * p.x(), 1000 * p.y(), 1000 * p.z(), pixel.x(), pixel.y());
