@@ -17,6 +17,12 @@ namespace fathom {
 namespace fs = std::filesystem;
 namespace {
 
+/// The table of corners beside a recording, where there is one.
+std::optional<fs::path> givenCornersOf(const fs::path& rawlog) {
+  const fs::path file = cornersBeside(rawlog);
+  return fs::exists(file) ? std::optional(file) : std::nullopt;
+}
+
 /// Remarks: also what of the recording is lost, now that it was read to its end.
 Detections findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& panels,
                        std::vector<std::string>& remarks) {
@@ -24,9 +30,9 @@ Detections findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& pane
   const std::vector<CameraImage> images = imagesOf(imageEntries(source));
   if (source.loss()) remarks.push_back("The recording is damaged: " + describe(*source.loss()));
   if (panels.empty()) return {};
-  if (const fs::path given = cornersBeside(rawlog); fs::exists(given)) {
-    remarks.push_back("Corners are those of " + given.filename().string() + ": images are not searched.");
-    return readGivenCorners(given, source.imageFolder());
+  if (const auto given = givenCornersOf(rawlog)) {
+    remarks.push_back("Corners are those of " + given->filename().string() + ": images are not searched.");
+    return readGivenCorners(*given, source.imageFolder());
   }
   DetectionSettings settings;
   settings.families = familiesOf(panels);
@@ -41,8 +47,7 @@ Detections findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& pane
 
 std::vector<InputFile> filesOf(const BatchRecordingOptions& options, const BatchRecording& recording) {
   std::vector<InputFile> files{inputFile(options.rawlog), inputFile(recording.vehicle)};
-  if (const fs::path given = cornersBeside(options.rawlog); fs::exists(given))
-    files.push_back(inputFile(given));
+  if (const auto given = givenCornersOf(options.rawlog)) files.push_back(inputFile(*given));
   if (recording.map)
     for (const fs::path& map : panelMapFiles(*recording.map)) files.push_back(inputFile(map));
   return files;

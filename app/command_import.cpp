@@ -6,6 +6,7 @@
 #include "core/files.h"
 #include "core/progress.h"
 #include "import_corners.h"
+#include "import_target.h"
 #include "recording/import_bag.h"
 #include "recording/import_csv.h"
 #include "recording/rawlog.h"
@@ -15,17 +16,10 @@ namespace fathom {
 namespace fs = std::filesystem;
 namespace {
 
-/// Where an import goes: FOLDER/NAME.rawlog and its companions.
-struct Target {
-  std::string folder, name;
-
-  fs::path file(const std::string& ending) const { return fs::path(folder) / (name + ending); }
-};
-
 /// Writes samples as they come. The rawlog is opened at the first, whose time its first entry bears.
 class ImportWriter {
  public:
-  ImportWriter(Target target, std::string description)
+  ImportWriter(ImportTarget target, std::string description)
       : target_(std::move(target)), description_(std::move(description)) {}
 
   void write(const Sample& sample) {
@@ -73,7 +67,7 @@ class ImportWriter {
         std::cout << "wrote " << target_.file(ending).string() << "\n";
   }
 
-  Target target_;
+  ImportTarget target_;
   std::string description_;
   std::optional<RawlogWriter> rawlog_;
   std::size_t samples_ = 0;
@@ -83,7 +77,7 @@ struct CsvOptions {
   std::string folder;
   int section = 0;
   SeaTrialOptions trial;
-  Target target;
+  ImportTarget target;
 };
 
 void importCsv(CsvOptions options, const RunContext& context) {
@@ -113,10 +107,7 @@ void addCsv(CLI::App& parent, const RunContext& context) {
       ->required()
       ->type_name(values::kFolder);
   command->add_option("--section", options->section, "Which section, the N of the tables' names")->required();
-  command->add_option("--out", options->target.folder, "Where the recording goes")
-      ->required()
-      ->type_name(values::kFolder);
-  command->add_option("--name", options->target.name, "NAME of the files (default: sectionN)");
+  addImportTarget(*command, options->target, "sectionN");
   command->add_flag("--undo-stamp-stretch", options->trial.undo_stamp_stretch,
                     "Correct the stretch between the tables' clocks, where it is established");
   command->callback([options, &context] { importCsv(*options, context); });
@@ -124,7 +115,7 @@ void addCsv(CLI::App& parent, const RunContext& context) {
 
 struct BagCommandOptions {
   std::string bag, topics;
-  Target target;
+  ImportTarget target;
 };
 
 void importRosBag(BagCommandOptions options, const RunContext& context) {
@@ -151,10 +142,7 @@ void addBag(CLI::App& parent, const RunContext& context) {
   command->add_option("--topics", options->topics, "Which topic becomes what")
       ->required()
       ->type_name(values::kYaml);
-  command->add_option("--out", options->target.folder, "Where the recording goes")
-      ->required()
-      ->type_name(values::kFolder);
-  command->add_option("--name", options->target.name, "NAME of the files (default: the bag's)");
+  addImportTarget(*command, options->target, "the bag's");
   command->callback([options, &context] { importRosBag(*options, context); });
 }
 

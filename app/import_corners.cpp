@@ -2,18 +2,21 @@
 
 #include <iostream>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <regex>
 
 #include "core/error.h"
 #include "core/files.h"
+#include "core/for_each.h"
 #include "core/text.h"
 #include "core/yaml.h"
+#include "import_target.h"
 #include "landmarks/board_corners.h"
 #include "landmarks/given_corners.h"
+#include "recording/imported.h"
 #include "recording/rawlog.h"
 #include "recording/recorded_camera.h"
+#include "render/images.h"
 #include "report/run_info.h"
 
 namespace fathom {
@@ -23,13 +26,12 @@ namespace {
 constexpr double kMargin = 1;         // squares between the outer corners and the board's edge
 constexpr double kInterval_s = 1;     // the tables have no times
 constexpr double kBehind_m = 0.0005;  // the board's face behind its squares
+constexpr int kLargest_px = 20000;    // side of an image
 
 struct CornerOptions {
-  std::string table, camera, calibrate, board, image_size, name;
-  fs::path folder;
+  std::string table, camera, calibrate, board, image_size;
   double square_m = 0, sigma_px = 0.1;
-
-  fs::path file(const std::string& ending) const { return folder / (name + ending); }
+  ImportTarget target;
 };
 
 /// "8x6".
@@ -58,12 +60,18 @@ CameraModel readIntrinsics(const fs::path& file, const std::optional<std::array<
   camera.fy_px = root.positive("fy_px");
   camera.cx_px = root.number("cx_px");
   camera.cy_px = root.number("cy_px");
-  camera.width_px = static_cast<int>(std::lround(2 * camera.cx_px + 1));
-  camera.height_px = static_cast<int>(std::lround(2 * camera.cy_px + 1));
+  const auto sideAround = [](double middle_px) {
+    return static_cast<int>(std::lround(std::clamp(2 * middle_px + 1, 0.0, kLargest_px + 1.0)));
+  };
+  camera.width_px = sideAround(camera.cx_px);
+  camera.height_px = sideAround(camera.cy_px);
   root.read("width_px", camera.width_px);
   root.read("height_px", camera.height_px);
   if (size) std::tie(camera.width_px, camera.height_px) = std::tie((*size)[0], (*size)[1]);
-  if (camera.width_px < 1 || camera.height_px < 1) throw root.error("cx_px", "the image would have no size");
+  for (const int side_px : {camera.width_px, camera.height_px})
+    if (side_px < 1 || side_px > kLargest_px)
+      throw root.error("cx_px",
+                       print("an image has sides of 1 to %d px; --image-size says them", kLargest_px));
   if (root.has("distortion")) {
     const std::vector<double> d = root.numbers("distortion");
     if (d.size() != 4 && d.size() != 5)
@@ -80,7 +88,11 @@ CameraModel readIntrinsics(const fs::path& file, const std::optional<std::array<
 
 CameraModel cameraOf(const CornerOptions& options, const std::optional<Checkerboard>& board) {
   std::optional<std::array<int, 2>> size;
-  if (!options.image_size.empty()) size = timesOf("--image-size", options.image_size);
+  if (!options.image_size.empty()) {
+    size = timesOf("--image-size", options.image_size);
+    if (std::max((*size)[0], (*size)[1]) > kLargest_px || std::min((*size)[0], (*size)[1]) < 1)
+      throw Error("--image-size", options.image_size, print("sides must be from 1 to %d px", kLargest_px));
+  }
   if (!options.camera.empty()) return readIntrinsics(options.camera, size);
   if (options.calibrate.empty()) throw Error("--camera", "", "or --calibrate is needed");
   if (!size) throw Error("--image-size", "", "needed with --calibrate");
@@ -117,9 +129,8 @@ void writeSheet(const PanelMap& board, const fs::path& folder) {
 }
 
 /// The map's file: of one board its own, of several their list.
-fs::path writeMap(const CornerOptions& options, std::vector<PanelMap> boards) {
-  const fs::path folder = options.file("_boards");
-  fs::create_directories(folder);
+fs::path writeMap(const ImportTarget& target, std::vector<PanelMap> boards) {
+  const fs::path folder = target.file("_boards");
   std::string list;
   for (PanelMap& board : boards) {
     board.mesh_file = board.name + ".obj";
@@ -132,23 +143,14 @@ fs::path writeMap(const CornerOptions& options, std::vector<PanelMap> boards) {
   return folder / "boards.yaml";
 }
 
-std::string vehicleYaml(const CameraModel& c, double sigma_px) {
-  return print(
-      "# A camera by itself. Only its model and its corners' sigma are known; nothing else of this is used.\n"
-      "gravity_m_s2: 9.80665\n"
-      "camera:\n"
-      "  rate_hz: %.9g\n  width_px: %d\n  height_px: %d\n"
-      "  fx_px: %.9g\n  fy_px: %.9g\n  cx_px: %.9g\n  cy_px: %.9g\n"
-      "  distortion: {k1: %.9g, k2: %.9g, p1: %.9g, p2: %.9g, k3: %.9g}\n"
-      "  exposure_s: 0.004\n  gain: fixed\n  response_gamma: 1.0\n  bits: 8\n  full_well_e: 30000\n"
-      "  read_noise_e: 12\n  corner_sigma_px: %.9g\n"
-      "  pose: {x: 0, y: 0, z: 0, yaw_deg: 0, pitch_deg: 0, roll_deg: 0}\n",
-      1 / kInterval_s, c.width_px, c.height_px, c.fx_px, c.fy_px, c.cx_px, c.cy_px, c.k1, c.k2, c.p1, c.p2,
-      c.k3, sigma_px);
+std::string vehicleYaml(const CameraModel& camera, double sigma_px) {
+  return "# A camera by itself.\ngravity_m_s2: 9.80665\ncamera:\n" +
+         print("  rate_hz: %.9g\n", 1 / kInterval_s) + cameraLines(recordedCamera(camera), sigma_px) +
+         "  pose: {x: 0, y: 0, z: 0, yaw_deg: 0, pitch_deg: 0, roll_deg: 0}\n";
 }
 
 /// The squares as they were seen, for whoever opens the recording.
-void drawImage(const CameraModel& camera, const std::vector<Detection>& squares, const fs::path& file) {
+cv::Mat drawn(const CameraModel& camera, const std::vector<Detection>& squares) {
   constexpr int kFraction = 4;  // bits of a pixel
   cv::Mat image(camera.height_px, camera.width_px, CV_8UC1, cv::Scalar(200));
   for (const Detection& square : squares) {
@@ -158,50 +160,71 @@ void drawImage(const CameraModel& camera, const std::vector<Detection>& squares,
                            static_cast<int>(std::lround(p.y() * (1 << kFraction))));
     cv::fillConvexPoly(image, corners, cv::Scalar(40), cv::LINE_AA, kFraction);
   }
-  if (!cv::imwrite(file.string(), image)) throw Error(file.string(), "", "cannot be written");
+  return image;
+}
+
+/// By the name of the file that an image gets.
+std::map<std::string, std::vector<Detection>> byFile(const CornerOptions& options,
+                                                     const BoardCorners& corners) {
+  std::map<std::string, std::vector<Detection>> by_file;
+  for (const auto& [image, squares] : corners.by_image)
+    if (!by_file.emplace(fs::path(image).stem().string() + ".png", squares).second)
+      throw Error(options.table, "image `" + image + "`", "has the name of another one but for the ending");
+  return by_file;
+}
+
+void writeImages(const ImportTarget& target, const CameraModel& camera,
+                 const std::map<std::string, std::vector<Detection>>& by_file) {
+  const std::vector<std::pair<std::string, std::vector<Detection>>> images(by_file.begin(), by_file.end());
+  forEachIndex(images.size(), "drawing", [&](std::size_t i) {
+    writeTextFile(target.file("_Images") / images[i].first, pngBytes(drawn(camera, images[i].second)));
+  });
+}
+
+void writeRawlog(const CornerOptions& options, const fs::path& map, const CameraModel& camera,
+                 const std::map<std::string, std::vector<Detection>>& by_file) {
+  const Time begin = fromUnixSeconds(946684800);  // the tables have no time: 2000-01-01
+  RawlogWriter rawlog(options.target.file(".rawlog"),
+                      {fs::relative(map, options.target.folder).string(),
+                       options.target.file("_vehicle.yaml").filename().string(),
+                       "corners of " + fs::path(options.table).filename().string()},
+                      begin);
+  double t_s = 0;
+  for (const auto& [file, squares] : by_file) {
+    rawlog.write({.time = after(begin, t_s),
+                  .label = labels::kCamera,
+                  .reading = ImageSample{Pose{}, recordedCamera(camera), file}});
+    t_s += kInterval_s;
+  }
+  rawlog.finish();
 }
 
 void importCorners(CornerOptions options, const RunContext& context) {
-  if (options.name.empty()) options.name = fs::path(options.table).stem().string();
+  ImportTarget& target = options.target;
+  if (target.name.empty()) target.name = fs::path(options.table).stem().string();
   const std::optional<Checkerboard> board = boardOf(options);
   const CameraModel camera = cameraOf(options, board);
   const BoardCorners corners = readBoardCorners(options.table, board, options.sigma_px);
-  fs::create_directories(options.file("_Images"));
-  const fs::path map = writeMap(options, corners.boards);
-  writeTextFile(options.file("_vehicle.yaml"), vehicleYaml(camera, options.sigma_px));
+  const auto by_file = byFile(options, corners);
 
-  std::map<std::string, std::vector<Detection>> by_file;
-  std::vector<Sample> samples;
-  const Time begin = fromUnixSeconds(946684800);  // the tables have no time: 2000-01-01
-  for (const auto& [image, squares] : corners.by_image) {
-    const std::string file = fs::path(image).stem().string() + ".png";
-    if (by_file.contains(file)) throw Error(options.table, "image `" + image + "`", "is there twice");
-    drawImage(camera, squares, options.file("_Images") / file);
-    samples.push_back({.time = after(begin, kInterval_s * static_cast<double>(samples.size())),
-                       .label = labels::kCamera,
-                       .reading = ImageSample{Pose{}, recordedCamera(camera), file}});
-    by_file[file] = squares;
-  }
-  writeGivenCorners(cornersBeside(options.file(".rawlog")), by_file);
-  RawlogWriter rawlog(
-      options.file(".rawlog"),
-      {fs::relative(map, options.folder).string(), options.file("_vehicle.yaml").filename().string(),
-       "corners of " + fs::path(options.table).filename().string()},
-      begin);
-  for (const Sample& sample : samples) rawlog.write(sample);
-  rawlog.finish();
+  // The companions first, the rawlog last: where it is, all is.
+  const fs::path map = writeMap(target, corners.boards);
+  writeTextFile(target.file("_vehicle.yaml"), vehicleYaml(camera, options.sigma_px));
+  writeImages(target, camera, by_file);
+  writeGivenCorners(cornersBeside(target.file(".rawlog")), by_file);
   nlohmann::ordered_json json;
   json["run"] = toJson(RunInfo{.command_line = context.command_line});
-  json["images"] = samples.size();
+  json["images"] = by_file.size();
   json["boards"] = corners.boards.size();
-  writeJson(options.file("_import.json"), json);
+  writeJson(target.file("_import.json"), json);
+  writeRawlog(options, map, camera, by_file);
 
   std::size_t squares = 0;
-  for (const auto& [image, of_image] : corners.by_image) squares += of_image.size();
-  std::cout << print("%zu images of %zu board%s, %zu squares with all four corners\n", samples.size(),
+  for (const auto& [file, of_image] : by_file) squares += of_image.size();
+  std::cout << print("%zu images of %zu board%s, %zu squares with all four corners\n", by_file.size(),
                      corners.boards.size(), corners.boards.size() > 1 ? "s" : "", squares);
   for (const char* ending : {".rawlog", "_corners.csv", "_vehicle.yaml", "_import.json"})
-    std::cout << "wrote " << options.file(ending).string() << "\n";
+    std::cout << "wrote " << target.file(ending).string() << "\n";
   std::cout << "wrote " << map.string() << "\n";
 }
 
@@ -223,9 +246,6 @@ void addImportCorners(CLI::App& parent, const RunContext& context) {
       "  fathom diagnose out/tank/corners.rawlog --out out/tank/diagnosis");
   const auto options = std::make_shared<CornerOptions>();
   command->add_option("TABLE", options->table, "The corners")->required()->type_name(values::kCsv);
-  command->add_option("--out", options->folder, "Where the recording goes")
-      ->required()
-      ->type_name(values::kFolder);
   command->add_option("--board", options->board, "The board's inner corners, COLUMNSxROWS");
   command->add_option("--square-m", options->square_m, "Side of a square of the board, m");
   auto* camera = command
@@ -242,7 +262,7 @@ void addImportCorners(CLI::App& parent, const RunContext& context) {
   command->add_option("--sigma-px", options->sigma_px, "Of a corner's coordinate")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_option("--name", options->name, "NAME of the files (default: the table's)");
+  addImportTarget(*command, options->target, "the table's");
   command->callback([options, &context] { importCorners(*options, context); });
 }
 

@@ -65,12 +65,10 @@ std::vector<Direction> directionsOf(const Linearization& linear, BatchChannel ch
     // A camera turned about its y axis sees all shifted to the side, about x up or down: by f per radian.
     const auto shift = [&](std::string name, std::size_t axis, int component) {
       Direction direction{std::move(name), std::vector<double>(rows, 0), component};
-      for (std::size_t c = 0; c < linear.columns.size(); ++c) {
-        if (linear.columns[c].scalar != kEffectOffsets[kEffectIndex<CameraMisalignment>] + axis) continue;
-        for (std::size_t i = 0; i < rows; ++i)
-          if (linear.rows[i].channel == channel)
-            direction.values[i] = linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c));
-      }
+      const Eigen::Index column = columnOf(linear, kEffectIndex<CameraMisalignment>, axis);
+      for (std::size_t i = 0; i < rows; ++i)
+        if (linear.rows[i].channel == channel)
+          direction.values[i] = linear.C(static_cast<Eigen::Index>(i), column);
       directions.push_back(std::move(direction));
     };
     shift("sideways", 1, 0);

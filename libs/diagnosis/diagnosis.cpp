@@ -19,9 +19,18 @@ constexpr double kLogOdds = 8.0;        // ln of the odds against an effect besi
 constexpr double kSameSupport = 2.7;    // half of the 5.4 by which the right one loses once in a hundred
 constexpr double kContenderMargin = 8;  // ln p to first order, plus a share of the best's:
 constexpr double kContenderShare = 0.1;
-constexpr std::size_t kContenders = 5, kRivals = 4;
-constexpr double kDiscovery = 5;    // sqrt(lambda) from which on an effect is named: noise has tails, too
-constexpr double kConfirmed = 0.3;  // of the likelihood it gains, on stretches that it was not fitted to
+constexpr std::size_t kLooked = 40, kContenders = 5, kRivals = 4;
+constexpr double kDiscovery = 5;     // sqrt(lambda) from which on an effect is named: noise has tails, too
+constexpr double kTolerance = 1e-6;  // of half the sum of squares: some 0.01 in a likelihood
+constexpr double kLessNoise = 0.9;   // times the noise taken before: less than chance
+constexpr double kConfirmed = 0.3;   // of the likelihood it gains, on stretches that it was not fitted to
+
+bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
+  for (std::size_t c = 0; c < before.channels.size(); ++c)
+    if (shown.channels[c].independentScale() < kLessNoise * before.channels[c].independentScale())
+      return true;
+  return shown.panel_tolerance_m < kLessNoise * before.panel_tolerance_m;
+}
 
 /// The course of a diagnosis.
 class Course {
@@ -66,8 +75,9 @@ class Course {
   Refit without(const Refit& from, std::vector<Candidate> effects, std::size_t one);
   Refit without(const Refit& from, std::size_t one) { return without(from, from.effects, one); }
   Refit onlyNeeded(Refit fit);
-  bool isBelieved(const Refit& fit, const Screening& screening);
+  bool isBelieved(const Refit& fit, double looks);
   bool leaveOutUnconfirmed(const Refit& fit);
+  void accept(Refit better);
   HeldOutResult heldOut(const Refit& fit, bool yardsticks) const;
   void addAlternatives(std::size_t effect);
   FoundEffect describe(std::size_t effect);
@@ -102,6 +112,7 @@ bool Course::insufficient(const std::string& why) {
 }
 
 bool Course::estimateNominal() {
+  base_.function_tolerance = kTolerance;
   BatchEstimate estimate = estimateBatch(data_, start_, base_);
   if (!estimate.succeeded)
     return insufficient("The nominal model could not be fitted: " + estimate.failure + ".");
@@ -111,7 +122,7 @@ bool Course::estimateNominal() {
       applyRobustWeights(linear);
       diagnosis_.noise = shownNoise(linear, diagnosis_.noise, options_.seed);
       base_.problem.noise_scale = diagnosis_.noise.noiseScale();
-      estimate = reestimate(data_, estimate, base_);
+      estimate = minimumFrom(data_, estimate, base_);
       if (!estimate.succeeded)
         return insufficient(
             "The nominal model could not be fitted with the noise shown: " + estimate.failure + ".");
@@ -150,11 +161,20 @@ Refit Course::settled(Refit fit) {
 
 /// The best set of so many more effects, each contender estimated in full.
 std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screening, std::size_t size) {
-  const std::vector<TestedSet> sets = screening.bestSets(size, kContenders, kLogOdds);
+  const std::vector<TestedSet> sets = screening.bestSets(size, kLooked, kLogOdds);
   std::optional<Refit> best;
+  std::vector<std::vector<std::size_t>> tried;
   for (const TestedSet& set : sets) {
     const double largest = sets.front().support;
-    if (set.support < largest - kContenderMargin - kContenderShare * std::abs(largest)) break;
+    if (set.support < largest - kContenderMargin - kContenderShare * std::abs(largest) ||
+        tried.size() == kContenders)
+      break;
+    // What adds nothing to one that was tried is looked for again once that one is in the model.
+    if (std::any_of(tried.begin(), tried.end(), [&](const std::vector<std::size_t>& smaller) {
+          return std::includes(set.members.begin(), set.members.end(), smaller.begin(), smaller.end());
+        }))
+      continue;
+    tried.push_back(set.members);
     std::vector<Candidate> effects = from.effects;
     for (const std::size_t m : set.members) effects.push_back(screening.candidates()[m].candidate);
     Refit refitted = fit(from, effects);
@@ -192,7 +212,8 @@ void Course::attribute() {
         screening.candidates().begin(), screening.candidates().end(),
         [](const TestedCandidate& a, const TestedCandidate& b) { return a.log_p < b.log_p; });
     if (first == screening.candidates().end()) break;
-    const double alarm = screening.alarm(first->log_p, options_.seed);
+    const double looks = screening.independentLooks(options_.seed);
+    const double alarm = alarmOf(first->log_p, looks);
     if (final_.effects.empty()) {
       diagnosis_.alarm_p = alarm;
       diagnosis_.most_improbable = nameOf(first->candidate);
@@ -209,16 +230,16 @@ void Course::attribute() {
     if (!best) break;
     Refit better = onlyNeeded(settled(std::move(*best)));
     if (!final_.effects.empty() && worth(better) <= worth(final_)) break;
-    if (!isBelieved(better, screening)) break;
+    if (!isBelieved(better, looks)) break;
     if (leaveOutUnconfirmed(better)) continue;
-    final_ = std::move(better);
+    accept(std::move(better));
   }
   for (std::size_t i = 0; i < final_.effects.size(); ++i) addAlternatives(i);
 }
 
 /// What has raised the alarm may be another than what is best supported, or explain less once refitted.
-bool Course::isBelieved(const Refit& fit, const Screening& screening) {
-  const double alarm = screening.alarm(-supportOver(fit, final_), options_.seed);
+bool Course::isBelieved(const Refit& fit, double looks) {
+  const double alarm = alarmOf(-supportOver(fit, final_), looks);
   const bool is_large = 2 * (final_.cost - fit.cost) >= kDiscovery * kDiscovery;
   if (is_large && alarm <= options_.false_alarm) return true;
   if (final_.effects.empty()) {
@@ -246,6 +267,25 @@ bool Course::leaveOutUnconfirmed(const Refit& fit) {
   return any;
 }
 
+/// What a large effect does beyond the first order was taken for noise as long as it was not in the model:
+/// where noise now shows to be less, everything is fitted again with it.
+void Course::accept(Refit better) {
+  final_ = std::move(better);
+  const NoiseModel shown = shownNoise(final_.model->linear(), diagnosis_.noise, options_.seed);
+  if (!isQuieter(shown, diagnosis_.noise)) return;
+  BatchOptions base = base_;
+  base.problem.noise_scale = shown.noiseScale();
+  Refit nominal = refit(data_, nominal_.estimate, base, {}, shown);
+  Refit accepted = refit(data_, final_.estimate, base, final_.effects, shown);
+  if (!nominal.succeeded || !accepted.succeeded) return;
+  diagnosis_.noise = shown;
+  base_ = base;
+  nominal_ = std::move(nominal);
+  final_ = std::move(accepted);
+  fitted_.clear();
+  locate();
+}
+
 HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {
   HeldOutOptions options = options_.heldout;
   options.yardsticks = yardsticks;
@@ -255,9 +295,9 @@ HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {
 }
 
 void Course::report() {
-  diagnosis_.before = nominal_.estimate;
+  diagnosis_.before = described(data_, nominal_.estimate, nominal_.options);
   diagnosis_.before_options = nominal_.options;
-  diagnosis_.after = final_.estimate;
+  diagnosis_.after = described(data_, final_.estimate, final_.options);
   diagnosis_.after_options = final_.options;
   diagnosis_.calibration = final_.estimate.state.effects;
 }
@@ -306,8 +346,8 @@ void Course::addAlternatives(std::size_t effect) {
   }
   if (!like) return;
   try {
-    set.advice = adviseManoeuvre(data_, *rest.model, final_.estimate, sized(final_, final_.effects[effect]),
-                                 *like, diagnosis_.noise);
+    set.advice = adviseManoeuvre(data_, *rest.model, final_.estimate.state,
+                                 sized(final_, final_.effects[effect]), *like, diagnosis_.noise);
   } catch (const std::runtime_error&) {
     // A manoeuvre in which nothing holds the path tells nothing apart.
   }

@@ -17,6 +17,8 @@ constexpr int kStretches = 3;  // of a fold, between those of others: an effect 
 constexpr int kParts = 2;      // of a stretch, that are drawn anew by the bootstrap
 constexpr int kResamples = 1000;
 constexpr int kFloorDraws = 8;
+/// Columns of what is left of a fold's rows; after the draws of noise, one without each effect.
+constexpr Eigen::Index kBefore = 0, kAfter = 1, kBlackBox = 2, kFirstDraw = 3;
 
 /// The linearization with the effects' columns taken out of the nuisances: the residual is that without them.
 Linearization withoutEffects(const Linearization& linear, const Eigen::SparseMatrix<double>& columns,
@@ -158,11 +160,12 @@ struct Fitted {
   Eigen::VectorXd sigma;
 };
 
-/// What is left of held-out rows once columns are fitted to the others.
-Eigen::VectorXd leftOf(const RowsAlone& test, const RowsAlone& train, const Fitted& what) {
-  if (what.columns.empty()) return test.residual;
-  const Eigen::VectorXd value = fitted(train.columns(Eigen::all, what.columns), train.residual, what.sigma);
-  return test.residual + test.columns(Eigen::all, what.columns) * value;
+Eigen::SparseMatrix<double> sideBySide(const Eigen::SparseMatrix<double>& a,
+                                       const Eigen::SparseMatrix<double>& b) {
+  Eigen::SparseMatrix<double> both(a.rows(), a.cols() + b.cols());
+  both.leftCols(a.cols()) = a;
+  both.rightCols(b.cols()) = b;
+  return both;
 }
 
 /// Fold by fold: the physics and its yardsticks trained on all stretches but its own, and what is left there.
@@ -175,7 +178,9 @@ class HoldOut {
 
  private:
   void holdOutFold(int fold);
-  void add(const RowsAlone& test, const Eigen::VectorXd& after, const Eigen::VectorXd& black_box);
+  /// The model's residual with columns at the values that are best where the reduction is from.
+  Eigen::VectorXd residualWith(const Fitted& what, const Reduced& trained) const;
+  void add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& left);
   bool isPrior(Eigen::Index row) const {
     return row >= std::ssize(bare_.rows) ||
            bare_.rows[static_cast<std::size_t>(row)].channel == BatchChannel::prior;
@@ -196,11 +201,10 @@ class HoldOut {
   std::vector<BatchChannel> channels_;  // that the effects act on, those they change most first
   Stretches stretches_;
   Random random_;
-  Eigen::MatrixXd columns_;  // physics, black box, every candidate for the placebo
+  Eigen::SparseMatrix<double> columns_;  // physics, black box
   Fitted box_;
   Eigen::MatrixXd simulated_;
   std::optional<Placebo> placebo_;
-  Eigen::Index first_placebo_ = 0;
   std::vector<Piece> pieces_;
   std::vector<const Piece*> filled_;
   HeldOutGain gain_;
@@ -231,21 +235,16 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
       random_(options.seed),
       pieces_(static_cast<std::size_t>(stretches_.count()) * kParts) {
   gain_.by_effect.assign(effects.size(), 0);
-  std::vector<double> box_sigma;
-  Eigen::SparseMatrix<double> box(std::ssize(bare_.rows), 0), candidates = box;
-  if (options.yardsticks) {
-    // A physics-free correction of the readings that the effects change most.
-    box = blackBox(bare_, channels_.front(), box_sigma);
-    placebo_.emplace(bare_);
-    candidates = placebo_->columns();
-  }
-  columns_.resize(model_.residual().size(), physics_.cols() + box.cols() + candidates.cols());
-  columns_ << Eigen::MatrixXd(model_.whitened(columnsOf(bare_, effects))),
-      Eigen::MatrixXd(model_.whitened(box)), Eigen::MatrixXd(model_.whitened(candidates));
-  for (Eigen::Index c = 0; c < box.cols(); ++c) box_.columns.push_back(physics_.cols() + c);
-  box_.sigma = Eigen::Map<Eigen::VectorXd>(box_sigma.data(), std::ssize(box_sigma));
-  first_placebo_ = physics_.cols() + box.cols();
+  columns_ = model_.whitened(columnsOf(bare_, effects));
   simulated_ = random_.normals(model_.residual().size(), options.yardsticks ? kPlacebos : 0);
+  if (!options.yardsticks) return;
+  placebo_.emplace(model_, simulated_);
+  // A physics-free correction of the readings that the effects change most.
+  std::vector<double> box_sigma;
+  const Eigen::SparseMatrix<double> box = model_.whitened(blackBox(bare_, channels_.front(), box_sigma));
+  for (Eigen::Index c = 0; c < box.cols(); ++c) box_.columns.push_back(columns_.cols() + c);
+  box_.sigma = Eigen::Map<Eigen::VectorXd>(box_sigma.data(), std::ssize(box_sigma));
+  columns_ = sideBySide(columns_, box);
 }
 
 Fitted HoldOut::physics(std::optional<std::size_t> but) const {
@@ -269,30 +268,49 @@ void HoldOut::holdOutFold(int fold) {
     if (is_test || isPrior(i)) in_test.push_back(i);
     if (!is_test) in_train.push_back(i);
   }
-  const RowsAlone train = rowsAlone(model_, std::move(in_train), columns_, simulated_);
-  const RowsAlone test = rowsAlone(model_, std::move(in_test), columns_, simulated_);
-  if (placebo_) placebo_->add(train, test, first_placebo_);
-  const Eigen::VectorXd after = leftOf(test, train, physics({}));
+  const RowsAlone train(model_, std::move(in_train)), test(model_, std::move(in_test));
+  if (placebo_) placebo_->add(train, test);
+  const Reduced trained = train.reduce(columns_);
+  const Eigen::Index floor_draws = placebo_ ? kFloorDraws : 0;
+  Eigen::MatrixXd with(model_.residual().size(), kFirstDraw + floor_draws + std::ssize(effects_));
+  with.col(kBefore) = model_.residual();
+  with.col(kAfter) = residualWith(physics({}), trained);
+  with.col(kBlackBox) = residualWith(box_, trained);
+  with.middleCols(kFirstDraw, floor_draws) = simulated_.leftCols(floor_draws);
   for (std::size_t e = 0; e < effects_.size(); ++e)
-    gain_.by_effect[e] += 0.5 * (leftOf(test, train, physics(e)).squaredNorm() - after.squaredNorm());
-  add(test, after, leftOf(test, train, box_));
+    with.col(kFirstDraw + floor_draws + static_cast<Eigen::Index>(e)) = residualWith(physics(e), trained);
+  const Eigen::MatrixXd left = test.project(with);
+  for (std::size_t e = 0; e < effects_.size(); ++e)
+    gain_.by_effect[e] +=
+        0.5 * (left.col(kFirstDraw + floor_draws + static_cast<Eigen::Index>(e)).squaredNorm() -
+               left.col(kAfter).squaredNorm());
+  add(test.rows(), left);
 }
 
-void HoldOut::add(const RowsAlone& test, const Eigen::VectorXd& after, const Eigen::VectorXd& black_box) {
-  for (Eigen::Index k = 0; k < std::ssize(test.rows); ++k) {
-    const Eigen::Index row = test.rows[static_cast<std::size_t>(k)];
+Eigen::VectorXd HoldOut::residualWith(const Fitted& what, const Reduced& trained) const {
+  Eigen::VectorXd residual = model_.residual();
+  const Eigen::VectorXd value =
+      fitted(trained.gram(what.columns, what.columns), trained.score(what.columns), what.sigma);
+  for (std::size_t k = 0; k < what.columns.size(); ++k)
+    residual += columns_.col(what.columns[k]) * value[static_cast<Eigen::Index>(k)];
+  return residual;
+}
+
+void HoldOut::add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& left) {
+  for (Eigen::Index k = 0; k < std::ssize(rows); ++k) {
+    const Eigen::Index row = rows[static_cast<std::size_t>(k)];
     if (isPrior(row)) continue;
     const RowInfo& info = bare_.rows[static_cast<std::size_t>(row)];
     Piece& piece = pieces_[static_cast<std::size_t>(stretches_.partOf(info.t_s))];
     Piece::Sums& sums = piece.channels[info.channel];
-    const double before = test.residual[k] * test.residual[k];
-    sums.before += before;
-    sums.after += after[k] * after[k];
-    sums.black_box += black_box[k] * black_box[k];
-    if (placebo_) sums.floor += test.noise.row(k).head(kFloorDraws).squaredNorm() / kFloorDraws;
+    const auto square = [&](Eigen::Index what) { return left(k, what) * left(k, what); };
+    sums.before += square(kBefore);
+    sums.after += square(kAfter);
+    sums.black_box += square(kBlackBox);
+    if (placebo_) sums.floor += left.row(k).segment(kFirstDraw, kFloorDraws).squaredNorm() / kFloorDraws;
     ++sums.rows;
-    piece.physics += 0.5 * (before - after[k] * after[k]);
-    piece.black_box += 0.5 * (before - black_box[k] * black_box[k]);
+    piece.physics += 0.5 * (square(kBefore) - square(kAfter));
+    piece.black_box += 0.5 * (square(kBefore) - square(kBlackBox));
   }
 }
 

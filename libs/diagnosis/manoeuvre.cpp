@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "diagnosis/screening.h"
 #include "sensors/camera_geometry.h"
@@ -24,17 +25,17 @@ Pose turned(double yaw_rad, double pitch_rad, double roll_rad) {
 }
 
 /// The pose from which most markers were seen, else the path's beginning.
-Pose stationOf(const BatchData& data, const BatchEstimate& estimate) {
+Pose stationOf(const BatchData& data, const PosePath& path) {
   std::map<double, int> seen;
   for (const BatchMarker& marker : data.markers) ++seen[marker.t_s];
   const auto most = std::max_element(seen.begin(), seen.end(),
                                      [](const auto& a, const auto& b) { return a.second < b.second; });
   const double t_s = most == seen.end() ? data.first_s : most->first;
-  const auto nearest = std::min_element(
-      estimate.path.begin(), estimate.path.end(),
-      [&](const auto& a, const auto& b) { return std::abs(a.t_s - t_s) < std::abs(b.t_s - t_s); });
+  const MotionNode node = path.nodeAt(t_s);
+  const auto own = std::span(path.poses)
+                       .subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
   // A level robot of that heading: nobody holds station tilted.
-  const Pose& pose = nearest->T_odom_robot.pose;
+  const Pose pose = motionOf(own, node, path.knot_s).T_odom_robot;
   const Vector3d forward = pose.rotation.col(0);
   return {rotationFromYawPitchRoll(std::atan2(forward.y(), forward.x()), 0, 0), pose.position};
 }
@@ -125,15 +126,13 @@ SizedEffect lasting(SizedEffect effect) {
 }
 
 WhitenedModel modelOf(const BatchData& data, const std::vector<double>& times_s,
-                      const std::vector<Pose>& poses, const BatchEstimate& estimate,
-                      const NoiseModel& noise) {
+                      const std::vector<Pose>& poses, const BatchState& recorded, const NoiseModel& noise) {
   ProblemOptions options;
   options.noise_scale = noise.noiseScale();
   options.robust_probability = 1;
   options.path_prior = PathPrior{poses.front(), 0.001, 0.001};
   BatchState state = startState(data, times_s, poses, {}, 10.0);
-  if (estimate.state.T_odom_panel.size() == state.T_odom_panel.size())
-    state.T_odom_panel = estimate.state.T_odom_panel;
+  if (recorded.T_odom_panel.size() == state.T_odom_panel.size()) state.T_odom_panel = recorded.T_odom_panel;
   return WhitenedModel(linearize(data, BatchProblem(data, options, state)), noise, data);
 }
 
@@ -177,12 +176,12 @@ SizedEffect sized(const Refit& fit, const Candidate& effect) {
   return {effect, Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values))};
 }
 
-Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, const BatchEstimate& estimate,
+Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, const BatchState& recorded,
                        const SizedEffect& first, const SizedEffect& second, const NoiseModel& noise) {
   Advice advice;
   advice.separation_now = separation(without, first, second);
   if (!data.hasMotion()) return advice;  // nothing that could be driven
-  const Pose station = stationOf(data, estimate);
+  const Pose station = stationOf(data, recorded.path);
   for (const Manoeuvre& manoeuvre : manoeuvres()) {
     std::vector<double> times_s;
     std::vector<Pose> poses;
@@ -192,7 +191,7 @@ Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, cons
     }
     const BatchData readings = readingsOf(data, times_s, poses);
     const double reached =
-        separation(modelOf(readings, times_s, poses, estimate, noise), lasting(first), lasting(second));
+        separation(modelOf(readings, times_s, poses, recorded, noise), lasting(first), lasting(second));
     if (reached <= advice.separation) continue;
     advice.separation = reached;
     advice.manoeuvre = manoeuvre.text;

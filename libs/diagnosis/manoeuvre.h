@@ -33,8 +33,8 @@ SizedEffect sized(const Refit& fit, const Candidate& effect);
 
 /// The best of the library for telling one of two effects from the other. By Jacobians alone: nothing is
 /// simulated, only predicted at the poses of each manoeuvre from the place where the recording saw most
-/// markers. `without`: the recording's model with neither; `estimate`: where the robot and the panels were.
-Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, const BatchEstimate& estimate,
+/// markers. `without`: the recording's model with neither; `recorded`: where the robot and the panels were.
+Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, const BatchState& recorded,
                        const SizedEffect& first, const SizedEffect& second, const NoiseModel& noise);
 
 }  // namespace fathom

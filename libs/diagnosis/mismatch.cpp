@@ -18,6 +18,11 @@ namespace {
 constexpr int kSpectrumDraws = 16;
 constexpr std::size_t kShortestSpectrum = 64;
 
+/// "2.1 to 2.4 m".
+std::string rangeOf(double low, double high, const std::string& unit) {
+  return print("%.3g to %.3g", low, high) + (unit == "1" ? "" : " " + unit);
+}
+
 /// A map before it is computed: its bins' columns are side by side.
 struct Plan {
   Mismatch map;
@@ -40,7 +45,7 @@ class Planner {
         plan.component = direction.component;
         for (std::size_t bin = 0; bin + 1 < limits.size(); ++bin) {
           const double low = limits[bin] * covariate.scale, high = limits[bin + 1] * covariate.scale;
-          addBin(plan, low, high, print("%.3g to %.3g %s", low, high, covariate.unit.c_str()));
+          addBin(plan, low, high, rangeOf(low, high, covariate.unit));
         }
         for (std::size_t i = 0; i < linear_.rows.size(); ++i)
           if (linear_.rows[i].channel == channel && direction.values[i] != 0)
@@ -121,12 +126,8 @@ class Planner {
     return plan.rows.size() - 1;
   }
   std::vector<double> effectColumn(std::size_t effect, std::size_t scalar) const {
-    std::vector<double> values(linear_.rows.size(), 0);
-    for (std::size_t c = 0; c < linear_.columns.size(); ++c)
-      if (linear_.columns[c].scalar == kEffectOffsets[effect] + scalar)
-        for (std::size_t i = 0; i < values.size(); ++i)
-          values[i] = linear_.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c));
-    return values;
+    const auto column = linear_.C.col(columnOf(linear_, effect, scalar));
+    return {column.begin(), column.end()};
   }
   std::size_t addColumn(const std::vector<std::size_t>& rows, const std::vector<double>& values) {
     for (const std::size_t i : rows)

@@ -89,15 +89,12 @@ Eigen::MatrixXd correlated(Eigen::MatrixXd noise, const std::array<ChannelRows, 
 /// How far a marker seems to lie elsewhere where its corners are that much off, m.
 double cornerBias_m(const Linearization& linear) {
   double square = 0, count = 0;
-  for (std::size_t c = 0; c < linear.columns.size(); ++c) {
-    const std::size_t scalar = linear.columns[c].scalar;
-    const std::size_t first = kEffectOffsets[kEffectIndex<MarkerMoved>] + 1;  // behind the marker's id
-    if (scalar != first && scalar != first + 1) continue;                     // in the panel's face
+  for (const std::size_t axis :
+       {1u, 2u}) {  // of the offset, in the panel's face; before it is the marker's id
+    const Eigen::Index column = columnOf(linear, kEffectIndex<MarkerMoved>, axis);
     for (std::size_t i = 0; i < linear.rows.size(); ++i)
       if (linear.rows[i].marker_id >= 0) {
-        square += std::pow(
-            linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) / linear.rows[i].per_unit,
-            2);
+        square += std::pow(linear.C(static_cast<Eigen::Index>(i), column) / linear.rows[i].per_unit, 2);
         count += 0.5;  // each coordinate has its share of either axis
       }
   }

@@ -7,9 +7,10 @@
 
 namespace fathom {
 
-Placebo::Placebo(const Linearization& linear) {
+Placebo::Placebo(const WhitenedModel& model, const Eigen::MatrixXd& noise) : noise_(noise) {
+  const Linearization& linear = model.linear();
   const std::vector<Candidate> candidates = lastingCandidates(linear);
-  columns_ = columnsOf(linear, candidates);
+  columns_ = model.whitened(columnsOf(linear, candidates));
   sigma_ = priorSigmas(linear, candidates);
   Eigen::Index first = 0;
   for (const Candidate& candidate : candidates) {
@@ -19,14 +20,9 @@ Placebo::Placebo(const Linearization& linear) {
   }
 }
 
-void Placebo::add(const RowsAlone& train, const RowsAlone& test, Eigen::Index first) {
-  const auto own = [&](const RowsAlone& rows) { return rows.columns.middleCols(first, sigma_.size()); };
-  Fold fold;
-  fold.A_train = own(train).transpose() * own(train);
-  fold.A_test = own(test).transpose() * own(test);
-  fold.g_train = own(train).transpose() * train.noise.leftCols(kPlacebos);
-  fold.g_test = own(test).transpose() * test.noise.leftCols(kPlacebos);
-  folds_.push_back(std::move(fold));
+void Placebo::add(const RowsAlone& train, const RowsAlone& test) {
+  folds_.push_back({train.reduce(columns_, size_).gram, test.reduce(columns_, size_).gram,
+                    train.scores(columns_, noise_), test.scores(columns_, noise_)});
 }
 
 double Placebo::percentile95() const {

@@ -56,7 +56,7 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
     switchOn(fit.options.calibration, effect);
     fit.options.problem.estimate.set(effect.effect);
   }
-  fit.estimate = reestimate(data, from, fit.options);
+  fit.estimate = minimumFrom(data, from, fit.options);
   if (!fit.estimate.succeeded) return fit;
   try {
     fit.model = std::make_shared<WhitenedModel>(linearize(data, *problemAt(data, fit.estimate, fit.options)),

@@ -35,28 +35,37 @@ Nuisances nuisancesOf(const Eigen::SparseMatrix<double>& J, const std::vector<Ei
 
 }  // namespace
 
-RowsAlone rowsAlone(const WhitenedModel& model, std::vector<Eigen::Index> rows,
-                    const Eigen::MatrixXd& columns, const Eigen::MatrixXd& noise) {
-  const Nuisances nuisances = nuisancesOf(model.nuisances().J(), rows);
-  const auto projected = [&](const Eigen::MatrixXd& all) {
-    Eigen::MatrixXd own = Eigen::MatrixXd::Zero(nuisances.J().rows(), all.cols());
-    own.topRows(std::ssize(rows)) = all(rows, Eigen::all);
-    return Eigen::MatrixXd(nuisances.project(own).topRows(std::ssize(rows)));
-  };
-  RowsAlone part;
-  part.residual = projected(model.residual());
-  part.columns = projected(columns);
-  part.noise = projected(noise);
-  part.rows = std::move(rows);
-  return part;
+RowsAlone::RowsAlone(const WhitenedModel& model, std::vector<Eigen::Index> rows)
+    : rows_(std::move(rows)),
+      nuisances_(nuisancesOf(model.nuisances().J(), rows_)),
+      select_(nuisances_.J().rows(), model.residual().size()) {
+  std::vector<Eigen::Triplet<double>> ones;
+  for (std::size_t k = 0; k < rows_.size(); ++k)
+    ones.emplace_back(static_cast<int>(k), static_cast<int>(rows_[k]), 1.0);
+  select_.setFromTriplets(ones.begin(), ones.end());
+  residual_ = select_ * model.residual();
 }
 
-Eigen::VectorXd fitted(const Eigen::MatrixXd& columns, const Eigen::VectorXd& residual,
-                       const Eigen::VectorXd& sigma) {
-  if (columns.cols() == 0) return {};
-  Eigen::MatrixXd A = columns.transpose() * columns;
-  A.diagonal() += sigma.array().square().inverse().matrix();
-  return -A.ldlt().solve(columns.transpose() * residual);
+Reduced RowsAlone::reduce(const Eigen::SparseMatrix<double>& columns,
+                          const std::vector<Eigen::Index>& blocks) const {
+  return nuisances_.reduce(select_ * columns, residual_, blocks);
+}
+
+Eigen::MatrixXd RowsAlone::scores(const Eigen::SparseMatrix<double>& columns,
+                                  const Eigen::MatrixXd& R) const {
+  return nuisances_.scores(select_ * columns, select_ * R);
+}
+
+Eigen::MatrixXd RowsAlone::project(const Eigen::MatrixXd& R) const {
+  return nuisances_.project(select_ * R).topRows(std::ssize(rows_));
+}
+
+Eigen::VectorXd fitted(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
+                       const Eigen::VectorXd& prior_sigma) {
+  if (score.size() == 0) return {};
+  Eigen::MatrixXd A = gram;
+  A.diagonal() += prior_sigma.array().square().inverse().matrix();
+  return -A.ldlt().solve(score);
 }
 
 }  // namespace fathom

@@ -6,21 +6,30 @@
 
 namespace fathom {
 
-/// Some of a model's rows by themselves, with columns that are tested: all with the nuisances, as these rows
-/// alone determine them, projected off.
-struct RowsAlone {
-  std::vector<Eigen::Index> rows;  ///< of the model
-  Eigen::VectorXd residual;
-  Eigen::MatrixXd columns;
-  Eigen::MatrixXd noise;  ///< simulated, white before the projection
+/// Some of a model's rows by themselves: what is tested on them has the nuisances, as these rows alone
+/// determine them, projected off. All that goes in is over the model's rows.
+class RowsAlone {
+ public:
+  RowsAlone(const WhitenedModel& model, std::vector<Eigen::Index> rows);
+
+  const std::vector<Eigen::Index>& rows() const { return rows_; }
+  /// Of columns and the model's residual (see Nuisances::reduce()).
+  Reduced reduce(const Eigen::SparseMatrix<double>& columns,
+                 const std::vector<Eigen::Index>& blocks = {}) const;
+  /// C^T P R of columns C and of R.
+  Eigen::MatrixXd scores(const Eigen::SparseMatrix<double>& columns, const Eigen::MatrixXd& R) const;
+  /// P R, by these rows.
+  Eigen::MatrixXd project(const Eigen::MatrixXd& R) const;
+
+ private:
+  std::vector<Eigen::Index> rows_;
+  Nuisances nuisances_;
+  Eigen::SparseMatrix<double> select_;  // the nuisances' rows of the model's
+  Eigen::VectorXd residual_;
 };
 
-/// `columns`, `noise`: over all of the model's rows.
-RowsAlone rowsAlone(const WhitenedModel& model, std::vector<Eigen::Index> rows,
-                    const Eigen::MatrixXd& columns, const Eigen::MatrixXd& noise);
-
 /// What of the columns lowers the residual most, with a normal prior of so much sigma.
-Eigen::VectorXd fitted(const Eigen::MatrixXd& columns, const Eigen::VectorXd& residual,
-                       const Eigen::VectorXd& sigma);
+Eigen::VectorXd fitted(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
+                       const Eigen::VectorXd& prior_sigma);
 
 }  // namespace fathom

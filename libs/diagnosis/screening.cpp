@@ -116,8 +116,6 @@ void Screening::layOut(const Linearization& linear, int segments, const std::set
   const Interval span = readingsSpan(linear);
   first_s_ = span.from_s;
   segment_s_ = std::max(1e-9, (span.to_s - first_s_) / segments);
-  prior_sigma_.assign(kEffectOffsets[kEffectCount], 0);
-  for (const EffectColumn& c : linear.columns) prior_sigma_[c.scalar] = c.prior_sigma;
   Eigen::Index column = 0;
   for (const EffectInfo& effect : allEffects()) {
     const bool lasts = lasting_only.contains(effect.index);
@@ -127,6 +125,7 @@ void Screening::layOut(const Linearization& linear, int segments, const std::set
     family.is_step = effect.has(ParameterKind::time);
     for (const std::size_t c : columnsOf(linear, effect.index))
       family.scalars.push_back(linear.columns[c].scalar);
+    family.prior_sigma = priorSigmas(linear, {family.candidate});
     const auto add = [&](std::optional<int> id, int count) {
       family.candidate.marker_id = id;
       family.first = column;
@@ -207,14 +206,6 @@ Eigen::VectorXd Screening::scoreOf(const Run& run, const Eigen::VectorXd& score)
   return sum;
 }
 
-Eigen::VectorXd Screening::priorOf(const Run& run) const {
-  const Family& family = families_[run.family];
-  Eigen::VectorXd sigma(family.size);
-  for (Eigen::Index k = 0; k < family.size; ++k)
-    sigma[k] = prior_sigma_[family.scalars[static_cast<std::size_t>(k)]];
-  return sigma;
-}
-
 Eigen::VectorXd Screening::normsOf(const Run& run) const {
   const Family& family = families_[run.family];
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(family.size);
@@ -236,7 +227,7 @@ TestedCandidate Screening::test(const Test& test) const {
   if (tested.dof == 0) return tested;
   tested.statistic = g.dot(information.inverse * g);
   tested.log_p = chiSquareLogTail(tested.dof, tested.statistic);
-  tested.support = fathom::support(A, g, priorOf(run));
+  tested.support = fathom::support(A, g, family.prior_sigma);
   tested.kept = std::sqrt(std::max(0.0, A.trace()) / normsOf(run).squaredNorm());
   const Eigen::VectorXd value = information.inverse * g;
   for (Eigen::Index k = 0; k < family.size; ++k)
@@ -262,7 +253,7 @@ double Screening::supportOf(const std::vector<std::size_t>& members) const {
       column += columns;
     }
     g.segment(row, rows) = combined_.score.segment(place_[a], rows);
-    sigma.segment(row, rows) = priorOf(runs_[a]);
+    sigma.segment(row, rows) = families_[runs_[a].family].prior_sigma;
     prior += log_prior_[a];
     row += rows;
   }
@@ -308,11 +299,11 @@ double Screening::alignment(std::size_t a, std::size_t b) const {
   return std::min(1.0, cosines.jacobiSvd().singularValues()[0]);
 }
 
-double Screening::alarm(double log_p, std::uint64_t seed) const {
+double Screening::independentLooks(std::uint64_t seed) const {
   if (all_.empty()) return 1;
   Random random(seed);
   const Eigen::MatrixXd noise = random.normals(columns_.rows(), kAlarmDraws);
-  const Eigen::MatrixXd scores = columns_.transpose() * model_.nuisances().project(noise);
+  const Eigen::MatrixXd scores = model_.nuisances().scores(columns_, noise);
   std::vector<double> best(kAlarmDraws, 0);
   tbb::parallel_for(0, kAlarmDraws, [&](int draw) {
     std::map<int, double> largest;  // by degrees of freedom
@@ -325,8 +316,9 @@ double Screening::alarm(double log_p, std::uint64_t seed) const {
     for (const auto& [dof, statistic] : largest) least = std::min(least, chiSquareLogTail(dof, statistic));
   });
   std::nth_element(best.begin(), best.begin() + kAlarmDraws / 2, best.end());
-  const double looks = std::log(2.0) / std::exp(best[kAlarmDraws / 2]);
-  return -std::expm1(-looks * std::exp(log_p));
+  return std::log(2.0) / std::exp(best[kAlarmDraws / 2]);
 }
+
+double alarmOf(double log_p, double looks) { return -std::expm1(-looks * std::exp(log_p)); }
 
 }  // namespace fathom

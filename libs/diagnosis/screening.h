@@ -54,15 +54,15 @@ class Screening {
   std::vector<TestedSet> bestSets(std::size_t size, std::size_t count, double log_odds) const;
   /// The largest |cos| between what two candidates can do to the readings, nuisances projected off.
   double alignment(std::size_t a, std::size_t b) const;
-  /// Probability that, where nothing is missing, any candidate's p is as small: simulated once, extrapolated
-  /// by the effective number of independent looks.
-  double alarm(double log_p, std::uint64_t seed) const;
+  /// How many independent tests all that was tried is worth: by the median of the least p of simulated noise.
+  double independentLooks(std::uint64_t seed) const;
 
  private:
   /// An effect's columns, segment by segment, among all.
   struct Family {
     Candidate candidate;
     std::vector<std::size_t> scalars;  ///< in EffectParameters::values
+    Eigen::VectorXd prior_sigma;       ///< of each
     Eigen::Index first = 0, size = 0;
     int segments = 1;
     bool is_step = false;
@@ -88,7 +88,6 @@ class Screening {
   Eigen::MatrixXd gramOf(std::size_t a, std::size_t b) const;
   void combine();
   Eigen::VectorXd scoreOf(const Run& run, const Eigen::VectorXd& score) const;
-  Eigen::VectorXd priorOf(const Run& run) const;
   TestedCandidate test(const Test& test) const;
   double supportOf(const std::vector<std::size_t>& members) const;
 
@@ -96,7 +95,6 @@ class Screening {
   Eigen::SparseMatrix<double> columns_;  // of all families, whitened
   double first_s_ = 0, segment_s_ = 0;
   std::vector<Family> families_;
-  std::vector<double> prior_sigma_;  // of EffectParameters::values
   Reduced reduced_;                  // of all segments, gram within each family only
   Reduced combined_;                 // of the tested ones, side by side
   std::vector<Eigen::Index> place_;  // of the tested ones' columns there
@@ -105,6 +103,9 @@ class Screening {
   std::vector<Run> runs_;          // of the tested ones
   std::vector<double> log_prior_;  // of the tested ones: an interval is one of many
 };
+
+/// Probability that the least p of so many independent tests is as small where nothing is missing.
+double alarmOf(double log_p, double looks);
 
 /// -ln of the probability that parameters of no effect raise the likelihood so much: information A, score g.
 /// With a normal prior, which keeps sizes that nobody would expect from counting, and of parameters that the

@@ -64,7 +64,7 @@ ceres::Solver::Summary solve(const BatchProblem& problem, const BatchOptions& op
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = 1e-9;
+  solver.function_tolerance = options.function_tolerance;
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
   Watch watch(options.max_iterations);
@@ -215,19 +215,6 @@ void takeOver(const EffectParameters<double>& calibration, const std::bitset<kEf
   }
 }
 
-/// All that follows from where the minimum is.
-void describe(BatchEstimate& estimate, const BatchData& data, const BatchProblem& problem, double rate_hz) {
-  Linearization linear = linearize(data, problem, false);
-  applyRobustWeights(linear);
-  const Uncertainty uncertainty(problem, linear);
-  addPath(estimate, data, problem, uncertainty, rate_hz);
-  addParameters(estimate, problem, uncertainty);
-  addResiduals(estimate, problem, linear, uncertainty.leverages(linear.J));
-  estimate.rows = linear.rows.size();
-  estimate.unknowns = static_cast<std::size_t>(problem.unknowns());
-  estimate.markers_behind_camera = problem.behindCamera();
-}
-
 }  // namespace
 
 BatchEstimate estimateBatch(const BatchData& data, const StartPath& start, const BatchOptions& options) {
@@ -243,6 +230,11 @@ BatchEstimate estimateBatch(const BatchData& data, const StartPath& start, const
 }
 
 BatchEstimate reestimate(const BatchData& data, const BatchEstimate& from, const BatchOptions& options) {
+  BatchEstimate minimum = minimumFrom(data, from, options);
+  return minimum.succeeded ? described(data, std::move(minimum), options) : minimum;
+}
+
+BatchEstimate minimumFrom(const BatchData& data, const BatchEstimate& from, const BatchOptions& options) {
   constexpr double kSettled_s = 1e-5;
   BatchEstimate estimate;
   estimate.state = from.state;
@@ -263,12 +255,25 @@ BatchEstimate reestimate(const BatchData& data, const BatchEstimate& from, const
     const EffectParameters<double> before = estimate.state.effects;
     estimate.state = problem->at(x);
     settled = latencyChange(before, estimate.state.effects) < kSettled_s;
-    problem = problemAt(data, estimate, options);
+    if (!settled) problem = problemAt(data, estimate, options);
   }
-  describe(estimate, data, *problem, options.output_rate_hz);
   estimate.succeeded = true;
   estimate.failure.clear();
   return estimate;
+}
+
+BatchEstimate described(const BatchData& data, BatchEstimate minimum, const BatchOptions& options) {
+  const std::unique_ptr<BatchProblem> problem = problemAt(data, minimum, options);
+  Linearization linear = linearize(data, *problem, false);
+  applyRobustWeights(linear);
+  const Uncertainty uncertainty(*problem, linear);
+  addPath(minimum, data, *problem, uncertainty, options.output_rate_hz);
+  addParameters(minimum, *problem, uncertainty);
+  addResiduals(minimum, *problem, linear, uncertainty.leverages(linear.J));
+  minimum.rows = linear.rows.size();
+  minimum.unknowns = static_cast<std::size_t>(problem->unknowns());
+  minimum.markers_behind_camera = problem->behindCamera();
+  return minimum;
 }
 
 BatchEstimate adaptNoise(const BatchData& data, BatchEstimate estimate, BatchOptions& options) {

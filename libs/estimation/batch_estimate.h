@@ -16,9 +16,10 @@ struct BatchOptions {
   EffectParameters<double> calibration;  ///< effects that are on; of those estimated, where to start
   ProblemOptions problem;
   double bias_interval_s = 10.0;
-  int max_iterations = 50;       ///< of a round
-  int max_rounds = 5;            ///< a latency that is estimated moves the motion's times between them
-  double output_rate_hz = 10.0;  ///< of the path between images
+  int max_iterations = 50;           ///< of a round
+  double function_tolerance = 1e-9;  ///< relative change of the cost at which a round ends
+  int max_rounds = 5;                ///< a latency that is estimated moves the motion's times between them
+  double output_rate_hz = 10.0;      ///< of the path between images
 };
 
 struct PathPose {
@@ -77,6 +78,11 @@ BatchEstimate estimateBatch(const BatchData& data, const StartPath& start, const
 /// The same from where another estimate of the same data ended, with other options: more effects, or noise.
 /// Effects that both estimate go on from their values; of all others the calibration's hold.
 BatchEstimate reestimate(const BatchData& data, const BatchEstimate& from, const BatchOptions& options);
+
+/// reestimate() in two steps, for whoever tries many: where the minimum is, `state` and `cost` alone; then
+/// all that follows from it, path, covariances and residuals.
+BatchEstimate minimumFrom(const BatchData& data, const BatchEstimate& from, const BatchOptions& options);
+BatchEstimate described(const BatchData& data, BatchEstimate minimum, const BatchOptions& options);
 
 /// The same with each channel's noise as large as its residuals show, where that is more than stated: sets
 /// options.problem.noise_scale. What is left out of the model counts as noise here, so take it from a

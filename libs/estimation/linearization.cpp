@@ -140,6 +140,14 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
   return linear;
 }
 
+Eigen::Index columnOf(const Linearization& linear, std::size_t effect, std::size_t scalar) {
+  const auto column = std::find_if(linear.columns.begin(), linear.columns.end(), [&](const EffectColumn& c) {
+    return c.scalar == kEffectOffsets[effect] + scalar;
+  });
+  if (column == linear.columns.end()) throw std::out_of_range("no continuous scalar of an effect");
+  return column - linear.columns.begin();
+}
+
 Interval readingsSpan(const Linearization& linear) {
   Interval span{Interval::kForever_s, -Interval::kForever_s};
   for (const RowInfo& row : linear.rows)

@@ -69,6 +69,9 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
 /// Multiplies each row by the root of its robust weight: what the estimate has minimized, to first order.
 void applyRobustWeights(Linearization& linear);
 
+/// Which column of C is an effect's scalar, counted from the effect's first. Throws std::out_of_range.
+Eigen::Index columnOf(const Linearization& linear, std::size_t effect, std::size_t scalar);
+
 /// From the first reading to the last.
 Interval readingsSpan(const Linearization& linear);
 

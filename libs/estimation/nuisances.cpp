@@ -69,7 +69,7 @@ Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::Vec
   const Eigen::SparseMatrix<double> own = C.transpose() * C;
   Reduced reduced;
   reduced.norms = Eigen::VectorXd(own.diagonal()).cwiseSqrt();
-  reduced.score = C.transpose() * (r - J_ * factors_.solve(J_.transpose() * r));
+  reduced.score = scores(C, r);
   if (blocks.empty()) {
     reduced.gram = Eigen::MatrixXd(own) - gramOf(U);
     return reduced;
@@ -82,6 +82,18 @@ Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::Vec
     first += size;
   }
   return reduced;
+}
+
+Eigen::MatrixXd Nuisances::scores(const Eigen::SparseMatrix<double>& C, const Eigen::MatrixXd& R) const {
+  const Eigen::SparseMatrix<double> shared = C.transpose() * J_;
+  Eigen::MatrixXd scores(C.cols(), R.cols());
+  tbb::parallel_for(Eigen::Index{0}, (R.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
+    const Eigen::Index first = block * kBlock, count = std::min(kBlock, R.cols() - first);
+    const auto own = R.middleCols(first, count);
+    const Eigen::MatrixXd along = J_.transpose() * own;
+    scores.middleCols(first, count) = C.transpose() * own - shared * factors_.solve(along);
+  });
+  return scores;
 }
 
 Eigen::MatrixXd Nuisances::project(const Eigen::MatrixXd& R) const {

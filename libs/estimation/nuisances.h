@@ -28,6 +28,8 @@ class Nuisances {
   /// `blocks`: sizes of the gram's diagonal blocks that are wanted, everything else is zero; none: all of it.
   Reduced reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r,
                  const std::vector<Eigen::Index>& blocks = {}) const;
+  /// C^T P R.
+  Eigen::MatrixXd scores(const Eigen::SparseMatrix<double>& C, const Eigen::MatrixXd& R) const;
   /// P R.
   Eigen::MatrixXd project(const Eigen::MatrixXd& R) const;
   /// Covariance of these unknowns.

@@ -7,6 +7,8 @@
 #include <stdexcept>
 
 #include "core/text.h"
+#include "landmarks/given_corners.h"
+#include "panel/marker_family.h"
 #include "recording/csv.h"
 
 namespace fathom {
@@ -58,7 +60,15 @@ void turnOver(Grid& grid, Pixels& pixels) {
   pixels = std::move(turned);
 }
 
-/// The board with a marker for every second square of every second row.
+/// The top left corners of every second square of every second row: those that stand for markers.
+std::vector<std::array<int, 2>> markedSquares(const Grid& grid) {
+  std::vector<std::array<int, 2>> squares;
+  for (int row = 0; row + 1 < grid.rows; row += 2)
+    for (int column = 0; column + 1 < grid.columns; column += 2) squares.push_back({column, row});
+  return squares;
+}
+
+/// The board with its markers, ids from the first on.
 PanelMap boardOf(const Grid& grid, const std::string& name, int first_id) {
   PanelMap board;
   board.name = name;
@@ -66,15 +76,15 @@ PanelMap boardOf(const Grid& grid, const std::string& name, int first_id) {
   board.T_odom_panel.rotation << x, y, x.cross(y);
   board.T_odom_panel.position = grid.origin;
   const double s = grid.square_m();
-  for (int r = 0; r + 1 < grid.rows; r += 2)
-    for (int c = 0; c + 1 < grid.columns; c += 2) {
-      Marker marker;
-      marker.family = kFamily;
-      marker.id = first_id + static_cast<int>(board.markers.size());
-      marker.size_m = s;
-      marker.T_panel_marker.position = {(c + 0.5) * s, -(r + 0.5) * s, 0};
-      board.markers.push_back(marker);
-    }
+  int id = first_id;
+  for (const auto& [column, row] : markedSquares(grid)) {
+    Marker marker;
+    marker.family = kFamily;
+    marker.id = id++;
+    marker.size_m = s;
+    marker.T_panel_marker.position = {(column + 0.5) * s, -(row + 0.5) * s, 0};
+    board.markers.push_back(marker);
+  }
   return board;
 }
 
@@ -82,24 +92,29 @@ PanelMap boardOf(const Grid& grid, const std::string& name, int first_id) {
 std::vector<Detection> squaresOf(const Grid& grid, const Pixels& pixels, int first_id, double sigma_px) {
   std::vector<Detection> squares;
   int id = first_id;
-  for (int r = 0; r + 1 < grid.rows; r += 2)
-    for (int c = 0; c + 1 < grid.columns; c += 2, ++id) {
-      Detection square;
-      square.family = kFamily;
-      square.id = id;
-      square.corners_px = {pixels[grid.index(c, r)], pixels[grid.index(c + 1, r)],
-                           pixels[grid.index(c + 1, r + 1)], pixels[grid.index(c, r + 1)]};
-      square.covariance_px2 = sigma_px * sigma_px * Matrix8d::Identity();
-      square.refined = true;
-      if (std::all_of(square.corners_px.begin(), square.corners_px.end(),
-                      [](const Vector2d& p) { return p.allFinite(); }))
-        squares.push_back(square);
-    }
+  for (const auto& [c, r] : markedSquares(grid)) {
+    const Detection square = givenDetection(kFamily, id++,
+                                            {pixels[grid.index(c, r)], pixels[grid.index(c + 1, r)],
+                                             pixels[grid.index(c + 1, r + 1)], pixels[grid.index(c, r + 1)]},
+                                            sigma_px);
+    if (std::all_of(square.corners_px.begin(), square.corners_px.end(),
+                    [](const Vector2d& p) { return p.allFinite(); }))
+      squares.push_back(square);
+  }
   return squares;
+}
+
+/// One id a marker is all that the family has.
+void requireIds(const TextTable& table, std::size_t markers) {
+  const auto ids = static_cast<std::size_t>(markerCount(kFamily));
+  if (markers > ids)
+    throw Error(table.file.string(), "",
+                print("%zu squares for markers, of which there are %zu", markers, ids));
 }
 
 BoardCorners numberedCorners(const TextTable& table, const Checkerboard& board, double sigma_px) {
   Grid grid{Vector3d::Zero(), {board.square_m, 0, 0}, {0, board.square_m, 0}, board.columns, board.rows};
+  requireIds(table, static_cast<std::size_t>(board.columns / 2) * static_cast<std::size_t>(board.rows / 2));
   std::map<std::string, Pixels> views;
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
     const double corner = table.number(row, 1);
@@ -182,6 +197,7 @@ BoardCorners placedCorners(const TextTable& table, double sigma_px) {
     seen.insert(seen.end(), squares.begin(), squares.end());
     id += static_cast<int>(corners.boards.back().markers.size());
     first += static_cast<std::size_t>(count);
+    requireIds(table, static_cast<std::size_t>(id));
   }
   return corners;
 }

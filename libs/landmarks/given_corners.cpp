@@ -17,31 +17,43 @@ const std::vector<std::string> kColumns{"image", "family", "id",    "sigma_px", 
 constexpr std::size_t kFirstCorner = 4;
 
 Detection detectionOf(const TextTable& table, std::size_t row) {
-  Detection detection;
-  detection.family = table.rows[row][1];
-  if (!isMarkerFamily(detection.family)) throw table.error(row, "no such family: `" + detection.family + "`");
+  const std::string& family = table.rows[row][1];
+  if (!isMarkerFamily(family)) throw table.error(row, "no such family: `" + family + "`");
   const double id = table.number(row, 2), sigma_px = table.number(row, 3);
   if (id < 0 || id != std::floor(id) || id > 1e6)
     throw table.error(row, "id must be a whole number from 0 on");
   if (!(sigma_px > 0)) throw table.error(row, "sigma_px must be greater than zero");
-  detection.id = static_cast<int>(id);
+  std::array<Vector2d, 4> corners_px;
   for (std::size_t k = 0; k < 4; ++k)
-    detection.corners_px[k] = {table.number(row, kFirstCorner + 2 * k),
-                               table.number(row, kFirstCorner + 2 * k + 1)};
+    corners_px[k] = {table.number(row, kFirstCorner + 2 * k), table.number(row, kFirstCorner + 2 * k + 1)};
+  return givenDetection(family, static_cast<int>(id), corners_px, sigma_px);
+}
+
+std::string headerLine() {
+  std::string text;
+  for (const std::string& column : kColumns) text += (text.empty() ? "" : ",") + column;
+  return text;
+}
+
+}  // namespace
+
+Detection givenDetection(std::string family, int id, const std::array<Vector2d, 4>& corners_px,
+                         double sigma_px) {
+  Detection detection;
+  detection.family = std::move(family);
+  detection.id = id;
+  detection.corners_px = corners_px;
   detection.covariance_px2 = sigma_px * sigma_px * Matrix8d::Identity();
   detection.refined = true;
   return detection;
 }
-
-}  // namespace
 
 fs::path cornersBeside(const fs::path& rawlog) {
   return rawlog.parent_path() / (rawlog.stem().string() + "_corners.csv");
 }
 
 void writeGivenCorners(const fs::path& file, const std::map<std::string, std::vector<Detection>>& by_image) {
-  std::string text;
-  for (const std::string& column : kColumns) text += (text.empty() ? "" : ",") + column;
+  std::string text = headerLine();
   for (const auto& [image, detections] : by_image)
     for (const Detection& detection : detections) {
       text += "\n" + image + "," + detection.family + print(",%d,%.9g", detection.id, detection.sigma_px());
@@ -52,11 +64,7 @@ void writeGivenCorners(const fs::path& file, const std::map<std::string, std::ve
 
 Detections readGivenCorners(const fs::path& file, const fs::path& image_folder) {
   const TextTable table = readTable(file);
-  if (table.columns != kColumns) {
-    std::string wanted;
-    for (const std::string& column : kColumns) wanted += (wanted.empty() ? "" : ",") + column;
-    throw Error(file.string(), "line 1", "must be " + wanted);
-  }
+  if (table.columns != kColumns) throw Error(file.string(), "line 1", "must be " + headerLine());
   Detections detections;
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
     Detection detection = detectionOf(table, row);

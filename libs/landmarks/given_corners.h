@@ -7,6 +7,10 @@
 /// Markers that somebody else has found: a table beside a rawlog, which is taken instead of a search.
 namespace fathom {
 
+/// A marker as somebody else has found it: corners' coordinates independent, each of so much sigma.
+Detection givenDetection(std::string family, int id, const std::array<Vector2d, 4>& corners_px,
+                         double sigma_px);
+
 /// NAME_corners.csv.
 std::filesystem::path cornersBeside(const std::filesystem::path& rawlog);
 

@@ -96,9 +96,25 @@ double toNumber(const Lines& lines, std::string_view field) {
   throw lines.error("not a finite number: `" + std::string(field) + "`");
 }
 
-void requireFields(const Lines& lines, std::size_t found, std::size_t wanted) {
-  if (found != wanted)
-    throw lines.error("has " + std::to_string(found) + " fields instead of " + std::to_string(wanted));
+std::string headerOf(Lines& lines, const std::filesystem::path& file) {
+  std::string line;
+  if (!lines.next(line)) throw Error(file.string(), "line 1", "empty: must start with the columns' names");
+  return line;
+}
+
+/// Hands each row's fields, so many, to `take`. Throws Error: another number of them, or no row.
+template <class Take>
+void forEachRow(Lines& lines, std::size_t columns, const Take& take) {
+  std::string line;
+  bool any = false;
+  for (; lines.next(line); any = true) {
+    const auto fields = splitAtCommas(line);
+    if (fields.size() != columns)
+      throw lines.error("has " + std::to_string(fields.size()) + " fields instead of " +
+                        std::to_string(columns));
+    take(fields);
+  }
+  if (!any) throw lines.error("has no rows");
 }
 
 }  // namespace
@@ -106,21 +122,15 @@ void requireFields(const Lines& lines, std::size_t found, std::size_t wanted) {
 std::vector<std::vector<double>> readCsv(const std::filesystem::path& file,
                                          const std::vector<std::string>& columns) {
   Lines lines(file);
-  std::string line;
-  if (!lines.next(line)) throw Error(file.string(), "line 1", "empty: must start with the columns' names");
-  const auto places = findColumns(lines, line, columns);
-
+  const auto places = findColumns(lines, headerOf(lines, file), columns);
   std::vector<std::vector<double>> rows;
-  while (lines.next(line)) {
-    const auto fields = splitAtCommas(line);
-    requireFields(lines, fields.size(), places.size());
+  forEachRow(lines, places.size(), [&](const std::vector<std::string_view>& fields) {
     std::vector<double> row;
     row.reserve(places.size());
     for (const std::size_t place : places) row.push_back(toNumber(lines, fields[place]));
     if (!rows.empty() && row[0] <= rows.back()[0]) throw lines.error("time does not increase");
     rows.push_back(std::move(row));
-  }
-  if (rows.empty()) throw lines.error("has no rows");
+  });
   return rows;
 }
 
@@ -135,18 +145,12 @@ double TextTable::number(std::size_t row, std::size_t column) const {
 
 TextTable readTable(const std::filesystem::path& file) {
   Lines lines(file);
-  std::string line;
-  if (!lines.next(line)) throw Error(file.string(), "line 1", "empty: must start with the columns' names");
-  const auto texts = [&] {
-    const auto fields = splitAtCommas(line);
-    return std::vector<std::string>(fields.begin(), fields.end());
-  };
-  TextTable table{file, texts(), {}};
-  while (lines.next(line)) {
-    table.rows.push_back(texts());
-    requireFields(lines, table.rows.back().size(), table.columns.size());
-  }
-  if (table.rows.empty()) throw lines.error("has no rows");
+  const std::string header = headerOf(lines, file);
+  const auto names = splitAtCommas(header);
+  TextTable table{file, {names.begin(), names.end()}, {}};
+  forEachRow(lines, names.size(), [&](const std::vector<std::string_view>& fields) {
+    table.rows.emplace_back(fields.begin(), fields.end());
+  });
   return table;
 }
 

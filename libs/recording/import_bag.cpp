@@ -565,19 +565,6 @@ std::string rateLine(const Pace& pace) {
   return line;
 }
 
-std::string cameraLines(const mrpt::img::TCamera& c) {
-  char lines[900];
-  std::snprintf(
-      lines, sizeof lines,
-      "  width_px: %u\n  height_px: %u\n  fx_px: %.9g\n  fy_px: %.9g\n  cx_px: %.9g\n  cy_px: %.9g\n"
-      "  distortion: {k1: %.9g, k2: %.9g, p1: %.9g, p2: %.9g, k3: %.9g}\n"
-      "  # From here on generic: the bag does not say.\n"
-      "  exposure_s: 0.004\n  gain: fixed\n  response_gamma: 1.0\n  bits: 8\n"
-      "  full_well_e: 30000\n  read_noise_e: 12\n  corner_sigma_px: 0.15\n",
-      c.ncols, c.nrows, c.fx(), c.fy(), c.cx(), c.cy(), c.k1(), c.k2(), c.p1(), c.p2(), c.k3());
-  return lines;
-}
-
 std::string BagImporter::vehicleYaml() const {
   std::ostringstream yaml;
   yaml << "# From a ROS bag. Sigmas are the messages' own covariances where they are given.\n"

@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include "core/text.h"
+
 namespace fathom {
 
 std::string toText(const Conclusion& conclusion) {
@@ -12,6 +14,18 @@ std::string toText(const Conclusion& conclusion) {
     text += " (residual ratio " + std::string(ratio) + " against: " + conclusion.runner_up + ")";
   }
   return conclusion.evidence.empty() ? text : text + "; " + conclusion.evidence;
+}
+
+std::string cameraLines(const mrpt::img::TCamera& c, double corner_sigma_px) {
+  return print(
+      "  width_px: %u\n  height_px: %u\n  fx_px: %.9g\n  fy_px: %.9g\n  cx_px: %.9g\n  cy_px: %.9g\n"
+      "  distortion: {k1: %.9g, k2: %.9g, p1: %.9g, p2: %.9g, k3: %.9g}\n"
+      "  corner_sigma_px: %.9g\n"
+      "  # From here on generic: the source does not say.\n"
+      "  exposure_s: 0.004\n  gain: fixed\n  response_gamma: 1.0\n  bits: 8\n"
+      "  full_well_e: 30000\n  read_noise_e: 12\n",
+      c.ncols, c.nrows, c.fx(), c.fy(), c.cx(), c.cy(), c.k1(), c.k2(), c.p1(), c.p2(), c.k3(),
+      corner_sigma_px);
 }
 
 }  // namespace fathom

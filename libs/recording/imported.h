@@ -22,6 +22,10 @@ struct Conclusion {
 /// "what: concluded (N x better than runner-up); evidence", one line.
 std::string toText(const Conclusion& conclusion);
 
+/// A vehicle file's camera as far as intrinsics and corners' sigma tell; the rest is generic. Without rate_hz
+/// and pose.
+std::string cameraLines(const mrpt::img::TCamera& camera, double corner_sigma_px = 0.15);
+
 /// A foreign recording in this program's convention.
 struct ImportedRecording {
   RecordingHeader header;       ///< description only: file names are the caller's to choose

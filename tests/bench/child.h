@@ -3,16 +3,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <fstream>
 #include <string>
 
+#include "support/stopwatch.h"
+
 /// Work in a child process of its own, so that its peak memory is its own.
 namespace fathom::test {
-
-inline double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 inline double peakMegabytes() {
   std::ifstream status("/proc/self/status");

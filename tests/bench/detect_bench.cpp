@@ -1,6 +1,5 @@
 // Search of the whole image beside search where a predicted panel must show, in one run: time, ratio, markers
 // found. Rendered views of the shipped dexrov panel, through clear and through turbid water.
-#include <chrono>
 #include <cstdio>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "panel/panel_map.h"
 #include "sensors/vehicle.h"
 #include "sensors/water.h"
+#include "support/stopwatch.h"
 
 using namespace fathom;
 
@@ -28,10 +28,10 @@ Tally timed(const std::vector<cv::Mat>& images, Search&& search) {
   Tally tally{1e9, 0};
   for (int round = 0; round < kRounds; ++round) {
     std::size_t found = 0;
-    const auto start = std::chrono::steady_clock::now();
-    for (std::size_t i = 0; i < images.size(); ++i) found += search(i).size();
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    tally = {std::min(tally.seconds, seconds), found};
+    const double took_s = test::seconds([&] {
+      for (std::size_t i = 0; i < images.size(); ++i) found += search(i).size();
+    });
+    tally = {std::min(tally.seconds, took_s), found};
   }
   return tally;
 }

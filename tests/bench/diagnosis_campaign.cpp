@@ -7,7 +7,6 @@
 #include <tbb/task_arena.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -17,6 +16,7 @@
 #include "core/text.h"
 #include "report/table.h"
 #include "support/diagnosis_score.h"
+#include "support/stopwatch.h"
 
 namespace fathom {
 namespace {
@@ -115,9 +115,7 @@ void diagnoseAll(std::vector<Case>& cases, const test::BatchRun& nominal, const 
     alone.execute([&] {
       Case& c = cases[i];
       c.run = runOf(c, nominal, excitation);
-      const auto begin = std::chrono::steady_clock::now();
-      c.answer = test::answerOf(c.run, excitation);
-      c.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      c.seconds = test::seconds([&] { c.answer = test::answerOf(c.run, excitation); });
       if (verbose)
         std::fprintf(stderr, "%s: %s; %s; best tested %s, alarm p %.2g; %.1f s; %s\n", c.label().c_str(),
                      nameOf(c.answer.outcome).c_str(),

@@ -9,6 +9,7 @@
 
 #include "sensors/image_model.h"
 #include "support/render_scenes.h"
+#include "support/stopwatch.h"
 
 namespace fathom::test {
 namespace {
@@ -50,19 +51,15 @@ void report(benchmark::State& state, int views, double seconds) {
   state.counters["ratio"] = reference > 0 ? rate / reference : 0;
 }
 
-double now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 /// Arguments: supersampling, lamps, water.
 void oneRenderer(benchmark::State& state) {
   Renderer renderer = makeRenderer(static_cast<int>(state.range(0)));
   View image;
   renderView(renderer, image, 0, true, true);
   int view = 0;
-  const double start_s = now_s();
+  const auto start = std::chrono::steady_clock::now();
   while (state.KeepRunning()) renderView(renderer, image, view++, state.range(1) != 0, state.range(2) != 0);
-  report(state, view, now_s() - start_s);
+  report(state, view, test::secondsSince(start));
 }
 BENCHMARK(oneRenderer)
     ->ArgNames({"supersampling", "lamps", "water"})
@@ -85,12 +82,12 @@ void aRendererACore(benchmark::State& state) {
   };
   renderAll();
   int views = 0;
-  const double start_s = now_s();
+  const auto start = std::chrono::steady_clock::now();
   while (state.KeepRunning()) {
     renderAll();
     views += kViews;
   }
-  report(state, views, now_s() - start_s);
+  report(state, views, test::secondsSince(start));
 }
 BENCHMARK(aRendererACore)
     ->ArgNames({"supersampling", "lamps", "water"})

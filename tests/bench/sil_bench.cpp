@@ -15,16 +15,13 @@
 #include "sensors/image_model.h"
 #include "sil/sil_run.h"
 #include "simulation/simulate_recording.h"
+#include "support/stopwatch.h"
 
 namespace fathom {
 namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kImages = 100;
-
-double now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// Views a second, each through the water and the sensor.
 double rendered(const PosedImages& images, const SilWorld& world) {
@@ -44,9 +41,9 @@ double rendered(const PosedImages& images, const SilWorld& world) {
     model.expose(model.light(view.radiance, view.range_m), &noise);
   };
   tbb::parallel_for(std::size_t{0}, std::size_t{8}, render);  // makes the renderers
-  const double start_s = now_s();
+  const auto start = std::chrono::steady_clock::now();
   tbb::parallel_for(std::size_t{0}, images.posed.size(), render);
-  return static_cast<double>(images.posed.size()) / (now_s() - start_s);
+  return static_cast<double>(images.posed.size()) / test::secondsSince(start);
 }
 
 /// Of all threads of this process.
@@ -55,9 +52,9 @@ double processor_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC
 double paired(const PosedImages& images, const PairMaker& maker, const SilOptions& options,
               const fs::path& out) {
   fs::remove_all(out);
-  const double start_s = now_s();
+  const auto start = std::chrono::steady_clock::now();
   const auto results = runSil(images, maker, options, {"bench", out, "bench", {}});
-  return static_cast<double>(results.pairs.size()) / (now_s() - start_s);
+  return static_cast<double>(results.pairs.size()) / test::secondsSince(start);
 }
 
 int bench(const fs::path& rawlog) {
@@ -81,9 +78,9 @@ int bench(const fs::path& rawlog) {
   const double processor_ms =
       1e3 * (processor_s() - processor_before_s) / static_cast<double>(images.posed.size());
   const double again_s = static_cast<double>(images.posed.size()) / [&] {
-    const double start_s = now_s();
+    const auto start = std::chrono::steady_clock::now();
     runSil(images, maker, options, {"bench", out, "bench", {}});
-    return now_s() - start_s;
+    return test::secondsSince(start);
   }();
   options.measures = {"rmse-linear"};
   options.video = false;

@@ -63,6 +63,7 @@ class Excitation {
     estimate_ = estimateBatch(input_.data, input_.start, {});
     const auto problem = problemAt(input_.data, estimate_, {});
     linear_ = linearize(input_.data, *problem);
+    nuisances_.emplace(linear_.J);
     nominal_ = residualsWith({});
   }
 
@@ -116,7 +117,7 @@ class Excitation {
   }
 
  private:
-  Eigen::MatrixXd project(const Eigen::MatrixXd& C) const { return Nuisances(linear_.J).project(C); }
+  Eigen::MatrixXd project(const Eigen::MatrixXd& C) const { return nuisances_->project(C); }
 
   Eigen::VectorXd residualsWith(const EffectParameters<double>& effects) const {
     BatchEstimate moved = estimate_;
@@ -151,6 +152,7 @@ class Excitation {
   BatchInput input_;
   BatchEstimate estimate_;
   Linearization linear_;
+  std::optional<Nuisances> nuisances_;
   Eigen::VectorXd nominal_;
 };
 

@@ -46,8 +46,7 @@ TEST(SelectedInverse, IsTheDenseInverseWhereItIsKept) {
 TEST(Nuisances, AreProjectedOffAsDenseAlgebraSays) {
   Random random(2);
   const Eigen::SparseMatrix<double> J = randomRows(90, 30, random);
-  Eigen::MatrixXd C(90, 4);
-  for (double& c : C.reshaped()) c = random.normal();
+  Eigen::MatrixXd C = random.normals(90, 4);
   C.col(3) = J * Eigen::VectorXd::LinSpaced(30, -1, 1);  // what the nuisances can take over wholly
   Eigen::VectorXd r(90);
   for (double& e : r) e = random.normal();

@@ -1,0 +1,73 @@
+#include "diagnosis/mismatch.h"
+
+#include <gtest/gtest.h>
+
+#include "diagnosis/manoeuvre.h"
+#include "effects/catalogue.h"
+#include "support/batch_runs.h"
+
+namespace fathom {
+namespace {
+
+/// A short run's estimate, and the model linearized there.
+struct WhitenedRun {
+  BatchInput input = test::BatchRun(6.0).input();
+  BatchEstimate estimate = estimateBatch(input.data, input.start, {});
+  Linearization linear() const { return linearize(input.data, *problemAt(input.data, estimate, {})); }
+};
+
+/// The readings of all bins together.
+double meanOf(const Mismatch& map) {
+  double sum = 0, rows = 0;
+  for (const MismatchBin& bin : map.bins) {
+    sum += bin.mean_raw * static_cast<double>(bin.rows);
+    rows += static_cast<double>(bin.rows);
+  }
+  return sum / rows;
+}
+
+TEST(MismatchMaps, ReadEachDirectionFromItsOwnCoordinate) {
+  const WhitenedRun run;
+  Linearization linear = run.linear();
+  for (RowInfo& row : linear.rows)
+    if (row.channel == BatchChannel::markers) row.raw = row.component % 2 == 0 ? 1.0 : 0.0;
+  int sideways = 0, up_and_down = 0;
+  for (const Mismatch& map : mismatchMaps(WhitenedModel(linear, {}, run.input.data), 1)) {
+    if (map.direction == "sideways" && ++sideways > 0) EXPECT_NEAR(meanOf(map), 1.0, 1e-12) << map.against;
+    if (map.direction == "up and down" && ++up_and_down > 0)
+      EXPECT_NEAR(meanOf(map), 0.0, 1e-12) << map.against;
+  }
+  EXPECT_GT(sideways, 3);
+  EXPECT_EQ(sideways, up_and_down);
+}
+
+TEST(MismatchMaps, SayWhereWithTheUnitUnlessThereIsNone) {
+  const WhitenedRun run;
+  bool any = false;
+  for (const Mismatch& map : mismatchMaps(WhitenedModel(run.linear(), {}, run.input.data), 1)) {
+    if (map.against == "range") EXPECT_TRUE(map.where.ends_with(" m")) << map.where;
+    if (map.against != "image radius") continue;
+    any = true;
+    EXPECT_NE(map.where.find(" to "), std::string::npos);
+    EXPECT_FALSE(map.where.ends_with(" 1")) << map.where;
+  }
+  EXPECT_TRUE(any);
+}
+
+TEST(SizedEffect, HasItsOwnEffectsValues) {
+  const WhitenedRun run;
+  const Candidate scale{kEffectIndex<DvlScale>, {}, {}, {}}, latency{kEffectIndex<CameraLatency>, {}, {}, {}};
+  const Refit fit = refit(run.input.data, run.estimate, {}, {scale, latency}, {});
+  ASSERT_TRUE(fit.succeeded) << fit.estimate.failure;
+  for (const Candidate& effect : {scale, latency}) {
+    const SizedEffect own = sized(fit, effect);
+    std::size_t k = 0;
+    for (const EffectEstimate& estimate : fit.estimates)
+      if (estimate.effect == effect.effect)
+        EXPECT_EQ(own.value[static_cast<Eigen::Index>(k++)], estimate.value) << nameOf(effect);
+    EXPECT_EQ(std::ssize(own.value), static_cast<std::ptrdiff_t>(k));
+  }
+}
+
+}  // namespace
+}  // namespace fathom
