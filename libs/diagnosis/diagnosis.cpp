@@ -268,7 +268,8 @@ bool Course::leaveOutUnconfirmed(const Refit& fit) {
 }
 
 /// What a large effect does beyond the first order was taken for noise as long as it was not in the model:
-/// where noise now shows to be less, everything is fitted again with it.
+/// where noise now shows to be less, everything is fitted again with it, and what was there to explain noise
+/// goes.
 void Course::accept(Refit better) {
   final_ = std::move(better);
   const NoiseModel shown = shownNoise(final_.model->linear(), diagnosis_.noise, options_.seed);
@@ -281,8 +282,8 @@ void Course::accept(Refit better) {
   diagnosis_.noise = shown;
   base_ = base;
   nominal_ = std::move(nominal);
-  final_ = std::move(accepted);
   fitted_.clear();
+  final_ = onlyNeeded(std::move(accepted));
   locate();
 }
 

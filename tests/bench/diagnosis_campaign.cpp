@@ -77,7 +77,7 @@ std::vector<std::size_t> chosenEffects(const std::string& list) {
 std::vector<Case> casesOf(const CampaignOptions& options, const test::BatchRun& nominal) {
   std::vector<Case> cases;
   const auto add = [&](Kind kind, std::size_t number, double asked, std::uint64_t seed) {
-    cases.push_back({kind, number, asked, seed, {"", nominal, {}, {}, 0}});
+    cases.push_back({kind, number, asked, seed, {"", nominal, {}, {}, 0, nullptr}});
   };
   const std::uint64_t first = options.first_seed;
   for (const std::size_t effect : chosenEffects(options.effects))

@@ -37,6 +37,8 @@ inline BatchRun richRun(std::uint64_t seed, double duration_s = 80.0) {
   return run;
 }
 
+class Excitation;
+
 /// A recording and what it hides.
 struct DiagnosisRun {
   std::string name;
@@ -44,6 +46,7 @@ struct DiagnosisRun {
   std::function<void(const BatchRun&, std::vector<Sample>&)> change;  ///< of the samples, afterwards
   std::optional<Candidate> truth;                                     ///< where it hides an effect
   double sqrt_lambda = 0;                                             ///< its size
+  std::shared_ptr<const Excitation> excitation;  ///< where sensors are other than the path's usual ones
 
   BatchInput input() const {
     std::vector<Sample> all = run.samples();
@@ -173,6 +176,30 @@ inline EffectParameters<double> scaled(EffectParameters<double> effects, double 
   return effects;
 }
 
+/// The Earth turns as fast as it does: sqrt(lambda) is as asked because the gyro is as good as that takes.
+inline DiagnosisRun earthRotationOfSize(const BatchRun& nominal, double sqrt_lambda, std::uint64_t seed) {
+  constexpr double kEarthRate_rad_s = 7.292e-5;
+  Random random = Random::stream(seed, 1000 + kEffectIndex<EarthRotation>);
+  DiagnosisRun hidden{"earth-rotation", nominal, {}, Candidate{.effect = kEffectIndex<EarthRotation>}, 0,
+                      nullptr};
+  hidden.run.seed = random.bits();
+  const double latitude = std::asin(random.uniform(-1, 1)), north = random.uniform(0, 2 * std::numbers::pi);
+  const Vector3d axis(std::cos(latitude) * std::cos(north), std::cos(latitude) * std::sin(north),
+                      std::sin(latitude));
+  EffectParameters<double> effects;
+  effects.on.set(kEffectIndex<EarthRotation>);
+  for (int i = 0; i < 3; ++i) effects.of<EarthRotation>()[i] = kEarthRate_rad_s * axis[i];
+  for (int i = 0; i < 6 && std::abs(hidden.sqrt_lambda - sqrt_lambda) > 0.01 * sqrt_lambda; ++i) {
+    const double factor = i == 0 ? 1 : hidden.sqrt_lambda / sqrt_lambda;
+    hidden.run.vehicle.ins->gyro_sigma_rad_s *= factor;
+    hidden.run.vehicle.ins->gyro_bias_sigma_rad_s *= factor;
+    hidden.excitation = std::make_shared<const Excitation>(hidden.run);
+    hidden.sqrt_lambda = hidden.excitation->sqrtLambda(effects);
+  }
+  hidden.run.effects = effects;
+  return hidden;
+}
+
 inline bool withinLimits(const EffectParameters<double>& effects) {
   for (const EffectInfo& effect : allEffects()) {
     std::size_t scalar = effect.first_scalar;
@@ -190,8 +217,10 @@ inline bool withinLimits(const EffectParameters<double>& effects) {
 /// largest that the registry's limits allow.
 inline DiagnosisRun effectOfSize(const BatchRun& nominal, const Excitation& excitation,
                                  const EffectInfo& effect, double sqrt_lambda, std::uint64_t seed) {
+  if (effect.index == kEffectIndex<EarthRotation>)
+    return detail::earthRotationOfSize(nominal, sqrt_lambda, seed);
   Random random = Random::stream(seed, 1000 + effect.index);
-  DiagnosisRun hidden{std::string(effect.id), nominal, {}, Candidate{}, 0};
+  DiagnosisRun hidden{std::string(effect.id), nominal, {}, Candidate{}, 0, nullptr};
   hidden.run.seed = random.bits();
   Candidate& truth = *hidden.truth;
   truth.effect = effect.index;
@@ -229,7 +258,7 @@ inline DiagnosisRun effectOfSize(const BatchRun& nominal, const Excitation& exci
 // Nothing left out.
 
 inline DiagnosisRun plainNull(const BatchRun& nominal, std::uint64_t seed) {
-  DiagnosisRun run{"nothing", nominal, {}, {}, 0};
+  DiagnosisRun run{"nothing", nominal, {}, {}, 0, nullptr};
   run.run.seed = Random::stream(seed, 2000).bits();
   return run;
 }
@@ -280,7 +309,7 @@ inline void correlateDvl(const BatchRun& run, std::vector<Sample>& samples, doub
 /// Nothing left out by a world a little richer than the model: 1 mm of panel ripple, corners of heavier
 /// tails (Student's t of 4), correlated DVL noise (0.6), the three together.
 inline DiagnosisRun richNull(const BatchRun& nominal, std::uint64_t seed) {
-  DiagnosisRun run{"nothing, richer", nominal, {}, {}, 0};
+  DiagnosisRun run{"nothing, richer", nominal, {}, {}, 0, nullptr};
   Random random = Random::stream(seed, 3000);
   run.run.seed = random.bits();
   run.run.true_panel = rippled(nominal.panel, 0.001, random);
@@ -319,7 +348,7 @@ inline void makeGyroSensitive(std::vector<Sample>& samples, const Matrix3d& G) {
 
 /// Four kinds in turn, each in three sizes.
 inline DiagnosisRun outsideCatalogue(const BatchRun& nominal, std::size_t number, std::uint64_t seed) {
-  DiagnosisRun run{"", nominal, {}, {}, 0};
+  DiagnosisRun run{"", nominal, {}, {}, 0, nullptr};
   Random random = Random::stream(seed, 4000 + number);
   run.run.seed = random.bits();
   const std::size_t size = number / 4 % 3;
@@ -367,7 +396,7 @@ inline std::vector<DiagnosisRun> wrongInputs(const BatchRun& nominal) {
   std::vector<DiagnosisRun> runs;
   const auto add = [&](const char* name, const BatchRun& run,
                        std::function<void(const BatchRun&, Samples&)> change = {}) {
-    runs.push_back({name, run, std::move(change), {}, 0});
+    runs.push_back({name, run, std::move(change), {}, 0, nullptr});
   };
   const double duration_s = nominal.duration_s;
 

@@ -81,6 +81,7 @@ inline void countCovered(const FoundEffect& found, const EffectParameters<double
 
 inline Outcome ofHidden(const Diagnosis& diagnosis, const DiagnosisRun& run, const Excitation& excitation,
                         Answer& answer) {
+  const Excitation& own = run.excitation ? *run.excitation : excitation;
   const Candidate& truth = *run.truth;
   const auto hit =
       std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(), [&](const FoundEffect& f) {
@@ -97,10 +98,10 @@ inline Outcome ofHidden(const Diagnosis& diagnosis, const DiagnosisRun& run, con
   if (diagnosis.effects.size() > 1) return Outcome::also_others;
   const Alternatives* set = setOf(diagnosis, hit->candidate);
   if (set == nullptr || set->candidates.size() < 2) return Outcome::right;
-  const Eigen::VectorXd signal = excitation.signal(run.run.effects);
+  const Eigen::VectorXd signal = own.signal(run.run.effects);
   const bool inseparable =
       std::all_of(set->candidates.begin(), set->candidates.end(), [&](const Candidate& rival) {
-        return sameName(rival, truth) || excitation.separability(signal, rival) < kSeparable;
+        return sameName(rival, truth) || own.separability(signal, rival) < kSeparable;
       });
   return inseparable ? Outcome::right_set : Outcome::needless_set;
 }
