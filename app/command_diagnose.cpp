@@ -17,8 +17,23 @@ struct DiagnoseOptions {
   BatchRecordingOptions recording;
   std::string calibration;
   DiagnosisOptions diagnosis;
+  std::vector<std::filesystem::path> judge;
   bool rerun = false;
 };
+
+/// Adds to the story what that which was found is worth on the other recordings.
+void judgeOthers(const DiagnoseOptions& options, const std::vector<BatchRecording>& others,
+                 DiagnosisStory& story) {
+  if (others.empty()) return;
+  if (lastingEffects(story.diagnosis).empty()) {
+    story.diagnosis.remarks.emplace_back(
+        "nothing was found that lasts, so nothing was judged on other recordings");
+    return;
+  }
+  const JudgeElsewhere judge(story.diagnosis, story.read.input);
+  for (std::size_t i = 0; i < others.size(); ++i)
+    story.elsewhere.push_back({options.judge[i], judge.judge(others[i].input)});
+}
 
 void printStory(const DiagnosisStory& story) {
   const Diagnosis& d = story.diagnosis;
@@ -31,6 +46,8 @@ void printStory(const DiagnosisStory& story) {
         "alone\n",
         h.metric.c_str(), h.before, h.after, h.after_ci95[0], h.after_ci95[1], h.black_box, h.noise_floor);
   }
+  if (!story.elsewhere.empty())
+    std::cout << "\nOn other recordings, nothing fitted there:\n" << formatTable(elsewhereTable(story));
   for (const std::string& remark : d.remarks) std::cout << "note: " << remark << "\n";
   for (const std::string& remark : story.read.remarks) std::cout << "note: " << remark << "\n";
   if (story.rerun) std::cout << "\n" << formatTable(story.rerun->table);
@@ -52,7 +69,16 @@ void runDiagnosis(DiagnoseOptions options, const RunContext& context) {
   story.read = readBatchRecording(options.recording, options.diagnosis.calibration);
   if (!options.calibration.empty()) story.read.files.push_back(inputFile(options.calibration));
 
+  std::vector<BatchRecording> others;
+  for (const fs::path& other : options.judge) {
+    BatchRecordingOptions reading = options.recording;
+    reading.rawlog = other;
+    others.push_back(readBatchRecording(reading, options.diagnosis.calibration));
+    story.read.files.insert(story.read.files.end(), others.back().files.begin(), others.back().files.end());
+  }
+
   story.diagnosis = diagnose(story.read.input, options.diagnosis);
+  judgeOthers(options, others, story);
   if (again && story.diagnosis.verdict == Verdict::explained) {
     writeTextFile(options.recording.folder / "calibration.yaml",
                   formatCalibration(story.diagnosis.calibration));
@@ -103,12 +129,19 @@ void addDiagnose(const RunContext& context) {
       "  fathom diagnose dive.rawlog --out out/dive\n"
       "  fathom diagnose dive.rawlog --calibration known.yaml --out out/dive\n"
       "  fathom diagnose dive.rawlog --rerun --out out/dive\n"
+      "  fathom diagnose monday.rawlog --judge tuesday.rawlog --judge friday.rawlog --out out/dive\n"
       "  fathom localize dive.rawlog --calibration out/dive/calibration.yaml --out out/localized");
   const auto options = std::make_shared<DiagnoseOptions>();
   addBatchRecordingOptions(*command, options->recording);
   command->add_option("--calibration", options->calibration, "Effects known to be there already")
       ->type_name(values::kYaml);
   addFitOptions(*command, *options);
+  command
+      ->add_option("--judge", options->judge,
+                   "Another recording of the vehicle: judge on it what was found, fitting nothing there; any "
+                   "number of times")
+      ->allow_extra_args(false)
+      ->type_name(values::kRawlog);
   command->add_flag(
       "--rerun", options->rerun,
       "Then localize by task TL5 (config/TL5.yaml, config/improved.yaml), without and with what "

@@ -231,6 +231,21 @@ Json diagnosisJson(const DiagnosisStory& story) {
           {"remarks", d.remarks}};
 }
 
+Json elsewhereJson(const DiagnosisStory& story) {
+  Json list = Json::array();
+  for (const auto& [recording, judged] : story.elsewhere) {
+    Json channels = Json::array();
+    for (const ElsewhereChannel& c : judged.channels)
+      channels.push_back(
+          {{"metric", c.metric}, {"before", c.before}, {"after", c.after}, {"black_box", c.black_box}});
+    list.push_back({{"recording", recording.string()},
+                    {"failure", judged.failure},
+                    {"metrics", channels},
+                    {"log_likelihood_gain", {{"physics", judged.physics}, {"black_box", judged.black_box}}}});
+  }
+  return list;
+}
+
 Json inputsJson(const DiagnosisStory& story) {
   Json list = Json::array();
   for (const InputFile& input : story.read.files)
@@ -245,6 +260,7 @@ Json toJson(const DiagnosisStory& story) {
   json["recording"] = story.recording.string();
   json["inputs"] = inputsJson(story);
   json["diagnosis"] = diagnosisJson(story);
+  if (!story.elsewhere.empty()) json["elsewhere"] = elsewhereJson(story);
   json["start"] = story.read.input.start.source;
   json["left_out"] = story.read.input.data.left_out;
   json["remarks"] = story.read.remarks;

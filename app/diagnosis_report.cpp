@@ -221,6 +221,18 @@ void addHeldOut(const DiagnosisStory& story, HtmlReport& report) {
     if (!channel.blocks.empty()) report.plot(heldOutPlot(channel));
 }
 
+void addElsewhere(const DiagnosisStory& story, HtmlReport& report) {
+  if (story.elsewhere.empty()) return;
+  report.heading("Does it fit other recordings?");
+  report.paragraph(
+      "Root mean square of the channel that changes most, and the log likelihood gained over the nominal "
+      "model, all "
+      "channels together: nothing of the effects, nor of the black box, was fitted there. Effects for a part "
+      "of "
+      "the recording are left out.");
+  report.table(elsewhereTable(story));
+}
+
 /// The worst first; where nothing stands out, a few that show so.
 std::vector<const Mismatch*> worthPlotting(const DiagnosisStory& story) {
   constexpr std::size_t kMost = 12, kFew = 3;
@@ -330,6 +342,7 @@ HtmlReport reportOf(const DiagnosisStory& story) {
   addMismatch(story, report);
   addCandidates(story, report);
   addHeldOut(story, report);
+  addElsewhere(story, report);
   addResiduals(story, report);
   addNoise(story, report);
   addRerun(story, report);

@@ -116,6 +116,23 @@ Table heldOutTable(const HeldOutResult& heldout) {
   return table;
 }
 
+Table elsewhereTable(const DiagnosisStory& story) {
+  Table table{{"recording", "metric", "before", "after", "black box", "log likelihood", "of the black box"},
+              {}};
+  for (const auto& [recording, judged] : story.elsewhere) {
+    const std::string name = recording.filename().string();
+    if (judged.failure.empty() && !judged.channels.empty()) {
+      const ElsewhereChannel& c = judged.channels.front();
+      table.rows.push_back({name, c.metric, print("%.4g", c.before), print("%.4g", c.after),
+                            print("%.4g", c.black_box), print("%+.1f", judged.physics),
+                            print("%+.1f", judged.black_box)});
+    } else {
+      table.rows.push_back({name, judged.failure, "", "", "", "", ""});
+    }
+  }
+  return table;
+}
+
 std::string simulateCommand(const DiagnosisStory& story) {
   if (!story.read.input.data.hasMotion()) return "";
   const auto in_folder = [&](const char* name) { return shellWord((story.folder / name).string()); };

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "batch_recording.h"
-#include "diagnosis/diagnosis.h"
+#include "diagnosis/elsewhere.h"
 #include "report/run_info.h"
 #include "report/table.h"
 
@@ -17,6 +17,12 @@ struct DiagnosisRerun {
   std::vector<std::string> remarks;
 };
 
+/// What was found, judged on another recording.
+struct JudgedRecording {
+  std::filesystem::path recording;
+  Elsewhere result;
+};
+
 /// A diagnosis, done, and what it was made from.
 struct DiagnosisStory {
   RunInfo run;
@@ -24,6 +30,7 @@ struct DiagnosisStory {
   BatchRecording read;
   double false_alarm = 0.05;
   Diagnosis diagnosis;
+  std::vector<JudgedRecording> elsewhere;
   std::optional<DiagnosisRerun> rerun;
 };
 
@@ -57,6 +64,8 @@ const std::vector<FoundEffect>& modelledEffects(const Diagnosis& diagnosis);
 Table effectTable(const DiagnosisStory& story);
 /// Root mean squares on held-out stretches, a row for each channel.
 Table heldOutTable(const HeldOutResult& heldout);
+/// Of other recordings, a row for each, the channel that changes most.
+Table elsewhereTable(const DiagnosisStory& story);
 /// The command that simulates the dive with what was found; empty where images alone tell of the path.
 std::string simulateCommand(const DiagnosisStory& story);
 

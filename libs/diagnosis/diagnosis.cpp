@@ -21,7 +21,7 @@ constexpr double kContenderMargin = 8;  // ln p to first order, plus a share of 
 constexpr double kContenderShare = 0.1;
 constexpr std::size_t kLooked = 40, kContenders = 5, kRivals = 4;
 constexpr double kDiscovery = 5;     // sqrt(lambda) from which on an effect is named: noise has tails, too
-constexpr double kTolerance = 1e-6;  // of half the sum of squares: some 0.01 in a likelihood
+constexpr double kTolerance = 0.01;  // of a likelihood: a hundredth of what decides
 constexpr double kLessNoise = 0.9;   // times the noise taken before: less than chance
 constexpr double kConfirmed = 0.3;   // of the likelihood it gains, on stretches that it was not fitted to
 
@@ -112,7 +112,7 @@ bool Course::insufficient(const std::string& why) {
 }
 
 bool Course::estimateNominal() {
-  base_.function_tolerance = kTolerance;
+  base_.cost_tolerance = kTolerance;
   BatchEstimate estimate = estimateBatch(data_, start_, base_);
   if (!estimate.succeeded)
     return insufficient("The nominal model could not be fitted: " + estimate.failure + ".");
@@ -189,11 +189,12 @@ Refit Course::without(const Refit& from, std::vector<Candidate> effects, std::si
   return effects.empty() ? nominal_ : fit(from, effects);
 }
 
-/// Effects that the others make superfluous are dropped.
+/// Effects that the others make superfluous, or too small to be named, are dropped.
 Refit Course::onlyNeeded(Refit fit) {
   for (std::size_t i = 0; fit.effects.size() > 1 && i < fit.effects.size();) {
     Refit less = without(fit, i);
-    if (worth(less) < worth(fit)) {
+    const bool is_clear = 2 * (less.cost - fit.cost) >= kDiscovery * kDiscovery;
+    if (worth(less) < worth(fit) && is_clear) {
       ++i;
       continue;
     }

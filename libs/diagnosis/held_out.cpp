@@ -7,7 +7,7 @@
 
 #include "core/progress.h"
 #include "core/random.h"
-#include "diagnosis/covariate.h"
+#include "diagnosis/black_box.h"
 #include "diagnosis/placebo.h"
 
 namespace fathom {
@@ -43,28 +43,6 @@ Linearization withoutEffects(const Linearization& linear, const Eigen::SparseMat
   return bare;
 }
 
-/// Splines over the covariates (of first order: how far readings are off in each bin), every direction.
-Eigen::SparseMatrix<double> blackBox(const Linearization& linear, BatchChannel channel,
-                                     std::vector<double>& sigma) {
-  std::vector<Eigen::Triplet<double>> entries;
-  int column = 0;
-  for (const Direction& direction : directionsOf(linear, channel))
-    for (const Covariate& covariate : covariatesOf(linear, channel)) {
-      if (covariate.name == "time") continue;  // another stretch is another time
-      const std::vector<double> limits = binLimits(linear, channel, covariate);
-      for (std::size_t i = 0; i < linear.rows.size(); ++i)
-        if (linear.rows[i].channel == channel && direction.values[i] != 0)
-          entries.emplace_back(static_cast<int>(i),
-                               column + static_cast<int>(binOf(limits, covariate.of(linear.rows[i]))),
-                               direction.values[i]);
-      column += static_cast<int>(limits.size() - 1);
-    }
-  sigma.assign(static_cast<std::size_t>(column), noiseUnit(linear, channel));
-  Eigen::SparseMatrix<double> columns(std::ssize(linear.rows), column);
-  columns.setFromTriplets(entries.begin(), entries.end());
-  return columns;
-}
-
 /// Sums over a piece of a held-out stretch.
 struct Piece {
   struct Sums {
@@ -81,54 +59,6 @@ std::array<double, 2> central95(std::vector<double> values) {
     return values[static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)))];
   };
   return {at(0.025), at(0.975)};
-}
-
-std::string metricOf(BatchChannel channel) {
-  switch (channel) {
-    case BatchChannel::markers:
-      return "reprojection_rms_px";
-    case BatchChannel::dvl:
-      return "dvl_rms_mm_s";
-    case BatchChannel::depth:
-      return "depth_rms_mm";
-    case BatchChannel::gyro:
-      return "gyro_rms_deg_s";
-    case BatchChannel::accelerometer:
-      return "accelerometer_rms_mm_s2";
-    case BatchChannel::attitude:
-      return "attitude_rms_deg";
-    case BatchChannel::usbl:
-      return "usbl_rms_m";
-    case BatchChannel::prior:
-      break;
-  }
-  return "";
-}
-
-/// What a unit of residual is in the reading's own unit, as the residuals have it.
-double rawPerUnit(const Linearization& linear, BatchChannel channel) {
-  double raw = 0, residual = 0;
-  for (std::size_t i = 0; i < linear.rows.size(); ++i)
-    if (linear.rows[i].channel == channel) {
-      raw += linear.rows[i].raw * linear.rows[i].raw;
-      residual +=
-          linear.residual[static_cast<Eigen::Index>(i)] * linear.residual[static_cast<Eigen::Index>(i)];
-    }
-  return residual > 0 ? std::sqrt(raw / residual) : 0;
-}
-
-/// Which channels the effects act on, those they change most first.
-std::vector<BatchChannel> channelsOf(const Linearization& linear, const Eigen::VectorXd& change) {
-  std::map<BatchChannel, double> squares;
-  for (std::size_t i = 0; i < linear.rows.size(); ++i)
-    if (linear.rows[i].channel != BatchChannel::prior)
-      squares[linear.rows[i].channel] +=
-          change[static_cast<Eigen::Index>(i)] * change[static_cast<Eigen::Index>(i)];
-  std::vector<BatchChannel> channels;
-  for (const auto& [channel, square] : squares) channels.push_back(channel);
-  std::stable_sort(channels.begin(), channels.end(),
-                   [&](BatchChannel a, BatchChannel b) { return squares[a] > squares[b]; });
-  return channels;
 }
 
 /// The recording cut into stretches, each a member of a fold, and each of parts for the bootstrap.
@@ -230,7 +160,7 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
       found_(valuesOf(linear, effects, values)),
       model_(withoutEffects(linear, physics_, found_), noise, data),
       bare_(model_.linear()),
-      channels_(channelsOf(bare_, physics_ * found_)),
+      channels_(channelsOf(model_, model_.whitened(physics_) * found_)),
       stretches_(data, options.folds),
       random_(options.seed),
       pieces_(static_cast<std::size_t>(stretches_.count()) * kParts) {
@@ -240,10 +170,10 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
   if (!options.yardsticks) return;
   placebo_.emplace(model_, simulated_);
   // A physics-free correction of the readings that the effects change most.
-  std::vector<double> box_sigma;
-  const Eigen::SparseMatrix<double> box = model_.whitened(blackBox(bare_, channels_.front(), box_sigma));
+  const BlackBox black_box(bare_, channels_.front());
+  const Eigen::SparseMatrix<double> box = model_.whitened(black_box.columns(bare_));
   for (Eigen::Index c = 0; c < box.cols(); ++c) box_.columns.push_back(columns_.cols() + c);
-  box_.sigma = Eigen::Map<Eigen::VectorXd>(box_sigma.data(), std::ssize(box_sigma));
+  box_.sigma = black_box.priorSigma();
   columns_ = sideBySide(columns_, box);
 }
 
@@ -349,10 +279,7 @@ HeldOut HoldOut::summary(BatchChannel channel, const std::vector<double>& resamp
   HeldOut held;
   held.channel = channel;
   held.metric = metricOf(channel);
-  // What is left is in units of noise: back into the reading's.
-  const ChannelNoise& noise = noise_.of(channel);
-  const double unit =
-      rawPerUnit(linear_, channel) * unitOf(channel).scale * noise.scale / noise.independentScale();
+  const double unit = printedUnit(linear_, noise_, channel);
   held.before = unit * rmsOf(filled_, channel, &Piece::Sums::before);
   held.after = unit * rmsOf(filled_, channel, &Piece::Sums::after);
   held.black_box = unit * rmsOf(filled_, channel, &Piece::Sums::black_box);
@@ -397,6 +324,54 @@ HeldOutResult HoldOut::run() {
 }
 
 }  // namespace
+
+std::string metricOf(BatchChannel channel) {
+  switch (channel) {
+    case BatchChannel::markers:
+      return "reprojection_rms_px";
+    case BatchChannel::dvl:
+      return "dvl_rms_mm_s";
+    case BatchChannel::depth:
+      return "depth_rms_mm";
+    case BatchChannel::gyro:
+      return "gyro_rms_deg_s";
+    case BatchChannel::accelerometer:
+      return "accelerometer_rms_mm_s2";
+    case BatchChannel::attitude:
+      return "attitude_rms_deg";
+    case BatchChannel::usbl:
+      return "usbl_rms_m";
+    case BatchChannel::prior:
+      break;
+  }
+  return "";
+}
+
+std::vector<BatchChannel> channelsOf(const WhitenedModel& model, const Eigen::VectorXd& change) {
+  const Eigen::VectorXd left = model.nuisances().project(change);
+  std::map<BatchChannel, double> squares;
+  for (std::size_t i = 0; i < model.linear().rows.size(); ++i)
+    if (const BatchChannel channel = model.linear().rows[i].channel; channel != BatchChannel::prior)
+      squares[channel] += left[static_cast<Eigen::Index>(i)] * left[static_cast<Eigen::Index>(i)];
+  std::vector<BatchChannel> channels;
+  for (const auto& [channel, square] : squares) channels.push_back(channel);
+  std::stable_sort(channels.begin(), channels.end(),
+                   [&](BatchChannel a, BatchChannel b) { return squares[a] > squares[b]; });
+  return channels;
+}
+
+double printedUnit(const Linearization& linear, const NoiseModel& noise, BatchChannel channel) {
+  double raw = 0, residual = 0;
+  for (std::size_t i = 0; i < linear.rows.size(); ++i)
+    if (linear.rows[i].channel == channel && linear.rows[i].robust_weight == 1) {
+      raw += linear.rows[i].raw * linear.rows[i].raw;
+      residual +=
+          linear.residual[static_cast<Eigen::Index>(i)] * linear.residual[static_cast<Eigen::Index>(i)];
+    }
+  if (residual == 0) return 0;
+  const ChannelNoise& own = noise.of(channel);
+  return std::sqrt(raw / residual) * unitOf(channel).scale * own.scale / own.independentScale();
+}
 
 HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>& effects,
                       const EffectParameters<double>& values, const NoiseModel& noise, const BatchData& data,

@@ -83,8 +83,7 @@ Reduced WhitenedModel::reduce(const std::vector<Candidate>& candidates) const {
   return reduce(columnsOf(linear_, candidates));
 }
 
-double WhitenedModel::cost() const {
-  const Eigen::VectorXd left = nuisances_.project(residual_);
+double WhitenedModel::costOf(const Eigen::VectorXd& left) const {
   double cost = 0;
   for (Eigen::Index i = 0; i < left.size(); ++i) {
     // Huber's loss of a reading whose weight on its square s is w = a / sqrt(s): 2 a sqrt(s) - a^2 = w s (2 -

@@ -22,7 +22,9 @@ class WhitenedModel {
     return nuisances_.reduce(whitened(columns), residual_);
   }
   /// Half the sum of squares where the unknowns are best, outliers by Huber's loss.
-  double cost() const;
+  double cost() const { return costOf(nuisances_.project(residual_)); }
+  /// The same of what is left of any residual.
+  double costOf(const Eigen::VectorXd& left) const;
 
  private:
   static Eigen::SparseMatrix<double> whitener(const Linearization& linear, const NoiseModel& noise);

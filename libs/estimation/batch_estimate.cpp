@@ -37,15 +37,17 @@ class Preparation : public ceres::EvaluationCallback {
 
 class Watch : public ceres::IterationCallback {
  public:
-  explicit Watch(int iterations) : iterations_(iterations) {}
+  explicit Watch(const BatchOptions& options) : options_(options) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    progress_.update(static_cast<double>(summary.iteration) / iterations_);
-    return ceres::SOLVER_CONTINUE;
+    progress_.update(static_cast<double>(summary.iteration) / options_.max_iterations);
+    const bool is_last =
+        summary.iteration > 0 && summary.step_is_successful && summary.cost_change < options_.cost_tolerance;
+    return is_last ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
  private:
   Progress progress_{"estimating"};
-  int iterations_;
+  const BatchOptions& options_;
 };
 
 ceres::Solver::Summary solve(const BatchProblem& problem, const BatchOptions& options, Eigen::VectorXd& x) {
@@ -64,10 +66,10 @@ ceres::Solver::Summary solve(const BatchProblem& problem, const BatchOptions& op
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = options.function_tolerance;
+  solver.function_tolerance = 1e-9;
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
-  Watch watch(options.max_iterations);
+  Watch watch(options);
   solver.callbacks.push_back(&watch);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &ceres_problem, &summary);
@@ -254,7 +256,9 @@ BatchEstimate minimumFrom(const BatchData& data, const BatchEstimate& from, cons
     }
     const EffectParameters<double> before = estimate.state.effects;
     estimate.state = problem->at(x);
-    settled = latencyChange(before, estimate.state.effects) < kSettled_s;
+    const bool has_moved = latencyChange(before, estimate.state.effects) > kSettled_s;
+    const bool has_gained = summary.initial_cost - summary.final_cost >= options.cost_tolerance;
+    settled = !has_moved || (estimate.rounds > 0 && !has_gained);
     if (!settled) problem = problemAt(data, estimate, options);
   }
   estimate.succeeded = true;

@@ -16,10 +16,10 @@ struct BatchOptions {
   EffectParameters<double> calibration;  ///< effects that are on; of those estimated, where to start
   ProblemOptions problem;
   double bias_interval_s = 10.0;
-  int max_iterations = 50;           ///< of a round
-  double function_tolerance = 1e-9;  ///< relative change of the cost at which a round ends
-  int max_rounds = 5;                ///< a latency that is estimated moves the motion's times between them
-  double output_rate_hz = 10.0;      ///< of the path between images
+  int max_iterations = 50;       ///< of a round
+  double cost_tolerance = 0.0;   ///< a step, or a round, that lowers the cost by less is the last
+  int max_rounds = 5;            ///< a latency that is estimated moves the motion's times between them
+  double output_rate_hz = 10.0;  ///< of the path between images
 };
 
 struct PathPose {

@@ -50,14 +50,19 @@ class DiagnoseCommand : public testing::Test {
 
 TEST_F(DiagnoseCommand, NamesWhatIsMissingAndWritesItAsACalibration) {
   const fs::path out = test::scratchFolder() / "out";
-  const auto first = diagnose(kQuickly + " --rerun --out " + out.string());
+  // On the very recording, for want of another: what is judged is in tests/recovery.
+  const std::string judged = " --judge " + (folder_ / "rec/dive.rawlog").string();
+  const auto first = diagnose(kQuickly + judged + " --rerun --out " + out.string());
   ASSERT_EQ(first.status, 0) << first.err;
   EXPECT_EQ(first.err, "");
   for (const char* part : {"explained: ", "dvl-scale", "scale_error", "Held out",
-                           "fathom simulate --trajectory", "report.html", "as found"})
+                           "fathom simulate --trajectory", "report.html", "as found", "On other recordings"})
     EXPECT_NE(first.out.find(part), std::string::npos) << part << "\n" << first.out;
 
   const std::string bytes = readTextFile(out / "result.json");
+  const auto elsewhere = nlohmann::json::parse(bytes)["elsewhere"];
+  ASSERT_EQ(elsewhere.size(), 1U);
+  EXPECT_LT(elsewhere[0]["metrics"][0]["after"], elsewhere[0]["metrics"][0]["before"]);
   const auto json = nlohmann::json::parse(bytes)["diagnosis"];
   EXPECT_EQ(json["verdict"], "explained");
   ASSERT_GE(json["effects"].size(), 1U);
@@ -74,7 +79,7 @@ TEST_F(DiagnoseCommand, NamesWhatIsMissingAndWritesItAsACalibration) {
 #ifdef FATHOM_SANITIZE
   return;  // one diagnosis takes minutes there
 #endif
-  const auto again = diagnose(kQuickly + " --rerun --out " + out.string());
+  const auto again = diagnose(kQuickly + judged + " --rerun --out " + out.string());
   EXPECT_EQ(again.out, first.out);
   EXPECT_EQ(readTextFile(out / "result.json"), bytes);
   EXPECT_EQ(readTextFile(out / "report.html"), report);
@@ -105,6 +110,7 @@ TEST_F(DiagnoseCommand, WrongInputIsOneLine) {
   test::expectBadInput(test::runFathom("diagnose nowhere.rawlog" + out), "nowhere.rawlog");
   test::expectBadInput(diagnose("--vehicle nowhere.yaml" + out), "nowhere.yaml");
   test::expectBadInput(diagnose("--calibration nowhere.yaml" + out), "nowhere.yaml");
+  test::expectBadInput(diagnose("--judge nowhere.rawlog" + out), "nowhere.rawlog");
   test::expectBadInput(diagnose("--false-alarm 2" + out), "--false-alarm");
   test::expectBadInput(diagnose("--start here" + out), "--start");
   test::expectBadInput(test::runFathom("diagnose " + out), "RECORDING");

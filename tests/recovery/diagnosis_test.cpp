@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "diagnosis/elsewhere.h"
 #include "support/diagnosis_score.h"
 
 // A small sample of tests/bench/diagnosis_campaign.cpp, which has the figures: one seed each, so that a
@@ -92,6 +93,29 @@ TEST(Diagnosis, NamesNothingWithConfidenceFromWrongInput) {
     EXPECT_TRUE(test::isCautious(answer)) << run.name << ", " << told(answer);
     if (kFew) break;
   }
+}
+
+TEST(Diagnosis, IsJudgedOnAnotherManoeuvre) {
+  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  test::BatchRun found = test::richRun(2, 8.0), same(8.0), other(8.0);
+  found.effects.add<DvlScale>({0.1});
+  same.effects = found.effects;
+  const BatchInput input = found.input();
+  const Diagnosis diagnosis = diagnose(input);
+  ASSERT_EQ(lastingEffects(diagnosis).size(), 1U) << diagnosis.why;
+  const JudgeElsewhere judge(diagnosis, input);
+
+  const Elsewhere fits = judge.judge(same.input());
+  ASSERT_EQ(fits.failure, "");
+  ASSERT_FALSE(fits.channels.empty());
+  EXPECT_EQ(fits.channels[0].metric, "dvl_rms_mm_s");
+  // A scale of 0.1 at some 0.3 m/s is several times the DVL's noise of 7 mm/s; with it that noise is left.
+  EXPECT_GT(fits.channels[0].before, 1.5 * fits.channels[0].after);
+  EXPECT_GT(fits.channels[0].black_box, fits.channels[0].after);
+  EXPECT_GT(fits.physics, 50);
+  EXPECT_GT(fits.physics, fits.black_box);
+
+  EXPECT_LT(judge.judge(other.input()).physics, -50);  // where the DVL reads right
 }
 
 TEST(Diagnosis, DoesNotDependOnTheNumberOfThreads) {

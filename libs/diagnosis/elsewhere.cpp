@@ -1,0 +1,92 @@
+#include "diagnosis/elsewhere.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/refit.h"
+#include "diagnosis/rows_alone.h"
+
+namespace fathom {
+namespace {
+
+BatchOptions optionsWith(const Diagnosis& diagnosis) {
+  BatchOptions options = diagnosis.before_options;
+  for (const Candidate& effect : lastingEffects(diagnosis)) {
+    switchOn(options.calibration, effect);
+    for (const std::size_t s : continuousScalars(effect.effect))
+      options.calibration.values[s] = diagnosis.after.state.effects.values[s];
+  }
+  return options;
+}
+
+Refit nominalOf(const Diagnosis& diagnosis, const BatchInput& recording) {
+  return refit(recording.data, diagnosis.before, diagnosis.before_options, {}, diagnosis.noise);
+}
+
+/// The channel that the effects change most, where they were found.
+BatchChannel mostChanged(const Diagnosis& diagnosis) { return diagnosis.heldout.channels.front().channel; }
+
+/// Outliers too.
+double rmsOf(const Eigen::VectorXd& left, const Linearization& linear, BatchChannel channel) {
+  double square = 0, rows = 0;
+  for (std::size_t i = 0; i < linear.rows.size(); ++i)
+    if (linear.rows[i].channel == channel) {
+      square += std::pow(left[static_cast<Eigen::Index>(i)], 2) / linear.rows[i].robust_weight;
+      ++rows;
+    }
+  return rows > 0 ? std::sqrt(square / rows) : 0;
+}
+
+}  // namespace
+
+std::vector<Candidate> lastingEffects(const Diagnosis& diagnosis) {
+  std::vector<Candidate> lasting;
+  for (const FoundEffect& found : diagnosis.effects.empty() ? diagnosis.nearest : diagnosis.effects)
+    if (found.candidate.isForGood() && !found.candidate.time_s) lasting.push_back(found.candidate);
+  return lasting;
+}
+
+JudgeElsewhere::JudgeElsewhere(const Diagnosis& diagnosis, const BatchInput& recording)
+    : noise_(diagnosis.noise),
+      nominal_(diagnosis.before_options),
+      with_(optionsWith(diagnosis)),
+      black_box_(nominalOf(diagnosis, recording).model->linear(), mostChanged(diagnosis)) {
+  const Refit nominal = nominalOf(diagnosis, recording);
+  const Reduced reduced = nominal.model->reduce(black_box_.columns(nominal.model->linear()));
+  splines_ = fitted(reduced.gram, reduced.score, black_box_.priorSigma());
+}
+
+Elsewhere JudgeElsewhere::judge(const BatchInput& other) const {
+  Elsewhere result;
+  const BatchEstimate start = estimateBatch(other.data, other.start, nominal_);
+  const Refit before = start.succeeded ? refit(other.data, start, nominal_, {}, noise_) : Refit{};
+  const Refit after = before.succeeded ? refit(other.data, before.estimate, with_, {}, noise_) : Refit{};
+  if (!after.succeeded) {
+    result.failure = !start.succeeded    ? start.failure
+                     : !before.succeeded ? before.estimate.failure
+                                         : after.estimate.failure;
+    return result;
+  }
+  const WhitenedModel &model = *before.model, &with = *after.model;
+  const Eigen::VectorXd left = model.nuisances().project(model.residual());
+  const Eigen::VectorXd left_with = with.nuisances().project(with.residual());
+  const Eigen::VectorXd boxed = model.nuisances().project(
+      model.residual() + model.whitened(black_box_.columns(model.linear())) * splines_);
+  result.physics = before.cost - after.cost;
+  result.black_box = model.costOf(left) - model.costOf(boxed);
+  for (const BatchChannel channel : kBatchChannels) {
+    const double was = rmsOf(left, model.linear(), channel);
+    if (channel == BatchChannel::prior || was == 0) continue;
+    const double is = rmsOf(left_with, with.linear(), channel),
+                 unit = printedUnit(with.linear(), noise_, channel);
+    result.channels.push_back({channel, metricOf(channel), unit * was, unit * is,
+                               unit * rmsOf(boxed, model.linear(), channel), was - is});
+  }
+  std::stable_sort(result.channels.begin(), result.channels.end(),
+                   [](const ElsewhereChannel& a, const ElsewhereChannel& b) {
+                     return std::abs(a.less) > std::abs(b.less);
+                   });
+  return result;
+}
+
+}  // namespace fathom
