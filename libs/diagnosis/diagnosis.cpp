@@ -194,7 +194,7 @@ Refit Course::onlyNeeded(Refit fit) {
   for (std::size_t i = 0; fit.effects.size() > 1 && i < fit.effects.size();) {
     Refit less = without(fit, i);
     const bool is_clear = 2 * (less.cost - fit.cost) >= kDiscovery * kDiscovery;
-    if (worth(less) < worth(fit) && is_clear) {
+    if (!less.succeeded || (is_clear && worth(less) < worth(fit))) {
       ++i;
       continue;
     }
