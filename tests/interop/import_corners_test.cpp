@@ -90,6 +90,15 @@ TEST_F(ImportCorners, WrongInputIsOneLine) {
   EXPECT_NE(complaint(table + camera + " --board 8x6").find("--square-m"), std::string::npos);
   EXPECT_NE(complaint(table + " --board 8x6 --square-m 0.03 --calibrate " + table).find("--image-size"),
             std::string::npos);
+  // What claims to be huge takes no memory.
+  const std::string board = " --board 8x6 --square-m 0.03";
+  EXPECT_NE(complaint(table + board + camera + " --image-size 4000000x4000000").find("--image-size"),
+            std::string::npos);
+  EXPECT_NE(complaint(table + camera + " --board 60000x60000 --square-m 0.03").find("of which there are"),
+            std::string::npos);
+  writeTextFile(folder_ / "far.yaml", "fx_px: 1200\nfy_px: 1200\ncx_px: 1e12\ncy_px: 539.5\n");
+  EXPECT_NE(complaint(table + board + " --camera " + (folder_ / "far.yaml").string()).find("cx_px"),
+            std::string::npos);
   EXPECT_FALSE(fs::exists(folder_ / "wrong/views.rawlog"));
 }
 
