@@ -226,10 +226,8 @@ void addElsewhere(const DiagnosisStory& story, HtmlReport& report) {
   report.heading("Does it fit other recordings?");
   report.paragraph(
       "Root mean square of the channel that changes most, and the log likelihood gained over the nominal "
-      "model, all "
-      "channels together: nothing of the effects, nor of the black box, was fitted there. Effects for a part "
-      "of "
-      "the recording are left out.");
+      "model, all channels together: nothing of the effects, nor of the black box, was fitted there. Effects "
+      "for a part of the recording are left out.");
   report.table(elsewhereTable(story));
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.h"
 #include "diagnosis/refit.h"
 #include "diagnosis/rows_alone.h"
 
@@ -19,12 +20,25 @@ BatchOptions optionsWith(const Diagnosis& diagnosis) {
   return options;
 }
 
+/// The nominal model where the effects were found. Throws Error.
 Refit nominalOf(const Diagnosis& diagnosis, const BatchInput& recording) {
-  return refit(recording.data, diagnosis.before, diagnosis.before_options, {}, diagnosis.noise);
+  Refit nominal = refit(recording.data, diagnosis.before, diagnosis.before_options, {}, diagnosis.noise);
+  if (!nominal.succeeded)
+    throw Error("--judge", "", "the nominal model could not be fitted again: " + nominal.estimate.failure);
+  return nominal;
 }
 
-/// The channel that the effects change most, where they were found.
-BatchChannel mostChanged(const Diagnosis& diagnosis) { return diagnosis.heldout.channels.front().channel; }
+/// The channel that the effects change most.
+BatchChannel mostChanged(const Diagnosis& diagnosis, const WhitenedModel& nominal) {
+  const Linearization& linear = nominal.linear();
+  const std::vector<Candidate> effects = lastingEffects(diagnosis);
+  std::vector<double> values;
+  for (const Candidate& effect : effects)
+    for (const std::size_t s : continuousScalars(effect.effect))
+      values.push_back(diagnosis.after.state.effects.values[s]);
+  const Eigen::Map<const Eigen::VectorXd> sizes(values.data(), std::ssize(values));
+  return channelsOf(nominal, nominal.whitened(columnsOf(linear, effects)) * sizes).front();
+}
 
 /// Outliers too.
 double rmsOf(const Eigen::VectorXd& left, const Linearization& linear, BatchChannel channel) {
@@ -47,12 +61,14 @@ std::vector<Candidate> lastingEffects(const Diagnosis& diagnosis) {
 }
 
 JudgeElsewhere::JudgeElsewhere(const Diagnosis& diagnosis, const BatchInput& recording)
+    : JudgeElsewhere(diagnosis, *nominalOf(diagnosis, recording).model) {}
+
+JudgeElsewhere::JudgeElsewhere(const Diagnosis& diagnosis, const WhitenedModel& nominal)
     : noise_(diagnosis.noise),
       nominal_(diagnosis.before_options),
       with_(optionsWith(diagnosis)),
-      black_box_(nominalOf(diagnosis, recording).model->linear(), mostChanged(diagnosis)) {
-  const Refit nominal = nominalOf(diagnosis, recording);
-  const Reduced reduced = nominal.model->reduce(black_box_.columns(nominal.model->linear()));
+      black_box_(nominal.linear(), mostChanged(diagnosis, nominal)) {
+  const Reduced reduced = nominal.reduce(black_box_.columns(nominal.linear()));
   splines_ = fitted(reduced.gram, reduced.score, black_box_.priorSigma());
 }
 

@@ -30,13 +30,15 @@ std::vector<Candidate> lastingEffects(const Diagnosis& diagnosis);
 /// Those at their values, and beside them the black box with the splines it fitted where they were found.
 class JudgeElsewhere {
  public:
-  /// `recording`: the one diagnosed, in which something lasting was found.
+  /// `recording`: the one diagnosed, in which something lasting was found. Throws Error, Interrupted.
   JudgeElsewhere(const Diagnosis& diagnosis, const BatchInput& recording);
 
   /// Throws Interrupted.
   Elsewhere judge(const BatchInput& other) const;
 
  private:
+  JudgeElsewhere(const Diagnosis& diagnosis, const WhitenedModel& nominal);
+
   NoiseModel noise_;
   BatchOptions nominal_, with_;
   BlackBox black_box_;

@@ -31,8 +31,8 @@ struct BoardCorners {
 /// - x_mm, y_mm, z_mm, u_px, v_px: one image of points on one or more regular boards, each row by row; then
 ///   `board` is not asked for.
 /// Throws Error: another layout, `board` missing, a corner that the board has not or that is there twice,
-/// points on no regular grid, a board seen in a mirror, more
-/// squares than tag36h11 has ids.
+/// points on no regular grid, a board seen in a mirror, more squares than tag36h11
+/// has ids.
 BoardCorners readBoardCorners(const std::filesystem::path& table, const std::optional<Checkerboard>& board,
                               double sigma_px);
 
