@@ -89,8 +89,8 @@ Eigen::MatrixXd correlated(Eigen::MatrixXd noise, const std::array<ChannelRows, 
 /// How far a marker seems to lie elsewhere where its corners are that much off, m.
 double cornerBias_m(const Linearization& linear) {
   double square = 0, count = 0;
-  for (const std::size_t axis :
-       {1u, 2u}) {  // of the offset, in the panel's face; before it is the marker's id
+  // The offset's axes in the panel's face; the marker's id is before them.
+  for (const std::size_t axis : {1u, 2u}) {
     const Eigen::Index column = columnOf(linear, kEffectIndex<MarkerMoved>, axis);
     for (std::size_t i = 0; i < linear.rows.size(); ++i)
       if (linear.rows[i].marker_id >= 0) {
