@@ -25,6 +25,11 @@ constexpr double kTolerance = 0.01;  // of a likelihood: a hundredth of what dec
 constexpr double kLessNoise = 0.9;   // times the noise taken before: less than chance
 constexpr double kConfirmed = 0.3;   // of the likelihood it gains, on stretches that it was not fitted to
 
+/// Corners' noise and markers' scatter together, to compare what a camera by itself shows.
+double markerNoise(const NoiseModel& noise) {
+  return noise.of(BatchChannel::markers).independentScale() * noise.panel_tolerance_m;
+}
+
 bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
   for (std::size_t c = 0; c < before.channels.size(); ++c)
     if (shown.channels[c].independentScale() < kLessNoise * before.channels[c].independentScale())
@@ -78,6 +83,10 @@ class Course {
   bool isBelieved(const Refit& fit, double looks);
   bool leaveOutUnconfirmed(const Refit& fit);
   void accept(Refit better);
+  bool takeNoise(const NoiseModel& shown);
+  bool takeLeastNoise();
+  /// Whole pixels off, perhaps, where the first order tells little; but its fits are quick.
+  bool isCameraAlone() const { return !data_.hasMotion(); }
   HeldOutResult heldOut(const Refit& fit, bool yardsticks) const;
   void addAlternatives(std::size_t effect);
   FoundEffect describe(std::size_t effect);
@@ -163,6 +172,10 @@ Refit Course::settled(Refit fit) {
 std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screening, std::size_t size) {
   const std::vector<TestedSet> sets = screening.bestSets(size, kLooked, kLogOdds);
   std::optional<Refit> best;
+  const auto tryOne = [&](const std::vector<Candidate>& effects) {
+    Refit refitted = fit(from, effects);
+    if (refitted.succeeded && (!best || worth(refitted) > worth(*best))) best = std::move(refitted);
+  };
   std::vector<std::vector<std::size_t>> tried;
   for (const TestedSet& set : sets) {
     const double largest = sets.front().support;
@@ -177,9 +190,15 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
     tried.push_back(set.members);
     std::vector<Candidate> effects = from.effects;
     for (const std::size_t m : set.members) effects.push_back(screening.candidates()[m].candidate);
-    Refit refitted = fit(from, effects);
-    if (refitted.succeeded && (!best || worth(refitted) > worth(*best))) best = std::move(refitted);
+    tryOne(std::move(effects));
   }
+  if (isCameraAlone())
+    for (const TestedCandidate& tested : screening.candidates())
+      if (tested.candidate.isForGood() && !tested.candidate.marker_id && !tested.candidate.time_s) {
+        std::vector<Candidate> effects = from.effects;
+        effects.push_back(tested.candidate);
+        tryOne(std::move(effects));
+      }
   return best;
 }
 
@@ -229,6 +248,7 @@ void Course::attribute() {
     const std::size_t left = options_.max_effects - final_.effects.size();
     std::optional<Refit> best = bestOf(final_, screening, left);
     if (!best) break;
+    if (takeLeastNoise()) continue;
     Refit better = onlyNeeded(settled(std::move(*best)));
     if (!final_.effects.empty() && worth(better) <= worth(final_)) break;
     if (!isBelieved(better, looks)) break;
@@ -274,18 +294,36 @@ bool Course::leaveOutUnconfirmed(const Refit& fit) {
 void Course::accept(Refit better) {
   final_ = std::move(better);
   const NoiseModel shown = shownNoise(final_.model->linear(), diagnosis_.noise, options_.seed);
-  if (!isQuieter(shown, diagnosis_.noise)) return;
+  if (isQuieter(shown, diagnosis_.noise)) takeNoise(shown);
+}
+
+/// Everything fitted again for another noise.
+bool Course::takeNoise(const NoiseModel& shown) {
   BatchOptions base = base_;
   base.problem.noise_scale = shown.noiseScale();
   Refit nominal = refit(data_, nominal_.estimate, base, {}, shown);
-  Refit accepted = refit(data_, final_.estimate, base, final_.effects, shown);
-  if (!nominal.succeeded || !accepted.succeeded) return;
+  Refit present = refit(data_, final_.estimate, base, final_.effects, shown);
+  if (!nominal.succeeded || !present.succeeded) return false;
   diagnosis_.noise = shown;
   base_ = base;
   nominal_ = std::move(nominal);
   fitted_.clear();
-  final_ = onlyNeeded(std::move(accepted));
+  final_ = onlyNeeded(std::move(present));
   locate();
+  return true;
+}
+
+/// Of a camera by itself: noise is what is left by the contender that leaves least. Else all that leave less
+/// than the nominal model's misfit look alike.
+bool Course::takeLeastNoise() {
+  if (!isCameraAlone()) return false;
+  NoiseModel least = diagnosis_.noise;
+  for (const auto& [names, fit] : fitted_) {
+    if (!fit.succeeded) continue;
+    const NoiseModel shown = shownNoise(fit.model->linear(), diagnosis_.noise, options_.seed);
+    if (markerNoise(shown) < markerNoise(least)) least = shown;
+  }
+  return markerNoise(least) < kLessNoise * markerNoise(diagnosis_.noise) && takeNoise(least);
 }
 
 HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {

@@ -61,27 +61,32 @@ std::array<double, 2> central95(std::vector<double> values) {
   return {at(0.025), at(0.975)};
 }
 
-/// The recording cut into stretches, each a member of a fold, and each of parts for the bootstrap.
+/// The recording cut into stretches, each a member of a fold, and each of parts for the bootstrap: of time,
+/// or of the markers of a single image.
 class Stretches {
  public:
   Stretches(const BatchData& data, int folds)
-      : first_s_(data.first_s),
+      : is_instant_(!(data.last_s > data.first_s)),
+        first_(is_instant_ ? 0 : data.first_s),
         folds_(folds),
         count_(folds * kStretches),
-        span_s_((data.last_s - first_s_) / count_) {}
+        span_((is_instant_ ? static_cast<double>(data.markers.size()) : data.last_s - first_) / count_) {}
 
   int count() const { return count_; }
-  int foldOf(double t_s) const { return partOf(t_s) / kParts % folds_; }
+  bool areOfTime() const { return !is_instant_; }
+  int foldOf(const RowInfo& row) const { return partOf(row) / kParts % folds_; }
   /// Stretch by stretch.
-  int partOf(double t_s) const {
-    return std::clamp(static_cast<int>((t_s - first_s_) / span_s_ * kParts), 0, count_ * kParts - 1);
+  int partOf(const RowInfo& row) const {
+    const double at = is_instant_ ? static_cast<double>(row.marker) : row.t_s;
+    return std::clamp(static_cast<int>((at - first_) / span_ * kParts), 0, count_ * kParts - 1);
   }
-  double begin_s(int stretch) const { return first_s_ + stretch * span_s_; }
+  double begin_s(int stretch) const { return first_ + stretch * span_; }
 
  private:
-  double first_s_;
+  bool is_instant_;
+  double first_;
   int folds_, count_;
-  double span_s_;
+  double span_;
 };
 
 /// Columns that are fitted together, among all.
@@ -193,8 +198,7 @@ Fitted HoldOut::physics(std::optional<std::size_t> but) const {
 void HoldOut::holdOutFold(int fold) {
   std::vector<Eigen::Index> in_train, in_test;
   for (Eigen::Index i = 0; i < model_.residual().size(); ++i) {
-    const bool is_test =
-        !isPrior(i) && stretches_.foldOf(bare_.rows[static_cast<std::size_t>(i)].t_s) == fold;
+    const bool is_test = !isPrior(i) && stretches_.foldOf(bare_.rows[static_cast<std::size_t>(i)]) == fold;
     if (is_test || isPrior(i)) in_test.push_back(i);
     if (!is_test) in_train.push_back(i);
   }
@@ -231,12 +235,13 @@ void HoldOut::add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& 
     const Eigen::Index row = rows[static_cast<std::size_t>(k)];
     if (isPrior(row)) continue;
     const RowInfo& info = bare_.rows[static_cast<std::size_t>(row)];
-    Piece& piece = pieces_[static_cast<std::size_t>(stretches_.partOf(info.t_s))];
+    Piece& piece = pieces_[static_cast<std::size_t>(stretches_.partOf(info))];
     Piece::Sums& sums = piece.channels[info.channel];
     const auto square = [&](Eigen::Index what) { return left(k, what) * left(k, what); };
-    sums.before += square(kBefore);
-    sums.after += square(kAfter);
-    sums.black_box += square(kBlackBox);
+    // In full: what a robust fit makes light of is there all the same.
+    sums.before += square(kBefore) / info.robust_weight;
+    sums.after += square(kAfter) / info.robust_weight;
+    sums.black_box += square(kBlackBox) / info.robust_weight;
     if (placebo_) sums.floor += left.row(k).segment(kFirstDraw, kFloorDraws).squaredNorm() / kFloorDraws;
     ++sums.rows;
     piece.physics += 0.5 * (square(kBefore) - square(kAfter));
@@ -286,7 +291,7 @@ HeldOut HoldOut::summary(BatchChannel channel, const std::vector<double>& resamp
   held.noise_floor = unit * rmsOf(filled_, channel, &Piece::Sums::floor);
   held.after_ci95 = central95(resampled);
   for (double& limit : held.after_ci95) limit *= unit;
-  for (int stretch = 0; stretch < stretches_.count(); ++stretch) {
+  for (int stretch = 0; stretches_.areOfTime() && stretch < stretches_.count(); ++stretch) {
     std::vector<const Piece*> own;
     for (int k = 0; k < kParts; ++k) {
       const int part = stretch * kParts + k;
@@ -368,9 +373,10 @@ double printedUnit(const Linearization& linear, const NoiseModel& noise, BatchCh
       residual +=
           linear.residual[static_cast<Eigen::Index>(i)] * linear.residual[static_cast<Eigen::Index>(i)];
     }
-  if (residual == 0) return 0;
+  // Where the nominal model is far off, no reading may have its full weight.
+  const double unit = residual > 0 ? std::sqrt(raw / residual) : noiseUnit(linear, channel);
   const ChannelNoise& own = noise.of(channel);
-  return std::sqrt(raw / residual) * unitOf(channel).scale * own.scale / own.independentScale();
+  return unit * unitOf(channel).scale * own.scale / own.independentScale();
 }
 
 HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>& effects,

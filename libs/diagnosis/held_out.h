@@ -23,7 +23,7 @@ struct HeldOut {
     double from_s = 0, to_s = 0;
     double before = 0, after = 0, black_box = 0;  ///< rms
   };
-  std::vector<Block> blocks;
+  std::vector<Block> blocks;  ///< none of a single image, of which markers are held out
 };
 
 /// ln of the held-out predictive density over that of the model with nothing added, all channels.
@@ -47,7 +47,7 @@ struct HeldOutOptions {
 };
 
 /// `linear`: at the final estimate, not weighted; `values`: the effects' there. A fold is every so-manyth
-/// stretch of the recording; effects are trained on all others.
+/// stretch of the recording, of a single image so many markers; effects are trained on all others.
 HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>& effects,
                       const EffectParameters<double>& values, const NoiseModel& noise, const BatchData& data,
                       const HeldOutOptions& options);

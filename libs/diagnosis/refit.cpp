@@ -44,6 +44,27 @@ void finish(Refit& fit) {
   fit.freedom = static_cast<double>(columns.size()) - precision.dot(fit.covariance.diagonal());
 }
 
+/// From where `from` ended, or a camera by itself from the other starts of effects that are new: whichever
+/// fits best.
+BatchEstimate bestMinimum(const BatchData& data, const BatchEstimate& from, BatchOptions options) {
+  BatchEstimate best = minimumFrom(data, from, options);
+  if (data.hasMotion()) return best;
+  for (const EffectInfo& effect : allEffects()) {
+    if (!options.problem.estimate[effect.index] || from.state.effects.on[effect.index]) continue;
+    std::size_t scalar = effect.first_scalar;
+    for (const Parameter& p : effect.parameters) {
+      if (p.other_start != 0) {
+        options.calibration.values[scalar] = p.other_start;
+        BatchEstimate other = minimumFrom(data, from, options);
+        if (other.succeeded && (!best.succeeded || other.cost < best.cost)) best = std::move(other);
+        options.calibration.values[scalar] = 0;
+      }
+      scalar += static_cast<std::size_t>(p.size);
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions& base,
@@ -56,7 +77,7 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
     switchOn(fit.options.calibration, effect);
     fit.options.problem.estimate.set(effect.effect);
   }
-  fit.estimate = minimumFrom(data, from, fit.options);
+  fit.estimate = bestMinimum(data, from, fit.options);
   if (!fit.estimate.succeeded) return fit;
   try {
     fit.model = std::make_shared<WhitenedModel>(linearize(data, *problemAt(data, fit.estimate, fit.options)),

@@ -23,7 +23,8 @@ struct FlatPortRefraction {
           "r = distance_m tan(theta_air) + glass_m tan(theta_glass) + (h - distance_m - glass_m) "
           "tan(theta_water)\n"
           "normal = Exp(tilt_deg, tilt_y_deg, 0) z, camera frame\n"
-          "nominal line of sight: n sin(theta) with n = 1.34 / (1 + index_error), in the same plane",
+          "nominal line of sight: n sin(theta) with n = 1.34 / (1 + index_error), in the same plane\n"
+          "slab_m: one more layer, of an index 1.34 times that of what lies beyond it",
       .source =
           "Treibitz et al. 2012; Agrawal et al. 2012 (layers with one normal). Distances of zero "
           "are a camera whose intrinsics already contain the bending, as those of a calibration "
@@ -62,7 +63,15 @@ struct FlatPortRefraction {
                 .optional = true,
                 .usual =
                     "1.34 over the index that the intrinsics contain, minus 1: 0 for a calibration under "
-                    "water, 0.34 for one in air"}};
+                    "water, 0.34 for one in air"},
+      Parameter{.name = "slab_m",
+                .unit = "m",
+                .prior_sigma = 0.1,
+                .limit = 2.0,
+                .optional = true,
+                .other_start = 0.1,
+                .usual = "thickness of the water, where a camera in air looks through a tank and out again; "
+                         "else 0"}};
   template <class T>
   static void apply(const T* p, Stage<T>& port) {
     port.present = true;
@@ -71,6 +80,7 @@ struct FlatPortRefraction {
     port.tilt_x_rad += p[2] * T(radians(1.0));
     port.tilt_y_rad += p[3] * T(radians(1.0));
     port.index_error += p[4];
+    port.slab_m += p[5];
   }
 };
 

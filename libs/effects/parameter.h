@@ -22,7 +22,10 @@ struct Parameter {
   double prior_sigma = 0;
   double limit = 0;  ///< |value| beyond this is a mistake in a calibration file, same unit
   ParameterKind kind = ParameterKind::continuous;
-  bool optional = false;     ///< a calibration file may leave it out: zero
+  bool optional = false;  ///< a calibration file may leave it out: zero
+  /// A value from which a fit finds what it may miss from zero: of a camera by itself, which may stand
+  /// anywhere, both are tried. 0: zero will do.
+  double other_start = 0;
   std::string_view usual{};  ///< what it stands for and its usual range
 };
 

@@ -87,6 +87,7 @@ struct FlatPort {
   T tilt_x_rad = T(0);   ///< the normal is Exp(tilt_x, tilt_y, 0) z, camera frame
   T tilt_y_rad = T(0);
   T index_error = T(0);  ///< water's refractive index over that which the intrinsics contain, minus 1
+  T slab_m = T(0);       ///< thickness of water behind the glass, where what follows is what the camera is in
 };
 
 /// Pinhole and plumb-bob lens, as in CameraModel: starts as the nominal camera.

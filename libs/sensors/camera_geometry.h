@@ -121,7 +121,8 @@ struct CameraProjector {
                     valueOf(port.glass_m),
                     valueOf(port.tilt_x_rad),
                     valueOf(port.tilt_y_rad),
-                    valueOf(port.index_error)};
+                    valueOf(port.index_error),
+                    valueOf(port.slab_m)};
       plain.shutter = {shutter.rolling, valueOf(shutter.readout_s)};
       plain.height_px = height_px;
       plain.velocity_camera = vector(velocity_camera);

@@ -5,17 +5,21 @@
 #include "core/scalar.h"
 #include "effects/stages.h"
 
-/// A camera behind a flat port: air | glass | water in parallel layers. n sin(theta) is the same in each, so
+/// A camera behind a flat port: air | glass | water in parallel layers, n sin(theta) the same in each, so
 /// a line of sight stays in one plane with the port's normal through the camera's centre (Treibitz et al.
 /// 2012; Agrawal et al. 2012).
 ///
 /// The nominal intrinsics contain some of the bending. With index_error = 0 they are those of a calibration
 /// under water: a port without thickness at the camera's very centre is then no port at all. With
 /// index_error = 1.34/1 - 1 they are those of a calibration in air.
+///
+/// A camera in air that looks through a tank sees a slab of water with air on both sides. Angles depend on
+/// ratios of indices alone, so the slab is one more layer, 1.34 times as dense as what is nominal.
 namespace fathom {
 
 inline constexpr double kGlassIndex = 1.5;   ///< acrylic 1.49, float glass 1.52
 inline constexpr double kWaterIndex = 1.34;  ///< sea water in green light (Quan & Fry 1995); fresh 1.334
+inline constexpr double kSlabIndex = kWaterIndex * kWaterIndex;  ///< where what lies beyond it is kWaterIndex
 
 namespace detail {
 
@@ -23,8 +27,8 @@ namespace detail {
 /// `slope`: tan(theta_air) over the point's lateral distance, which stays smooth on the normal itself.
 template <class T>
 struct PortCrossing {
-  T distance_m, glass_m, water_m;  ///< thickness of each layer, along the normal
-  T lateral_squared;               ///< of the point, m²
+  T distance_m, glass_m, slab_m, water_m;  ///< thickness of each layer, along the normal
+  T lateral_squared;                       ///< of the point, m²
 
   /// tan(theta) over the lateral distance, in a medium of index n: tan(theta_n) = tan(theta_air) /
   /// sqrt(n² + (n² - 1) tan²(theta_air)).
@@ -36,6 +40,7 @@ struct PortCrossing {
   /// Where the light of this slope ends, as a share of the lateral distance, minus 1: zero for the point.
   T miss(const T& slope) const {
     return slope * distance_m + slopeIn(T(kGlassIndex), slope, lateral_squared) * glass_m +
+           slopeIn(T(kSlabIndex), slope, lateral_squared) * slab_m +
            slopeIn(T(kWaterIndex), slope, lateral_squared) * water_m - 1.0;
   }
 };
@@ -46,7 +51,7 @@ inline double missBySlope(const PortCrossing<double>& port, double slope) {
     return n2 / std::pow(n2 + (n2 - 1) * slope * slope * port.lateral_squared, 1.5);
   };
   return port.distance_m + in(kGlassIndex * kGlassIndex) * port.glass_m +
-         in(kWaterIndex * kWaterIndex) * port.water_m;
+         in(kSlabIndex * kSlabIndex) * port.slab_m + in(kWaterIndex * kWaterIndex) * port.water_m;
 }
 
 /// Newton's method from 0. miss() is concave and grows, so it comes up to the root and never beyond. A point
@@ -78,11 +83,13 @@ Vector3<T> apparentDirection(const FlatPort<P>& port, const Vector3<T>& point_ca
   const Vector3<T> lateral = point_camera - height * normal;
 
   constexpr double kThinnestWater_m = 1e-3;  // what touches the port
-  detail::PortCrossing<T> crossing{T(port.distance_m), T(port.glass_m), T(0), lateral.squaredNorm()};
-  crossing.water_m = height - crossing.distance_m - crossing.glass_m;
+  detail::PortCrossing<T> crossing{T(port.distance_m), T(port.glass_m), T(port.slab_m), T(0),
+                                   lateral.squaredNorm()};
+  crossing.water_m = height - crossing.distance_m - crossing.glass_m - crossing.slab_m;
   if (crossing.water_m < kThinnestWater_m) crossing.water_m = T(kThinnestWater_m);
   const detail::PortCrossing<double> plain{valueOf(crossing.distance_m), valueOf(crossing.glass_m),
-                                           valueOf(crossing.water_m), valueOf(crossing.lateral_squared)};
+                                           valueOf(crossing.slab_m), valueOf(crossing.water_m),
+                                           valueOf(crossing.lateral_squared)};
   const double root = detail::solveSlope(plain);
   const T slope = T(root) - crossing.miss(T(root)) / detail::missBySlope(plain, root);
 

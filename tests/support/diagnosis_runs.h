@@ -161,12 +161,14 @@ class Excitation {
 
 namespace detail {
 
-/// As physics has it: distances are not negative, and the intrinsics are those of a calibration under water.
+/// As physics has it: distances are not negative, the intrinsics are those of a calibration under water, and
+/// there is water all the way.
 inline void makePossible(EffectParameters<double>& effects) {
   double* port = effects.of<FlatPortRefraction>();
   port[0] = std::abs(port[0]);
   port[1] = std::abs(port[1]);
   port[4] = 0;
+  port[5] = 0;
 }
 
 inline EffectParameters<double> scaled(EffectParameters<double> effects, double factor) {

@@ -38,7 +38,8 @@ FlatPort<double> randomPort(Random& random) {
           random.uniform(0.0, 0.02),
           radians(random.uniform(-5, 5)),
           radians(random.uniform(-5, 5)),
-          random.uniform() < 0.5 ? random.uniform(-0.02, 0.02) : 0.34};
+          random.uniform() < 0.5 ? random.uniform(-0.02, 0.02) : 0.34,
+          0};
 }
 
 TEST(FlatPort, SeesWhereTheTracedLightGoes) {
@@ -67,15 +68,31 @@ TEST(FlatPort, WithoutThicknessIsNoPort) {
   Random random(3);
   for (int i = 0; i < 100; ++i) {
     const FlatPort<double> port{true, 0, 0, radians(random.uniform(-5, 5)), radians(random.uniform(-5, 5)),
-                                0};
+                                0,    0};
     const Vector3d point(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), 1);
     EXPECT_LT((apparentDirection(port, point).normalized() - point.normalized()).norm(), kPortDirection);
   }
 }
 
+/// A camera in air that looks through a tank: traced through air, water and air again.
+TEST(FlatPort, ThroughASlabOfWaterBetweenAir) {
+  Random random(5);
+  for (int i = 0; i < 1000; ++i) {
+    const double slab_m = random.uniform(0.0, 0.4), before_m = random.uniform(0.1, 0.5);
+    const FlatPort<double> port{
+        true, 0, 0, radians(random.uniform(-15, 15)), radians(random.uniform(-15, 15)), 0, slab_m};
+    const Vector3d normal = expSO3<double>(Vector3d(port.tilt_x_rad, port.tilt_y_rad, 0)) * Vector3d::UnitZ();
+    const Vector3d sight = Vector3d(random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4), 1).normalized();
+    const Vector3d water = refracted(sight, normal, 1.0, 1.34);
+    const Vector3d point = before_m / sight.dot(normal) * sight + slab_m / water.dot(normal) * water +
+                           random.uniform(0.1, 1.0) * sight;
+    EXPECT_LT((apparentDirection(port, point).normalized() - sight).norm(), kPortDirection);
+  }
+}
+
 /// On the normal itself and beyond the critical angle nothing may break.
 TEST(FlatPort, HoldsOnItsNormalAndBeyondWhatCanBeSeen) {
-  const FlatPort<double> port{true, 0.05, 0.01, 0, 0, 0.34};
+  const FlatPort<double> port{true, 0.05, 0.01, 0, 0, 0.34, 0};
   EXPECT_LT((apparentDirection(port, Vector3d(0, 0, 2)).normalized() - Vector3d::UnitZ()).norm(), 1e-15);
   const Vector3d beyond = apparentDirection(port, Vector3d(9, 0, 1)).normalized();
   EXPECT_TRUE(beyond.allFinite());
@@ -86,7 +103,7 @@ TEST(FlatPort, HoldsOnItsNormalAndBeyondWhatCanBeSeen) {
 /// The figure of the literature: a port 20 mm before a camera calibrated under water acts like the camera
 /// moved back by (n - 1) d near the axis, 6.8 mm.
 TEST(FlatPort, NearTheAxisIsACameraFartherBack) {
-  const FlatPort<double> port{true, 0.02, 0, 0, 0, 0};
+  const FlatPort<double> port{true, 0.02, 0, 0, 0, 0, 0};
   const double z = 1.0, x = 1e-3;
   const Vector3d seen = apparentDirection(port, Vector3d(x, 0, z));
   // Seen from (0, 0, -shift): x / (z + shift).
