@@ -211,7 +211,8 @@ void finish(Plan& plan, const WhitenedModel& model, const Reduced& reduced) {
   const Score score = scoreOf(reduced, all);
   map.statistic_value = score.statistic;
   map.dof = score.dof;
-  map.log_p = score.dof > 0 ? chiSquareLogTail(score.dof, score.statistic) : 0;
+  const double noise_freedom = model.noise().of(map.channel).freedom;
+  map.log_p = score.dof > 0 ? chiSquareLogTail(score.dof, score.statistic, noise_freedom) : 0;
   map.size_sigma = map.bins[worst].size_sigma;
   map.where = map.bins[worst].label;
   map.size_raw = std::sqrt(std::max(0.0, score.statistic - score.dof) /

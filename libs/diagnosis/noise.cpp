@@ -217,6 +217,7 @@ NoiseModel shownNoise(const Linearization& linear, const NoiseModel& assumed, st
       channel.scale =
           assumed.channels[c].independentScale() * std::sqrt(seen.square / std::max(expected.square, 1e-12));
       channel.correlation = correlation[c];
+      channel.freedom = expected.square;
       if (is_correlated[c])
         correlation[c] = std::clamp(correlation[c] + difference, -0.5, kLargestCorrelation);
     }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <set>
 
 #include "diagnosis/candidate.h"
@@ -13,6 +14,8 @@ struct ChannelNoise {
   std::size_t rows = 0;
   double scale = 1;        ///< sigma in units of the one stated (data sheet, or a corner's own covariance)
   double correlation = 0;  ///< of neighbours in a track: a first-order autoregression
+  /// Degrees of freedom that the scale was taken from; infinite: as stated.
+  double freedom = std::numeric_limits<double>::infinity();
 
   /// What the sigma is multiplied by where readings are taken as independent: a mean over many then scatters
   /// as it truly does.

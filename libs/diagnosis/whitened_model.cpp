@@ -25,6 +25,7 @@ Linearization weighted(Linearization linear) {
 
 WhitenedModel::WhitenedModel(Linearization linear, const NoiseModel& noise, const BatchData& data)
     : linear_(weighted(std::move(linear))),
+      noise_(noise),
       W_(whitener(linear_, noise)),
       nuisances_(nuisanceColumns(noise, data)) {
   residual_ = Eigen::VectorXd::Zero(nuisances_.J().rows());

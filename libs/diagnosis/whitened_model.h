@@ -13,6 +13,7 @@ class WhitenedModel {
   WhitenedModel(Linearization linear, const NoiseModel& noise, const BatchData& data);
 
   const Linearization& linear() const { return linear_; }
+  const NoiseModel& noise() const { return noise_; }
   const Nuisances& nuisances() const { return nuisances_; }
   const Eigen::VectorXd& residual() const { return residual_; }
   /// Columns over the linearization's rows.
@@ -31,6 +32,7 @@ class WhitenedModel {
   Eigen::SparseMatrix<double> nuisanceColumns(const NoiseModel& noise, const BatchData& data) const;
 
   Linearization linear_;
+  NoiseModel noise_;
   Eigen::SparseMatrix<double> W_;
   Nuisances nuisances_;
   Eigen::VectorXd residual_;

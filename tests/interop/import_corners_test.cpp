@@ -74,6 +74,85 @@ TEST_F(ImportCorners, AWrongFocalLengthIsFound) {
   EXPECT_LT(sigma, 0.002);
 }
 
+/// Three boards behind a tank of water, 0.25 m from wall to wall, seen from air in one image. The light is
+/// followed through by Snell's law: the angle at which it meets a point, by halving.
+std::string tankTable(const CameraModel& camera) {
+  constexpr double kWater_m = 0.25, kIndex = 1.34;
+  const Vector3d normal = expSO3<double>(Vector3d(radians(4), radians(-6), 0)) * Vector3d::UnitZ();
+  const auto seen = [&](const Vector3d& point_camera) {
+    const double height = normal.dot(point_camera);
+    const Vector3d lateral = point_camera - height * normal;
+    double low = 0, high = radians(89);
+    for (int halving = 0; halving < 60; ++halving) {
+      const double angle = 0.5 * (low + high);
+      const double reached =
+          (height - kWater_m) * std::tan(angle) + kWater_m * std::tan(std::asin(std::sin(angle) / kIndex));
+      (reached < lateral.norm() ? low : high) = angle;
+    }
+    return Vector3d(normal + std::tan(low) * lateral.normalized());
+  };
+  const Pose T_camera_boards{rotationFromYawPitchRoll(0.1, 0.2, 0.3), {-0.12, -0.15, 0.7}};
+  const double slanted = 0.03 * std::sqrt(0.5);
+  const auto boards = {
+      std::array{Vector3d(0, 0, 0), Vector3d(0.03, 0, 0), Vector3d(0, 0.03, 0)},
+      std::array{Vector3d(0, 0.21, 0), Vector3d(0.03, 0, 0), Vector3d(0, slanted, slanted)},
+      std::array{Vector3d(0.27, 0, 0), Vector3d(slanted, 0, -slanted), Vector3d(0, 0.03, 0)}};
+  Random random(6);
+  std::string text = "x_mm,y_mm,z_mm,u_px,v_px\n";
+  for (const auto& [origin, right, down] : boards)
+    for (int row = 0; row < 6; ++row)
+      for (int column = 0; column < 8; ++column) {
+        const Vector3d corner = origin + column * right + row * down;
+        const Vector2d pixel = camera.project<double>(seen(T_camera_boards * corner));
+        text += print("%.6f,%.6f,%.6f,%.6f,%.6f\n", 1000 * corner.x(), 1000 * corner.y(), 1000 * corner.z(),
+                      pixel.x() + kCornerSigma_px * random.normal(),
+                      pixel.y() + kCornerSigma_px * random.normal());
+      }
+  return text;
+}
+
+nlohmann::json verdictOf(const fs::path& table, const fs::path& camera, const fs::path& folder) {
+  const auto imported = test::runFathom("import corners " + table.string() + " --camera " + camera.string() +
+                                        " --name tank --out " + folder.string());
+  EXPECT_EQ(imported.status, 0) << imported.err;
+  const auto diagnosed = test::runFathom("diagnose " + (folder / "tank.rawlog").string() + " --out " +
+                                         (folder / "diagnosis").string());
+  EXPECT_EQ(diagnosed.status, 0) << diagnosed.err;
+  return nlohmann::json::parse(readTextFile(folder / "diagnosis/result.json")).at("diagnosis");
+}
+
+/// Tens of pixels off, so that the first order says little, and nothing but markers to hold out.
+TEST_F(ImportCorners, TheWaterOfATankThatACameraLooksThroughIsFound) {
+  writeTextFile(folder_ / "tank.csv", tankTable({1440, 1080, 1200, 1200, 719.5, 539.5, 0, 0, 0, 0, 0}));
+  writeTextFile(folder_ / "camera.yaml", "fx_px: 1200\nfy_px: 1200\ncx_px: 719.5\ncy_px: 539.5\n");
+  const auto result = verdictOf(folder_ / "tank.csv", folder_ / "camera.yaml", folder_ / "out");
+  EXPECT_EQ(result.at("verdict"), "explained") << result.at("why");
+  ASSERT_EQ(result.at("effects").size(), 1U);
+  const auto& effect = result.at("effects")[0];
+  EXPECT_EQ(effect.at("id"), "flat-port-refraction");
+  const double slab_m = effect.at("parameters").at("slab_m"), sigma_m = effect.at("sigma").at("slab_m");
+  EXPECT_NEAR(slab_m, 0.25, 3 * sigma_m);
+  EXPECT_LT(sigma_m, 0.02);
+  const auto& held_out = result.at("heldout");
+  EXPECT_LT(held_out.at("after"), 1.5 * kCornerSigma_px);
+  EXPECT_GT(held_out.at("before"), 10 * kCornerSigma_px);
+  EXPECT_GT(held_out.at("black_box"), held_out.at("after"));
+}
+
+TEST_F(ImportCorners, TheRealTankIsKnownByItsWater) {
+  FATHOM_NEEDS_SHARED("data/tank");
+  const fs::path data = test::sharedData("data/tank");
+  const auto result = verdictOf(data / "corners.csv", data / "camera.yaml", folder_ / "real");
+  const auto& found = result.at("effects").empty() ? result.at("nearest") : result.at("effects");
+  ASSERT_GE(found.size(), 1U);
+  EXPECT_EQ(found[0].at("id"), "flat-port-refraction");
+  const double slab_m = found[0].at("parameters").at("slab_m");
+  EXPECT_NEAR(slab_m, 0.25, 0.03);
+  const double before_px = result.at("heldout").at("before"), after_px = result.at("heldout").at("after");
+  EXPECT_LT(after_px, 0.1 * before_px);
+  EXPECT_LT(after_px, 0.3);
+}
+
 TEST_F(ImportCorners, WrongInputIsOneLine) {
   const std::string table = (folder_ / "views.csv").string();
   const auto complaint = [&](const std::string& arguments) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace fathom {
 namespace {
@@ -27,6 +28,16 @@ TEST(ChiSquare, TailHasNoStepWhereTheExpansionBegins) {
       EXPECT_LT(step, -3.2) << dof << ' ' << value;
       EXPECT_GT(step, -3.51) << dof << ' ' << value;
     }
+}
+
+TEST(ChiSquare, OfAnEstimatedVarianceHasHeavierTails) {
+  // Of two degrees of freedom: (1 + x / n)^(-n/2), also where that is no double any more.
+  for (const double freedom : {5.0, 72.0, 4000.0})
+    for (const double value : {0.1, 5.0, 100.0, 3000.0, 1e6})
+      EXPECT_NEAR(chiSquareLogTail(2, value, freedom), -0.5 * freedom * std::log1p(value / freedom),
+                  1e-9 * (1 + value))
+          << freedom << ' ' << value;
+  EXPECT_EQ(chiSquareLogTail(3, 7, std::numeric_limits<double>::infinity()), chiSquareLogTail(3, 7));
 }
 
 TEST(ChiSquare, NothingExceedsZeroLess) {
