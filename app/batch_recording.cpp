@@ -8,6 +8,7 @@
 #include "core/text.h"
 #include "effects/catalogue.h"
 #include "landmarks/given_corners.h"
+#include "landmarks/tie_points.h"
 #include "panel/panel_maps.h"
 #include "recording/tum.h"
 #include "tasks/companions.h"
@@ -45,9 +46,19 @@ Detections findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& pane
   return detections;
 }
 
+/// Points that both eyes of a pair see, where a table beside the recording has them.
+TiePoints tiePointsOf(const fs::path& rawlog, std::vector<std::string>& remarks) {
+  const fs::path file = tiePointsBeside(rawlog);
+  if (!fs::exists(file)) return {};
+  remarks.push_back("Tie points are those of " + file.filename().string() + ".");
+  return readTiePoints(file);
+}
+
 std::vector<InputFile> filesOf(const BatchRecordingOptions& options, const BatchRecording& recording) {
   std::vector<InputFile> files{inputFile(options.rawlog), inputFile(recording.vehicle)};
   if (const auto given = givenCornersOf(options.rawlog)) files.push_back(inputFile(*given));
+  if (const fs::path points = tiePointsBeside(options.rawlog); fs::exists(points))
+    files.push_back(inputFile(points));
   if (recording.map)
     for (const fs::path& map : panelMapFiles(*recording.map)) files.push_back(inputFile(map));
   return files;
@@ -83,7 +94,9 @@ BatchRecording readBatchRecording(const BatchRecordingOptions& options,
   const Vehicle vehicle = readVehicle(recording.vehicle);
   const auto start = startPose(options.start, options.rawlog, {});
   const Detections detections = findMarkers(options.rawlog, panels, recording.remarks);
-  recording.input = batchInput(open, detections, vehicle, panels, calibration, start);
+  BatchDataOptions beside;
+  beside.tie_points = tiePointsOf(options.rawlog, recording.remarks);
+  recording.input = batchInput(open, detections, vehicle, panels, calibration, start, beside);
   return recording;
 }
 

@@ -7,6 +7,7 @@
 #include "core/progress.h"
 #include "import_corners.h"
 #include "import_target.h"
+#include "import_tie_points.h"
 #include "recording/import_bag.h"
 #include "recording/import_csv.h"
 #include "recording/rawlog.h"
@@ -163,6 +164,7 @@ void addImport(const RunContext& context) {
   addCsv(*command, context);
   addBag(*command, context);
   addImportCorners(*command, context);
+  addImportTiePoints(*command, context);
 }
 
 }  // namespace fathom

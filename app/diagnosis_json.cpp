@@ -25,6 +25,8 @@ const char* labelOf(BatchChannel channel) {
       return labels::kUsbl;
     case BatchChannel::markers:
       return labels::kMarkers;
+    case BatchChannel::tie_points:
+      return "TIE_POINTS";
     case BatchChannel::prior:
       break;
   }

@@ -301,10 +301,10 @@ void addInputs(const DiagnosisStory& story, HtmlReport& report) {
   const BatchData& data = story.read.input.data;
   report.heading("From what");
   report.paragraph(
-      print("%.1f s; %zu intervals of the gyro, %zu DVL and %zu pressure readings, %zu markers in "
-            "images. Started from: ",
+      print("%.1f s; %zu intervals of the gyro, %zu DVL and %zu pressure readings, %zu markers and "
+            "%zu tie points in images. Started from: ",
             data.last_s - data.first_s, data.gyro.size(), data.dvl.size(), data.pressure.size(),
-            data.markers.size()) +
+            data.markers.size(), data.tie_points.size()) +
       story.read.input.start.source + ".");
   Table files{{"input", "fingerprint"}, {}};
   for (const InputFile& input : story.read.files)

@@ -21,10 +21,19 @@ Vector2<T> plumbBob(const Vector2<T>& ideal, const Coefficient& k1, const Coeffi
           y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
 }
 
+/// Where a flat window before a camera is: its distance along its normal, which is Exp(tilt_x, tilt_y, 0) z
+/// in the camera's frame. A pinhole sees straight through it; what it does to light is an effect.
+struct Window {
+  double distance_m = 0, tilt_x_rad = 0, tilt_y_rad = 0;
+
+  friend bool operator==(const Window&, const Window&) = default;
+};
+
 struct CameraModel {
   int width_px = 640, height_px = 480;
   double fx_px = 500, fy_px = 500, cx_px = 319.5, cy_px = 239.5;
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
+  Window window{};
 
   /// Ideal image coordinates (x/z, y/z) to distorted ones.
   template <class T>

@@ -21,11 +21,12 @@ std::vector<Covariate> allOf(BatchChannel channel) {
       {"speed", "m/s", [](const RowInfo& row) { return row.speed_m_s; }, 1, 6},
       {"turn rate", "deg/s", [](const RowInfo& row) { return row.turn_rate_rad_s; }, degrees(1.0), 6},
       {"depth", "m", [](const RowInfo& row) { return row.depth_m; }, 1, 6}};
-  if (channel == BatchChannel::markers) {
+  if (channel == BatchChannel::markers || channel == BatchChannel::tie_points) {
     all.push_back({"range", "m", [](const RowInfo& row) { return row.range_m; }, 1, 6});
     all.push_back({"image radius", "1", [](const RowInfo& row) { return row.image_radius; }, 1, 6});
     all.push_back({"image x", "px", [](const RowInfo& row) { return row.pixel.x(); }, 1, 6});
     all.push_back({"image y", "px", [](const RowInfo& row) { return row.pixel.y(); }, 1, 6});
+    if (channel == BatchChannel::tie_points) return all;
     all.push_back(
         {"incidence", "deg", [](const RowInfo& row) { return row.incidence_rad; }, degrees(1.0), 6});
     return all;
@@ -86,7 +87,9 @@ std::vector<Direction> directionsOf(const Linearization& linear, BatchChannel ch
     return directions;
   }
   for (int axis = 0; axis < 3; ++axis) {
-    Direction direction{std::string(1, "xyz"[axis]), std::vector<double>(rows, 0), axis};
+    const bool is_miss = channel == BatchChannel::tie_points;
+    Direction direction{is_miss ? "across the lines of sight" : std::string(1, "xyz"[axis]),
+                        std::vector<double>(rows, 0), axis};
     bool any = false;
     for (std::size_t i = 0; i < rows; ++i)
       if (linear.rows[i].channel == channel && linear.rows[i].component == axis) {
@@ -114,6 +117,8 @@ ReadingUnit unitOf(BatchChannel channel) {
       return {"m", 1};
     case BatchChannel::markers:
       return {"px", 1};
+    case BatchChannel::tie_points:
+      return {"sigma", 1};
     case BatchChannel::prior:
       break;
   }

@@ -25,9 +25,12 @@ constexpr double kTolerance = 0.01;  // of a likelihood: a hundredth of what dec
 constexpr double kLessNoise = 0.9;   // times the noise taken before: less than chance
 constexpr double kConfirmed = 0.3;   // of the likelihood it gains, on stretches that it was not fitted to
 
-/// Corners' noise and markers' scatter together, to compare what a camera by itself shows.
-double markerNoise(const NoiseModel& noise) {
-  return noise.of(BatchChannel::markers).independentScale() * noise.panel_tolerance_m;
+/// To compare what a camera by itself shows: its noise and the markers' scatter, multiplied.
+double cameraNoise(const NoiseModel& noise) {
+  double product = noise.panel_tolerance_m > 0 ? noise.panel_tolerance_m : 1;
+  for (const BatchChannel channel : {BatchChannel::markers, BatchChannel::tie_points})
+    product *= noise.of(channel).independentScale();
+  return product;
 }
 
 bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
@@ -321,9 +324,9 @@ bool Course::takeLeastNoise() {
   for (const auto& [names, fit] : fitted_) {
     if (!fit.succeeded) continue;
     const NoiseModel shown = shownNoise(fit.model->linear(), diagnosis_.noise, options_.seed);
-    if (markerNoise(shown) < markerNoise(least)) least = shown;
+    if (cameraNoise(shown) < cameraNoise(least)) least = shown;
   }
-  return markerNoise(least) < kLessNoise * markerNoise(diagnosis_.noise) && takeNoise(least);
+  return cameraNoise(least) < kLessNoise * cameraNoise(diagnosis_.noise) && takeNoise(least);
 }
 
 HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {

@@ -249,7 +249,8 @@ std::vector<Mismatch> spectra(const WhitenedModel& model, std::uint64_t seed) {
   std::vector<Mismatch> maps;
   for (const auto& track : linear.tracks) {
     const RowInfo& first = linear.rows[track[0]];
-    if (track.size() < kShortestSpectrum || first.channel == BatchChannel::markers) continue;
+    const bool is_seen = first.channel == BatchChannel::markers || first.channel == BatchChannel::tie_points;
+    if (track.size() < kShortestSpectrum || is_seen) continue;
     Eigen::MatrixXd own(std::ssize(track), all.cols());
     for (std::size_t k = 0; k < track.size(); ++k)
       own.row(static_cast<Eigen::Index>(k)) = all.row(static_cast<Eigen::Index>(track[k]));
@@ -308,6 +309,8 @@ double materialSize(BatchChannel channel) {
       return 0.1;
     case BatchChannel::markers:
       return 0.03;
+    case BatchChannel::tie_points:
+      return 0.1;  // of the sigma stated
     case BatchChannel::prior:
       break;
   }

@@ -3,8 +3,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/error.h"
+#include "estimation/readings.h"
 #include "landmarks/image_entry.h"
 #include "localization/input_watch.h"
 
@@ -52,8 +54,9 @@ std::vector<InsBin> bins(InsReadings& readings, double knot_s) {
 
 class Collector {
  public:
-  Collector(BatchData& data, const Detections& detections, const std::filesystem::path& image_folder)
-      : data_(data), detections_(detections), image_folder_(image_folder) {}
+  Collector(BatchData& data, const Detections& detections, const TiePoints& tie_points,
+            const std::filesystem::path& image_folder)
+      : data_(data), detections_(detections), tie_points_(tie_points), image_folder_(image_folder) {}
 
   void add(const Sample& sample) {
     if (!any_) data_.time_zero = sample.time;
@@ -82,6 +85,7 @@ class Collector {
       for (const InsReading& r : *readings) reach(r.t_s);
     for (const BatchDvl& d : data_.dvl) reach(d.t_s);
     for (const BatchMarker& m : data_.markers) reach(m.t_s);
+    for (const BatchTiePoint& p : data_.tie_points) reach(p.t_s);
     if (data_.hasMotion()) {
       for (const BatchPressure& p : data_.pressure) reach(p.t_s);
       for (const BatchUsbl& u : data_.usbl) reach(u.t_s);
@@ -120,6 +124,8 @@ class Collector {
 
   void addImage(const ImageEntry& entry) {
     const std::size_t number = image_++;
+    addTiePoints(entry, number);
+    if (data_.panels.empty()) return;
     for (std::size_t eye = 0; eye < entry.eyes.size(); ++eye) {
       const ImageEntry::Eye& view = entry.eyes[eye];
       const auto* found = detections_.find(view.image.file);
@@ -131,7 +137,7 @@ class Collector {
       seen.t_s = t_s_;
       seen.image = number;
       seen.eye = eye;
-      seen.camera = view.image.camera;
+      seen.camera = cameraOf(view, eye);
       seen.T_robot_camera = entry.T_robot_camera;
       seen.T_left_right = view.T_first_camera;
       for (const Detection& detection : *found) {
@@ -139,6 +145,25 @@ class Collector {
         addMarker(detection, seen);
       }
     }
+  }
+
+  CameraModel cameraOf(const ImageEntry::Eye& view, std::size_t eye) const {
+    CameraModel camera = view.image.camera;
+    if (const auto& sheet = data_.vehicle.camera)
+      camera.window = eye == 0 ? sheet->model.window : sheet->right_window;
+    return camera;
+  }
+
+  void addTiePoints(const ImageEntry& entry, std::size_t number) {
+    if (entry.eyes.size() != 2) return;
+    const auto found = tie_points_.find(entry.eyes[0].image.file.filename().string());
+    if (found == tie_points_.end()) return;
+    for (const TiePoint& point : found->second)
+      data_.tie_points.push_back({t_s_,
+                                  number,
+                                  point,
+                                  {cameraOf(entry.eyes[0], 0), cameraOf(entry.eyes[1], 1)},
+                                  entry.eyes[1].T_first_camera});
   }
 
   void addMarker(const Detection& detection, BatchMarker& seen) {
@@ -159,6 +184,7 @@ class Collector {
 
   BatchData& data_;
   const Detections& detections_;
+  const TiePoints& tie_points_;
   std::filesystem::path image_folder_;
   LocalizationOptions watch_options_;
   InputWatch watch_{watch_options_, [this](double, const char* kind, const std::string&) {
@@ -172,11 +198,62 @@ class Collector {
   std::size_t image_ = 0;
 };
 
+double medianOf(const Eigen::VectorXd& values) {
+  std::vector<double> sorted(values.begin(), values.end());
+  const auto middle = sorted.begin() + std::ssize(sorted) / 2;
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return *middle;
+}
+
+/// What pairs of nominal cameras contradict themselves by, the right one moved to where most agree (least
+/// squares, what is far off weighted down again and again), no farther than its mounting is uncertain.
+Eigen::VectorXd contradictionsOf(const std::vector<BatchTiePoint>& points, const CameraSheet& sheet) {
+  constexpr int kRounds = 20;
+  constexpr double kSigmaByMedian = 1.4826, kRobust = 1.5;  // Huber's, in sigmas
+  std::vector<int> columns(6);
+  std::iota(columns.begin(), columns.end(), kRightColumn);
+  Eigen::VectorXd nominal(std::ssize(points));
+  Eigen::MatrixXd J(std::ssize(points), 6), row;
+  for (Eigen::Index i = 0; i < nominal.size(); ++i) {
+    const BatchTiePoint& seen = points[static_cast<std::size_t>(i)];
+    ForwardPoint at;
+    at.T_left_right = seen.T_left_right;
+    nominal[i] = tiePointModel(seen)->differentiate(at, columns, row)[0];
+    J.row(i) = row;
+  }
+  Vector6d prior;
+  prior << Vector3d::Constant(sheet.right_position_sigma_m), Vector3d::Constant(sheet.right_angle_sigma_rad);
+  Eigen::VectorXd left = nominal;
+  for (int round = 0; round < kRounds; ++round) {
+    const double sigma = std::max(1.0, kSigmaByMedian * medianOf(left.cwiseAbs()));
+    const Eigen::ArrayXd weight = (kRobust * sigma / left.array().abs()).min(1.0) / (sigma * sigma);
+    Matrix6d normal = J.transpose() * weight.matrix().asDiagonal() * J;
+    normal.diagonal() += prior.cwiseAbs2().cwiseInverse();
+    const Vector6d moved = normal.ldlt().solve(-J.transpose() * (weight * nominal.array()).matrix());
+    left = nominal + J * moved;
+  }
+  return left / std::max(1.0, kSigmaByMedian * medianOf(left.cwiseAbs()));
+}
+
+/// Two different things taken for one contradict each other by far more than any that is one.
+void leaveOutMismatches(BatchData& data) {
+  constexpr double kMismatch = 8;  // sigmas of the scatter shown: more than an effect that is left out makes
+  if (data.tie_points.empty()) return;
+  const Eigen::VectorXd sizes =
+      contradictionsOf(data.tie_points, data.vehicle.camera.value_or(CameraSheet{}));
+  std::vector<BatchTiePoint> kept;
+  for (std::size_t i = 0; i < data.tie_points.size(); ++i)
+    if (std::abs(sizes[static_cast<Eigen::Index>(i)]) <= kMismatch) kept.push_back(data.tie_points[i]);
+  if (kept.size() < data.tie_points.size())
+    data.left_out["tie points of two different things"] = data.tie_points.size() - kept.size();
+  data.tie_points = std::move(kept);
+}
+
 }  // namespace
 
 std::string nameOf(BatchChannel channel) {
   static const std::array<const char*, kBatchChannels.size()> names{
-      "gyro", "accelerometer", "attitude", "dvl", "depth", "usbl", "markers", "prior"};
+      "gyro", "accelerometer", "attitude", "dvl", "depth", "usbl", "markers", "tie points", "prior"};
   return names[static_cast<std::size_t>(channel)];
 }
 
@@ -186,12 +263,14 @@ BatchData collectBatch(SampleSource& source, const Detections& detections, const
   data.knot_s = options.knot_s;
   data.vehicle = vehicle;
   data.panels = panels;
-  Collector collector(data, detections, source.imageFolder());
+  Collector collector(data, detections, options.tie_points, source.imageFolder());
   while (const auto sample = source.next())
     if (!std::holds_alternative<RecordingHeader>(sample->reading)) collector.add(*sample);
   collector.finish();
-  if (!data.hasMotion() && data.markers.empty())
-    throw Error("recording", "", "has neither navigation readings nor markers of the map to estimate from");
+  leaveOutMismatches(data);
+  if (!data.hasMotion() && data.markers.empty() && data.tie_points.empty())
+    throw Error("recording", "",
+                "has neither navigation readings nor markers of the map nor tie points to estimate from");
   return data;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "landmarks/detection_cache.h"
+#include "landmarks/tie_points.h"
 #include "panel/panel_map.h"
 #include "recording/sample_source.h"
 #include "sensors/vehicle.h"
@@ -16,10 +17,11 @@
 namespace fathom {
 
 /// Where a row of the estimate comes from.
-enum class BatchChannel { gyro, accelerometer, attitude, dvl, depth, usbl, markers, prior };
+enum class BatchChannel { gyro, accelerometer, attitude, dvl, depth, usbl, markers, tie_points, prior };
 inline constexpr std::array kBatchChannels{
-    BatchChannel::gyro,  BatchChannel::accelerometer, BatchChannel::attitude, BatchChannel::dvl,
-    BatchChannel::depth, BatchChannel::usbl,          BatchChannel::markers,  BatchChannel::prior};
+    BatchChannel::gyro,    BatchChannel::accelerometer, BatchChannel::attitude,
+    BatchChannel::dvl,     BatchChannel::depth,         BatchChannel::usbl,
+    BatchChannel::markers, BatchChannel::tie_points,    BatchChannel::prior};
 /// "gyro", …, as in results.
 std::string nameOf(BatchChannel channel);
 
@@ -67,6 +69,16 @@ struct BatchMarker {
   Pose T_left_right;    ///< of the left eye: identity
 };
 
+/// One point that both eyes of a pair see, wherever it is: their lines of sight should meet. A reading in
+/// units of its sigma.
+struct BatchTiePoint {
+  double t_s = 0;
+  std::size_t image = 0;
+  TiePoint point;
+  std::array<CameraModel, 2> cameras;
+  Pose T_left_right;  ///< nominal
+};
+
 struct BatchData {
   Time time_zero;                  ///< the recording's first entry
   double first_s = 0, last_s = 0;  ///< of all that follows
@@ -79,6 +91,7 @@ struct BatchData {
   std::vector<BatchPressure> pressure;
   std::vector<BatchUsbl> usbl;
   std::vector<BatchMarker> markers;
+  std::vector<BatchTiePoint> tie_points;
 
   /// How many readings are not there, by the reason: not-a-number, impossible, duplicate, no such marker …
   std::map<std::string, std::size_t> left_out;
@@ -89,12 +102,13 @@ struct BatchData {
 
 struct BatchDataOptions {
   double knot_s = 0.2;
+  TiePoints tie_points;  ///< of the recording's pairs of images
 };
 
 /// Reads a source to its end. What is not a number, impossible or there twice is left out and counted; there
 /// is no gate beyond that: what does not fit is what a diagnosis looks for. Markers are those of the images'
 /// files that the panels' maps have. Attitude is taken where the vehicle has a sigma for it. Throws Error
-/// where nothing is left.
+/// where nothing is left. Windows before the cameras are where the vehicle has them.
 BatchData collectBatch(SampleSource& source, const Detections& detections, const Vehicle& vehicle,
                        const std::vector<PanelMap>& panels, const BatchDataOptions& options = {});
 

@@ -221,7 +221,8 @@ void takeOver(const EffectParameters<double>& calibration, const std::bitset<kEf
 
 BatchEstimate estimateBatch(const BatchData& data, const StartPath& start, const BatchOptions& options) {
   BatchEstimate from;
-  if (start.T_odom_robot.empty()) {
+  const bool needs_path = data.hasMotion() || data.tie_points.empty();
+  if (needs_path && start.T_odom_robot.empty()) {
     from.failure = "no path to start from: " + start.source;
     return from;
   }

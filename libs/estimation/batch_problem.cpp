@@ -89,8 +89,10 @@ class ReadingCost final : public BatchCost {
   std::vector<MotionNode> nodes;
   Eigen::VectorXd reading;
   Eigen::MatrixXd whitening;
-  int first_pose = 0, pose_count = 0;      ///< their blocks come first
-  std::optional<std::size_t> panel_block;  ///< place among the blocks
+  int first_pose = 0, pose_count = 0;  ///< their blocks come first
+  /// Poses beside the robot's, the panel's and the right camera's: place among the blocks, the model's
+  /// column.
+  std::vector<std::pair<std::size_t, int>> other_poses;
   std::vector<Link> links;
   std::bitset<kEffectCount> acting;
 
@@ -109,8 +111,8 @@ class ReadingCost final : public BatchCost {
       for (int c = 0; c < kMotionSize; ++c) columns_.push_back(c);
     }
     motion_columns_ = columns_.size();
-    if (panel_block)
-      for (int c = 0; c < 6; ++c) columns_.push_back(kPanelColumn + c);
+    for (const auto& [block, first] : other_poses)
+      for (int c = 0; c < 6; ++c) columns_.push_back(first + c);
     for (const Link& link : links) {
       const int c = kEffectColumn + static_cast<int>(link.scalar);
       if (std::find(columns_.begin(), columns_.end(), c) == columns_.end()) columns_.push_back(c);
@@ -194,8 +196,10 @@ class ReadingCost final : public BatchCost {
 
   ForwardPoint pointAt(const Eigen::VectorXd& x) const {
     ForwardPoint point = at_reference;
-    if (panel_block)
-      point.T_odom_panel = retracted(point.T_odom_panel, x.segment<6>(blockAt(*panel_block).column));
+    for (const auto& [block, first] : other_poses) {
+      Pose& pose = first == kPanelColumn ? point.T_odom_panel : point.T_left_right;
+      pose = retracted(pose, x.segment<6>(blockAt(block).column));
+    }
     for (const Link& link : links)
       point.effects[link.scalar] += link.factor * x[blockAt(link.block).column + link.coordinate];
     return point;
@@ -215,8 +219,8 @@ class ReadingCost final : public BatchCost {
     for (std::size_t c = 0; c < motion_columns_; ++c)
       by_pose += slope.col(static_cast<Eigen::Index>(c)) * motion_slope.row(columns_[c]);
     auto next = static_cast<Eigen::Index>(motion_columns_);
-    if (panel_block) {
-      derivative.middleCols<6>(local_[*panel_block]) += slope.middleCols<6>(next);
+    for (const auto& [block, first] : other_poses) {
+      derivative.middleCols<6>(local_[block]) += slope.middleCols<6>(next);
       next += 6;
     }
     for (const Link& link : links) {
@@ -229,7 +233,7 @@ class ReadingCost final : public BatchCost {
   /// Derivatives so far are by the error of the pose at x; the unknown is that of the reference.
   void turnByRightJacobian(const Eigen::VectorXd& x, std::size_t place, Eigen::MatrixXd& derivative) const {
     const UnknownBlock& block = blockAt(place);
-    if (block.kind != Kind::pose && block.kind != Kind::panel) return;
+    if (block.kind != Kind::pose && block.kind != Kind::panel && block.kind != Kind::right_camera) return;
     const Vector3d turn = x.segment<3>(block.column + 3);
     auto columns = derivative.middleCols<3>(local_[place] + 3);
     columns = (columns * rightJacobianSO3<double>(turn)).eval();
@@ -314,6 +318,7 @@ BatchProblem::BatchProblem(const BatchData& data, const ProblemOptions& options,
   layOut();
   addReadings();
   addMarkers();
+  addTiePoints();
   addPriors();
 }
 
@@ -339,6 +344,7 @@ void BatchProblem::layOut() {
   for (std::size_t i = 0; i < data_.panels.size(); ++i)
     if (data_.panels[i].position_sigma_m > 0 && data_.panels[i].angle_sigma_rad > 0)
       blocks_.push_back({Kind::panel, i, 6, 0});
+  if (!data_.tie_points.empty()) blocks_.push_back({Kind::right_camera, 0, 6, 0});
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (const auto size = std::ssize(continuousScalars(e)); options_.estimate[e] && size > 0)
       blocks_.push_back({Kind::effect, e, static_cast<int>(size), 0});
@@ -365,6 +371,7 @@ BatchState BatchProblem::at(const Eigen::VectorXd& x) const {
     if (block.kind == Kind::pose) state.path.poses[block.index] = retracted(state.path.poses[block.index], e);
     if (block.kind == Kind::panel)
       state.T_odom_panel[block.index] = retracted(state.T_odom_panel[block.index], e);
+    if (block.kind == Kind::right_camera) state.T_left_right = retracted(state.T_left_right, e);
     if (block.kind == Kind::bias) state.bias[block.index] += e;
     if (block.kind == Kind::pressure_offset) state.pressure_offset_pa += e[0];
     if (block.kind == Kind::effect) {
@@ -408,8 +415,8 @@ std::bitset<kEffectCount> BatchProblem::actingOn(const ReadingModel& model, cons
 }
 
 double BatchProblem::thresholdOf(BatchChannel channel, Eigen::Index rows) const {
-  const bool robust =
-      channel == BatchChannel::dvl || channel == BatchChannel::usbl || channel == BatchChannel::markers;
+  const bool robust = channel == BatchChannel::dvl || channel == BatchChannel::usbl ||
+                      channel == BatchChannel::markers || channel == BatchChannel::tie_points;
   if (!robust || options_.robust_probability >= 1.0) return 0.0;
   return std::sqrt(chiSquareQuantile(static_cast<double>(rows), options_.robust_probability));
 }
@@ -429,12 +436,14 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
     if (cost->acting[e])
       for (const std::size_t s : continuousScalars(e)) point.effects[s] += reference_.effects.values[s];
   if (marker != nullptr) point.T_odom_panel = reference_.T_odom_panel[marker->panel];
+  point.T_left_right = reference_.T_left_right;
 
   // When it was valid, and which poses that makes.
   point.validity_s = model->validity_s(point);
   if (node_s.size() == 2 && node_s[0] == node_s[1]) node_s.pop_back();
   for (const double t_s : node_s)
     cost->nodes.push_back(nodeOf(t_s + point.validity_s, marker == nullptr ? kNoImage : marker->image));
+  if (cost->nodes.empty()) cost->nodes.push_back({0, 0, 0.0});  // wherever the robot is
   const auto [first, last] = std::minmax_element(
       cost->nodes.begin(), cost->nodes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   cost->first_pose = first->first;
@@ -450,7 +459,11 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   };
   if (marker != nullptr && block_of_.contains({Kind::panel, marker->panel})) {
     cost->blocks.push_back(block_of_.at({Kind::panel, marker->panel}));
-    cost->panel_block = cost->blocks.size() - 1;
+    cost->other_poses.emplace_back(cost->blocks.size() - 1, kPanelColumn);
+  }
+  if (source.tie_point >= 0) {
+    cost->blocks.push_back(block_of_.at({Kind::right_camera, 0}));
+    cost->other_poses.emplace_back(cost->blocks.size() - 1, kRightColumn);
   }
   const bool is_gyro = source.channel == BatchChannel::gyro,
              is_force = source.channel == BatchChannel::accelerometer;
@@ -539,10 +552,28 @@ void BatchProblem::addMarkers() {
   }
 }
 
+void BatchProblem::addTiePoints() {
+  for (std::size_t i = 0; i < data_.tie_points.size(); ++i) {
+    const BatchTiePoint& seen = data_.tie_points[i];
+    add(tiePointModel(seen), {BatchChannel::tie_points, seen.t_s, -1, static_cast<std::ptrdiff_t>(i)}, {},
+        Eigen::VectorXd::Zero(1), whitener(1, 1.0));
+  }
+}
+
 void BatchProblem::addLinear(const UnknownBlock& block, const Eigen::VectorXd& value,
                              const Eigen::MatrixXd& slope) {
   costs_.push_back(std::make_unique<LinearCost>(blocks_, std::vector{block_of_.at({block.kind, block.index})},
                                                 value, slope));
+}
+
+void BatchProblem::addPosePrior(const UnknownBlock& block, const Pose& nominal, const Pose& reference,
+                                double position_sigma_m, double angle_sigma_rad) {
+  Vector6d precision;
+  precision << Vector3d::Constant(1.0 / position_sigma_m), Vector3d::Constant(1.0 / angle_sigma_rad);
+  const Vector6d error = poseDifference(nominal, reference);
+  Matrix6d slope = Matrix6d::Identity();
+  slope.bottomRightCorner<3, 3>() = inverseRightJacobianSO3<double>(error.tail<3>());
+  addLinear(block, precision.cwiseProduct(error), precision.asDiagonal() * slope);
 }
 
 void BatchProblem::addPriors() {
@@ -595,13 +626,13 @@ void BatchProblem::addPriors() {
     }
     if (block.kind == Kind::panel) {
       const PanelMap& map = data_.panels[block.index];
-      Vector6d precision;
-      precision << Vector3d::Constant(1.0 / map.position_sigma_m),
-          Vector3d::Constant(1.0 / map.angle_sigma_rad);
-      const Vector6d error = poseDifference(map.T_odom_panel, reference_.T_odom_panel[block.index]);
-      Matrix6d slope = Matrix6d::Identity();
-      slope.bottomRightCorner<3, 3>() = inverseRightJacobianSO3<double>(error.tail<3>());
-      addLinear(block, precision.cwiseProduct(error), precision.asDiagonal() * slope);
+      addPosePrior(block, map.T_odom_panel, reference_.T_odom_panel[block.index], map.position_sigma_m,
+                   map.angle_sigma_rad);
+    }
+    if (block.kind == Kind::right_camera) {
+      const CameraSheet camera = data_.vehicle.camera.value_or(CameraSheet{});
+      addPosePrior(block, data_.tie_points[0].T_left_right, reference_.T_left_right,
+                   camera.right_position_sigma_m, camera.right_angle_sigma_rad);
     }
     if (block.kind == Kind::effect) {
       Eigen::VectorXd precision(block.size), value(block.size);
@@ -621,6 +652,7 @@ BatchState startState(const BatchData& data, const std::vector<double>& times_s,
   BatchState state;
   state.effects = effects;
   for (const PanelMap& panel : data.panels) state.T_odom_panel.push_back(panel.T_odom_panel);
+  if (!data.tie_points.empty()) state.T_left_right = data.tie_points[0].T_left_right;
   if (!data.hasMotion()) {
     for (const BatchMarker& seen : data.markers) {
       if (!state.images.empty() && state.images.back() == seen.image) continue;

@@ -27,6 +27,7 @@ struct BatchState {
   double bias_interval_s = 10.0;
   double pressure_offset_pa = 0.0;
   std::vector<Pose> T_odom_panel;
+  Pose T_left_right;                 ///< of a pair of cameras that sees tie points
   EffectParameters<double> effects;  ///< all that are on, estimated or not
 };
 
@@ -51,7 +52,7 @@ struct ProblemOptions {
 
 /// A block of unknowns: coordinates of the error of one part of a reference state.
 struct UnknownBlock {
-  enum class Kind { pose, bias, pressure_offset, panel, effect };
+  enum class Kind { pose, bias, pressure_offset, panel, right_camera, effect };
   Kind kind = Kind::pose;
   std::size_t index = 0;  ///< in the state's list, of an effect: in the registry
   int size = 6;
@@ -62,7 +63,8 @@ struct UnknownBlock {
 struct RowSource {
   BatchChannel channel = BatchChannel::prior;
   double t_s = 0.0;
-  std::ptrdiff_t marker = -1;  ///< index in BatchData::markers; -1: none
+  std::ptrdiff_t marker = -1;     ///< index in BatchData::markers; -1: none
+  std::ptrdiff_t tie_point = -1;  ///< likewise
 };
 
 /// A few rows of residuals, whitened: r = W (reading - prediction).
@@ -120,10 +122,13 @@ class BatchProblem {
   void layOut();
   void addReadings();
   void addMarkers();
+  void addTiePoints();
   void addPriors();
   MotionNode nodeOf(double t_s, std::size_t image) const;
   void add(std::unique_ptr<ReadingModel> model, RowSource source, std::vector<double> node_s,
            Eigen::VectorXd reading, const Eigen::MatrixXd& whitening);
+  void addPosePrior(const UnknownBlock& block, const Pose& nominal, const Pose& reference,
+                    double position_sigma_m, double angle_sigma_rad);
   void addLinear(const UnknownBlock& block, const Eigen::VectorXd& value, const Eigen::MatrixXd& slope);
   std::bitset<kEffectCount> actingOn(const ReadingModel& model, const RowSource& source) const;
   double thresholdOf(BatchChannel channel, Eigen::Index rows) const;

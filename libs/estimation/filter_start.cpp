@@ -139,7 +139,10 @@ BatchInput batchInput(const std::function<std::unique_ptr<SampleSource>()>& open
   BatchInput input;
   input.data = collectBatch(*open(), detections, vehicle, panels, options);
   if (!input.data.hasMotion()) {
-    input.start = imageStart(input.data);
+    if (input.data.markers.empty())
+      input.start.source = "where the robot is does not matter to tie points";
+    else
+      input.start = imageStart(input.data);
     return input;
   }
   const auto entries = imageEntries(*open());

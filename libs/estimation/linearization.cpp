@@ -36,6 +36,7 @@ RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const Row
   info.channel = source.channel;
   info.t_s = source.t_s;
   info.marker = source.marker;
+  info.tie_point = source.tie_point;
   const BatchMarker* seen =
       source.marker < 0 ? nullptr : &data.markers[static_cast<std::size_t>(source.marker)];
   if (seen == nullptr && !problem.reference().path.isSpline()) return info;
@@ -59,20 +60,36 @@ RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const Row
   return info;
 }
 
+void setPixel(RowInfo& info, const Vector2d& pixel, const CameraModel& camera) {
+  info.pixel = pixel;
+  info.image_radius =
+      std::hypot((pixel.x() - camera.cx_px) / camera.fx_px, (pixel.y() - camera.cy_px) / camera.fy_px);
+}
+
 void setCorner(RowInfo& info, const BatchMarker& seen) {
-  info.pixel = seen.detection.corners_px[static_cast<std::size_t>(info.component / 2)];
-  info.image_radius = std::hypot((info.pixel.x() - seen.camera.cx_px) / seen.camera.fx_px,
-                                 (info.pixel.y() - seen.camera.cy_px) / seen.camera.fy_px);
+  setPixel(info, seen.detection.corners_px[static_cast<std::size_t>(info.component / 2)], seen.camera);
+}
+
+void setTiePoint(RowInfo& info, const BatchTiePoint& seen, const Pose& T_left_right) {
+  info.tie_point_id = seen.point.id;
+  info.image = static_cast<std::ptrdiff_t>(seen.image);
+  setPixel(info, seen.point.pixels[0], seen.cameras[0]);
+  // Straight lines: near enough to sort by.
+  const Vector3d left = seen.cameras[0].rayAt(seen.point.pixels[0]),
+                 right = T_left_right.rotation * seen.cameras[1].rayAt(seen.point.pixels[1]);
+  const double cosine = left.dot(right);
+  const Vector3d toward = left - cosine * right;
+  info.range_m = T_left_right.position.dot(toward) / (1 - cosine * cosine);
 }
 
 /// Tracks in the order of channel, marker and component; rows by time.
 void findTracks(Linearization& linear) {
-  using Key = std::tuple<BatchChannel, std::ptrdiff_t, int, std::ptrdiff_t, int>;
+  using Key = std::tuple<BatchChannel, std::ptrdiff_t, int, std::ptrdiff_t, int, int>;
   std::map<Key, std::vector<std::size_t>> tracks;
   for (std::size_t i = 0; i < linear.rows.size(); ++i) {
     const RowInfo& row = linear.rows[i];
     if (row.channel == BatchChannel::prior) continue;
-    tracks[{row.channel, row.panel, row.marker_id, row.eye, row.component}].push_back(i);
+    tracks[{row.channel, row.panel, row.marker_id, row.eye, row.tie_point_id, row.component}].push_back(i);
   }
   for (auto& [key, rows] : tracks) {
     std::stable_sort(rows.begin(), rows.end(),
@@ -129,6 +146,9 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
       info.raw = raw[k];
       info.per_unit = 1 / sigma[k];
       if (info.marker >= 0) setCorner(info, data.markers[static_cast<std::size_t>(info.marker)]);
+      if (info.tie_point >= 0)
+        setTiePoint(info, data.tie_points[static_cast<std::size_t>(info.tie_point)],
+                    problem.reference().T_left_right);
       linear.rows[static_cast<std::size_t>(first[i] + k)] = info;
     }
   });

@@ -25,11 +25,14 @@ struct RowInfo {
   Vector3d velocity_robot = Vector3d::Zero();
   Vector3d force_robot = Vector3d::Zero();  ///< specific force, m/s²
 
-  // Of markers.
+  std::ptrdiff_t tie_point = -1;  ///< index in BatchData::tie_points
+  int tie_point_id = -1;
+
+  // Of markers; of tie points as the left eye sees them.
   std::ptrdiff_t marker = -1;  ///< index in BatchData::markers
   int marker_id = -1;
   std::ptrdiff_t panel = -1, image = -1, eye = -1;
-  Vector2d pixel = Vector2d::Constant(kNone);  ///< the corner
+  Vector2d pixel = Vector2d::Constant(kNone);  ///< the corner, or the point
   double image_radius = kNone;   ///< its distance from the principal point over the focal length
   double range_m = kNone;        ///< of the marker's centre
   double incidence_rad = kNone;  ///< between the marker's normal and the line of sight

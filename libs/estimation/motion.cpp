@@ -67,6 +67,7 @@ PosePath PosePath::splineNear(std::span<const double> times_s, std::span<const P
 
 Motion motionOf(std::span<const Pose> poses, const MotionNode& node, double knot_s) {
   Motion motion;
+  if (node.count == 0) return motion;
   if (node.count == 1) {
     motion.T_odom_robot = poses[0];
     return motion;
@@ -92,6 +93,7 @@ Motion motionOf(std::span<const Pose> poses, const MotionNode& node, double knot
 }
 
 MotionJacobian motionJacobian(std::span<const Pose> poses, const MotionNode& node, double knot_s) {
+  if (node.count == 0) return MotionJacobian::Zero(kMotionSize, 0);
   if (node.count == 1) {
     MotionJacobian J = MotionJacobian::Zero(kMotionSize, 6);
     J.topRows<6>().setIdentity();

@@ -33,7 +33,7 @@ struct Motion {
 };
 
 /// Which poses a motion depends on: four control poses of a spline (`u` in the segment), or one pose, on
-/// which the robot stands still.
+/// which the robot stands still; none for what does not ask where the robot is.
 struct MotionNode {
   int first = 0, count = 1;  ///< of the poses
   double u = 0.0;

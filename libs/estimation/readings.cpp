@@ -16,6 +16,8 @@ template <class T>
 struct Inputs {
   KinematicState<T> state;
   PanelPlacement<T> panel;
+  Vector3<T> right_in_left;
+  Matrix3<T> R_left_right;
   EffectParameters<T> effects;
 };
 
@@ -28,9 +30,10 @@ Vector3<T> cast(const Vector3d& v) {
 template <class T>
 Inputs<T> lift(const ForwardPoint& point, double t_s, const std::vector<int>& columns, std::size_t first) {
   Inputs<T> in;
-  Vector3<T> moved[6], panel_moved[2];
+  Vector3<T> moved[6], panel_moved[2], right_moved[2];
   for (auto& v : moved) v.setZero();
   for (auto& v : panel_moved) v.setZero();
+  for (auto& v : right_moved) v.setZero();
   for (std::size_t i = 0; i < point.effects.size(); ++i) in.effects.values[i] = T(point.effects[i]);
   in.effects.on = point.on;
   if constexpr (!std::is_same_v<T, double>) {
@@ -38,8 +41,10 @@ Inputs<T> lift(const ForwardPoint& point, double t_s, const std::vector<int>& co
       const int c = columns[first + static_cast<std::size_t>(slot)];
       if (c < kPanelColumn)
         moved[c / 3][c % 3].v[slot] = 1.0;
-      else if (c < kEffectColumn)
+      else if (c < kRightColumn)
         panel_moved[(c - kPanelColumn) / 3][c % 3].v[slot] = 1.0;
+      else if (c < kEffectColumn)
+        right_moved[(c - kRightColumn) / 3][c % 3].v[slot] = 1.0;
       else
         in.effects.values[static_cast<std::size_t>(c - kEffectColumn)].v[slot] = 1.0;
     }
@@ -59,6 +64,8 @@ Inputs<T> lift(const ForwardPoint& point, double t_s, const std::vector<int>& co
   state.angular_acceleration_robot = cast<T>(m.rate_derivative_robot) + moved[kRateDerivativeColumn / 3];
   in.panel = {t_s, cast<T>(point.T_odom_panel.position) + panel_moved[0],
               turned(point.T_odom_panel.rotation, panel_moved[1])};
+  in.right_in_left = cast<T>(point.T_left_right.position) + right_moved[0];
+  in.R_left_right = turned(point.T_left_right.rotation, right_moved[1]);
   return in;
 }
 
@@ -194,6 +201,20 @@ struct MarkerReader {
   }
 };
 
+struct TiePointReader {
+  static constexpr Sensor kSensor = Sensor::camera;
+  using Stages = StageList<FlatPort<double>, Intrinsics<double>>;
+  static std::vector<int> motion() { return {}; }
+  SeenByBoth seen;
+  Eigen::Vector4d sense;
+  double t_s;
+  template <class T>
+  Eigen::Matrix<T, 1, 1> predict(const Inputs<T>& in) const {
+    return Eigen::Matrix<T, 1, 1>(
+        contradiction(seen, in.R_left_right, in.right_in_left, in.effects, t_s, sense));
+  }
+};
+
 struct AccelerationReader {
   static constexpr Sensor kSensor = Sensor::ins;
   using Stages = StageList<>;
@@ -320,6 +341,11 @@ std::unique_ptr<ReadingModel> usblModel(const BatchUsbl& reading, const Vehicle&
 std::unique_ptr<ReadingModel> markerModel(const BatchMarker& reading) {
   return model(MarkerReader{reading, reading.t_s});
 }
+std::unique_ptr<ReadingModel> tiePointModel(const BatchTiePoint& reading) {
+  const SeenByBoth seen{reading.cameras, reading.point.pixels, reading.point.sigma_px};
+  return model(TiePointReader{seen, contradictionSense(seen, reading.T_left_right), reading.t_s});
+}
+
 std::unique_ptr<ReadingModel> accelerationModel(double t_s) { return model(AccelerationReader{t_s}); }
 std::unique_ptr<ReadingModel> poseModel(const Pose& T_odom_robot, double t_s) {
   return model(PoseReader{T_odom_robot, t_s});

@@ -16,9 +16,11 @@ namespace fathom {
 inline constexpr std::size_t kEffectScalars = kEffectOffsets[kEffectCount];
 
 /// Columns of a prediction's derivative: the motion's (MotionColumn), the panel's pose (position in odom, m;
-/// rotation vector in panel axes, rad), then the scalars of all effects.
+/// rotation vector in panel axes, rad), the right camera's pose likewise in the left one's frame, then the
+/// scalars of all effects.
 inline constexpr int kPanelColumn = kMotionSize;
-inline constexpr int kEffectColumn = kPanelColumn + 6;
+inline constexpr int kRightColumn = kPanelColumn + 6;
+inline constexpr int kEffectColumn = kRightColumn + 6;
 
 /// All that a prediction depends on.
 struct ForwardPoint {
@@ -26,7 +28,7 @@ struct ForwardPoint {
   /// The motion is that at the stamp + so much. Where the effects' validity is another one it is carried on,
   /// at constant jerk.
   double validity_s = 0.0;
-  Pose T_odom_panel;
+  Pose T_odom_panel, T_left_right;
   std::array<double, kEffectScalars> effects{};
   std::bitset<kEffectCount> on;  ///< those that act, and those by which is differentiated
 };
@@ -57,6 +59,8 @@ std::unique_ptr<ReadingModel> pressureModel(const BatchPressure& reading, const 
 std::unique_ptr<ReadingModel> usblModel(const BatchUsbl& reading, const Vehicle& vehicle);
 /// x0, y0, x1, …; not finite where a corner is behind the camera.
 std::unique_ptr<ReadingModel> markerModel(const BatchMarker& reading);
+/// By how much the eyes contradict each other, in units of sigma: contradiction().
+std::unique_ptr<ReadingModel> tiePointModel(const BatchTiePoint& reading);
 /// Acceleration in odom and angular acceleration, both in robot axes: what a vehicle does little of.
 std::unique_ptr<ReadingModel> accelerationModel(double t_s);
 /// Position, and the rotation vector from a reference attitude in odom axes, of which z is the heading.

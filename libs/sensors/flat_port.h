@@ -13,6 +13,9 @@
 /// under water: a port without thickness at the camera's very centre is then no port at all. With
 /// index_error = 1.34/1 - 1 they are those of a calibration in air.
 ///
+/// A window that is some way off (`window_m`), as an aquarium's before a camera in air, is reached through
+/// what the intrinsics are for: without index_error it does nothing.
+///
 /// A camera in air that looks through a tank sees a slab of water with air on both sides. Angles depend on
 /// ratios of indices alone, so the slab is one more layer, 1.34 times as dense as what is nominal.
 namespace fathom {
@@ -27,8 +30,9 @@ namespace detail {
 /// `slope`: tan(theta_air) over the point's lateral distance, which stays smooth on the normal itself.
 template <class T>
 struct PortCrossing {
-  T distance_m, glass_m, slab_m, water_m;  ///< thickness of each layer, along the normal
-  T lateral_squared;                       ///< of the point, m²
+  T nominal_index;
+  T window_m, distance_m, glass_m, slab_m, water_m;  ///< thickness of each layer, along the normal
+  T lateral_squared;                                 ///< of the point, m²
 
   /// tan(theta) over the lateral distance, in a medium of index n: tan(theta_n) = tan(theta_air) /
   /// sqrt(n² + (n² - 1) tan²(theta_air)).
@@ -39,7 +43,8 @@ struct PortCrossing {
   }
   /// Where the light of this slope ends, as a share of the lateral distance, minus 1: zero for the point.
   T miss(const T& slope) const {
-    return slope * distance_m + slopeIn(T(kGlassIndex), slope, lateral_squared) * glass_m +
+    return slopeIn(nominal_index, slope, lateral_squared) * window_m + slope * distance_m +
+           slopeIn(T(kGlassIndex), slope, lateral_squared) * glass_m +
            slopeIn(T(kSlabIndex), slope, lateral_squared) * slab_m +
            slopeIn(T(kWaterIndex), slope, lateral_squared) * water_m - 1.0;
   }
@@ -50,8 +55,9 @@ inline double missBySlope(const PortCrossing<double>& port, double slope) {
   const auto in = [&](double n2) {
     return n2 / std::pow(n2 + (n2 - 1) * slope * slope * port.lateral_squared, 1.5);
   };
-  return port.distance_m + in(kGlassIndex * kGlassIndex) * port.glass_m +
-         in(kSlabIndex * kSlabIndex) * port.slab_m + in(kWaterIndex * kWaterIndex) * port.water_m;
+  return in(port.nominal_index * port.nominal_index) * port.window_m + port.distance_m +
+         in(kGlassIndex * kGlassIndex) * port.glass_m + in(kSlabIndex * kSlabIndex) * port.slab_m +
+         in(kWaterIndex * kWaterIndex) * port.water_m;
 }
 
 /// Newton's method from 0. miss() is concave and grows, so it comes up to the root and never beyond. A point
@@ -83,18 +89,50 @@ Vector3<T> apparentDirection(const FlatPort<P>& port, const Vector3<T>& point_ca
   const Vector3<T> lateral = point_camera - height * normal;
 
   constexpr double kThinnestWater_m = 1e-3;  // what touches the port
-  detail::PortCrossing<T> crossing{T(port.distance_m), T(port.glass_m), T(port.slab_m), T(0),
+  const T nominal_index = kWaterIndex / (1.0 + T(port.index_error));
+  detail::PortCrossing<T> crossing{nominal_index,        T(port.window_m), T(port.distance_m),
+                                   T(port.glass_m),      T(port.slab_m),   T(0),
                                    lateral.squaredNorm()};
-  crossing.water_m = height - crossing.distance_m - crossing.glass_m - crossing.slab_m;
+  crossing.water_m = height - crossing.window_m - crossing.distance_m - crossing.glass_m - crossing.slab_m;
   if (crossing.water_m < kThinnestWater_m) crossing.water_m = T(kThinnestWater_m);
-  const detail::PortCrossing<double> plain{valueOf(crossing.distance_m), valueOf(crossing.glass_m),
-                                           valueOf(crossing.slab_m), valueOf(crossing.water_m),
+  const detail::PortCrossing<double> plain{valueOf(crossing.nominal_index),  valueOf(crossing.window_m),
+                                           valueOf(crossing.distance_m),     valueOf(crossing.glass_m),
+                                           valueOf(crossing.slab_m),         valueOf(crossing.water_m),
                                            valueOf(crossing.lateral_squared)};
   const double root = detail::solveSlope(plain);
   const T slope = T(root) - crossing.miss(T(root)) / detail::missBySlope(plain, root);
 
-  const T nominal_index = kWaterIndex / (1.0 + T(port.index_error));
   return normal + detail::PortCrossing<T>::slopeIn(nominal_index, slope, crossing.lateral_squared) * lateral;
+}
+
+template <class T>
+struct SightLine {
+  Vector3<T> origin, direction;  ///< direction of unit length
+};
+
+/// The inverse: where the light comes from, behind the port, that appears in a direction (of any length).
+template <class T, class P>
+SightLine<T> lightBehind(const FlatPort<P>& port, const Vector3<T>& apparent) {
+  using std::sqrt;
+  const Vector3<T> normal = expSO3<T>(Vector3<T>(T(port.tilt_x_rad), T(port.tilt_y_rad), T(0))).col(2);
+  const Vector3<T> sight = apparent.normalized();
+  // n sin(theta), the same in each layer, along the port.
+  const T nominal_index = kWaterIndex / (1.0 + T(port.index_error));
+  const Vector3<T> along = nominal_index * (sight - sight.dot(normal) * normal);
+  const auto direction = [&](const T& index) {
+    const Vector3<T> lateral = along / index;
+    return Vector3<T>(lateral + sqrt(1.0 - lateral.squaredNorm()) * normal);
+  };
+  SightLine<T> line{Vector3<T>::Zero(), direction(T(kWaterIndex))};
+  const auto pass = [&](const T& index, const T& thickness_m) {
+    const Vector3<T> d = direction(index);
+    line.origin += d * (thickness_m / d.dot(normal));
+  };
+  pass(nominal_index, T(port.window_m));
+  pass(T(1), T(port.distance_m));
+  pass(T(kGlassIndex), T(port.glass_m));
+  pass(T(kSlabIndex), T(port.slab_m));
+  return line;
 }
 
 }  // namespace fathom

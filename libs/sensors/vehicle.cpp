@@ -1,5 +1,7 @@
 #include "sensors/vehicle.h"
 
+#include <cmath>
+
 #include "core/yaml.h"
 
 namespace fathom {
@@ -54,6 +56,14 @@ UsblSheet readUsbl(const YamlMap& y) {
   return s;
 }
 
+Window readWindow(const YamlMap& y) {
+  const Window window{y.notNegative("distance_m"), radians(y.number("tilt_deg")),
+                      radians(y.number("tilt_y_deg"))};
+  if (std::hypot(window.tilt_x_rad, window.tilt_y_rad) > radians(80))
+    throw y.error("tilt_deg", "the window must be before the camera");
+  return window;
+}
+
 CameraSheet readCamera(const YamlMap& y) {
   CameraSheet s;
   s.rate_hz = y.positive("rate_hz");
@@ -81,7 +91,15 @@ CameraSheet readCamera(const YamlMap& y) {
   s.read_noise_e = y.notNegative("read_noise_e");
   s.corner_sigma_px = y.positive("corner_sigma_px");
   s.T_robot_camera = y.pose("pose");
-  if (y.has("right_pose")) s.T_left_right = y.pose("right_pose");
+  if (y.has("window")) s.model.window = readWindow(y.map("window"));
+  if (!y.has("right_pose")) return s;
+  s.T_left_right = y.pose("right_pose");
+  if (y.has("right_window")) s.right_window = readWindow(y.map("right_window"));
+  if (y.has("right_pose_sigma")) {
+    const YamlMap sigma = y.map("right_pose_sigma");
+    s.right_position_sigma_m = sigma.positive("position_m");
+    s.right_angle_sigma_rad = radians(sigma.positive("angle_deg"));
+  }
   return s;
 }
 

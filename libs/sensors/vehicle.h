@@ -70,6 +70,12 @@ struct CameraSheet {
   /// Optional key `right_pose`: a second camera of the same kind makes it a stereo pair; the right one's
   /// frame in the left one's.
   std::optional<Pose> T_left_right;
+  /// Optional key `right_pose_sigma: {position_m, angle_deg}`, each axis: how well a pair's mounting is
+  /// known.
+  double right_position_sigma_m = 0.001, right_angle_sigma_rad = radians(0.1);
+  /// Optional key `right_window`, as `window` of the left one, which is model.window: {distance_m, tilt_deg,
+  /// tilt_y_deg}.
+  Window right_window;
 };
 
 struct LampSheet {

@@ -74,6 +74,129 @@ TEST(FlatPort, WithoutThicknessIsNoPort) {
   }
 }
 
+TEST(FlatPort, LightBehindItIsTheTracedOne) {
+  Random random(6);
+  for (int i = 0; i < 1000; ++i) {
+    const FlatPort<double> port = randomPort(random);
+    const Vector3d sight(random.uniform(-0.6, 0.6), random.uniform(-0.5, 0.5), 1);
+    const LightRay traced_ray = traced(port, sight);
+    const SightLine<double> line = lightBehind(port, sight);
+    EXPECT_LT((line.origin - traced_ray.origin).norm(), kPortDirection);
+    EXPECT_LT((line.direction - traced_ray.direction).norm(), kPortDirection);
+  }
+}
+
+TEST(FlatPort, LightBehindItComesFromThePoint) {
+  Random random(7);
+  for (int i = 0; i < 1000; ++i) {
+    FlatPort<double> port = randomPort(random);
+    port.window_m = random.uniform(0.0, 0.3);
+    port.slab_m = random.uniform() < 0.5 ? 0 : random.uniform(0.0, 0.1);
+    const double z = random.uniform(0.6, 5.0);
+    const Vector3d point(z * random.uniform(-0.4, 0.4), z * random.uniform(-0.4, 0.4), z);
+    const SightLine<double> line = lightBehind(port, apparentDirection(port, point));
+    EXPECT_LT(line.direction.cross(point - line.origin).norm(), 5 * kPortDirection);
+    EXPECT_NEAR(line.direction.norm(), 1, 1e-12);
+  }
+}
+
+/// An aquarium's window some way off bends nothing as long as there is air behind it.
+TEST(FlatPort, AWindowByItselfIsNoPort) {
+  FlatPort<double> port{true, 0, 0, radians(4), radians(-7), 0, 0};
+  port.window_m = 0.2;
+  const Vector3d point(0.2, -0.1, 0.7);
+  EXPECT_LT((apparentDirection(port, point).normalized() - point.normalized()).norm(), kPortDirection);
+}
+
+/// Air, then water behind a window 0.2 m off: traced.
+TEST(FlatPort, AWindowBeforeWaterIsReachedThroughAir) {
+  Random random(8);
+  for (int i = 0; i < 300; ++i) {
+    FlatPort<double> port{true, 0, 0, radians(random.uniform(-9, 9)), radians(random.uniform(-9, 9)),
+                          0.34, 0};
+    port.window_m = 0.2;
+    const Vector3d normal = expSO3<double>(Vector3d(port.tilt_x_rad, port.tilt_y_rad, 0)) * Vector3d::UnitZ();
+    const Vector3d sight = Vector3d(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), 1).normalized();
+    const Vector3d point =
+        0.2 / sight.dot(normal) * sight + random.uniform(0.05, 1.0) * refracted(sight, normal, 1.0, 1.34);
+    EXPECT_LT((apparentDirection(port, point).normalized() - sight).norm(), kPortDirection);
+  }
+}
+
+TEST(CameraGeometry, LineOfSightLeadsToWhatIsSeen) {
+  Random random(9);
+  CameraModel camera{1440, 1080, 900, 905, 719.5, 539.5, -0.1, 0.03, 0.001, -0.001, 0};
+  camera.window = {0.1, radians(3), radians(-2)};
+  EffectParameters<double> effects;
+  for (const bool bent : {false, true}) {
+    if (bent) {
+      effects.on.set(kEffectIndex<FlatPortRefraction>);
+      effects.of<FlatPortRefraction>()[1] = 0.01;
+      effects.of<FlatPortRefraction>()[4] = 0.34;
+    }
+    for (int i = 0; i < 100; ++i) {
+      const double z = random.uniform(0.4, 3.0);
+      const Vector3d point(z * random.uniform(-0.4, 0.4), z * random.uniform(-0.3, 0.3), z);
+      const auto projector = cameraProjector(camera, effects, 0);
+      const SightLine<double> line = projector.lineOfSight(projector.project(point));
+      EXPECT_LT(line.direction.cross(point - line.origin).norm(), 1e-9) << bent;
+    }
+  }
+}
+
+/// Two cameras at right angles, and what they see of a point, off by some pixels.
+struct Crossing {
+  SeenByBoth seen;
+  Pose T_left_right{rotationFromYawPitchRoll(radians(5), radians(-80), radians(3)), {0.5, 0.02, 0.4}};
+  Vector3d point;
+
+  explicit Crossing(Random& random) {
+    const CameraModel camera{1440, 1080, 900, 905, 719.5, 539.5, 0, 0, 0, 0, 0};
+    seen.cameras = {camera, camera};
+    seen.sigma_px = {0.7, 1.6};
+    point = {random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(0.3, 0.6)};
+    seen.pixels = {camera.project<double>(point), camera.project<double>(T_left_right.inverse() * point)};
+  }
+  double contradiction() const {
+    return fathom::contradiction<double>(seen, T_left_right.rotation, T_left_right.position, {}, 0,
+                                         contradictionSense(seen, T_left_right));
+  }
+  /// Sum of squares in units of sigma, of the point moved.
+  double cost(const Vector3d& moved) const {
+    const Vector2d left = seen.cameras[0].project<double>(moved) - seen.pixels[0],
+                   right = seen.cameras[1].project<double>(T_left_right.inverse() * moved) - seen.pixels[1];
+    return left.squaredNorm() / std::pow(seen.sigma_px[0], 2) +
+           right.squaredNorm() / std::pow(seen.sigma_px[1], 2);
+  }
+};
+
+TEST(Contradiction, IsNoneWhereBothSeeOnePoint) {
+  Random random(10);
+  for (int i = 0; i < 50; ++i) EXPECT_NEAR(Crossing(random).contradiction(), 0, 1e-8);
+}
+
+/// Its square is what no point makes smaller: found again by a search that knows no derivatives.
+TEST(Contradiction, IsWhatNoPointExplains) {
+  Random random(11);
+  for (int i = 0; i < 20; ++i) {
+    Crossing crossing(random);
+    for (Vector2d& pixel : crossing.seen.pixels) pixel += 2.0 * Vector2d(random.normal(), random.normal());
+    Vector3d best = crossing.point;
+    for (double step = 0.01; step > 1e-9;) {
+      const Vector3d before = best;
+      for (int axis = 0; axis < 3; ++axis)
+        for (const double sign : {-1.0, 1.0}) {
+          const Vector3d moved = best + sign * step * Vector3d::Unit(axis);
+          if (crossing.cost(moved) < crossing.cost(best)) best = moved;
+        }
+      if (before == best) step /= 2;
+    }
+    // Four pixels at a point a third of a metre away: curved by 1e-2 of them.
+    const double square = std::pow(crossing.contradiction(), 2);
+    EXPECT_NEAR(square, crossing.cost(best), 1e-3 + 1e-2 * square);
+  }
+}
+
 /// A camera in air that looks through a tank: traced through air, water and air again.
 TEST(FlatPort, ThroughASlabOfWaterBetweenAir) {
   Random random(5);

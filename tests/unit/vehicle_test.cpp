@@ -86,6 +86,28 @@ usbl:
   EXPECT_EQ(v.usbl->T_robot_usbl.position.z(), 0.3);
 }
 
+TEST(Vehicle, APairOfCamerasMayLookThroughWindows) {
+  std::string text = readTextFile(shipped());
+  const auto lamps = text.find("lamps:");
+  ASSERT_NE(lamps, std::string::npos);
+  text.insert(lamps, R"(  right_pose: {x: 0.2, y: 0, z: 0, yaw_deg: 0, pitch_deg: 0, roll_deg: 0}
+  right_pose_sigma: {position_m: 0.002, angle_deg: 0.5}
+  window: {distance_m: 0.2, tilt_deg: -5, tilt_y_deg: 3}
+  right_window: {distance_m: 0.1, tilt_deg: 0, tilt_y_deg: 0}
+)");
+  const auto file = test::scratchFolder() / "v.yaml";
+  writeTextFile(file, text);
+  const CameraSheet camera = readVehicle(file).camera.value();
+  EXPECT_EQ(camera.T_left_right.value().position.x(), 0.2);
+  EXPECT_EQ(camera.right_position_sigma_m, 0.002);
+  EXPECT_NEAR(camera.right_angle_sigma_rad, radians(0.5), 1e-15);
+  EXPECT_EQ(camera.model.window, (Window{0.2, radians(-5.0), radians(3.0)}));
+  EXPECT_EQ(camera.right_window.distance_m, 0.1);
+  text.replace(text.find("tilt_deg: -5"), 12, "tilt_deg: 95");
+  writeTextFile(file, text);
+  EXPECT_THROW(readVehicle(file), Error);
+}
+
 // Beams of a Janus DVL: down, 30 degrees outwards, at their azimuths.
 TEST(Vehicle, BeamsPointDownAndOut) {
   DvlSheet dvl;
