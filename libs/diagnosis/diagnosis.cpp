@@ -33,6 +33,11 @@ double cameraNoise(const NoiseModel& noise) {
   return product;
 }
 
+/// Whether what one fit has beside another is large enough to be named.
+bool isLarge(const Refit& fit, const Refit& fewer) {
+  return 2 * (fewer.cost - fit.cost) >= kDiscovery * kDiscovery;
+}
+
 bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
   for (std::size_t c = 0; c < before.channels.size(); ++c)
     if (shown.channels[c].independentScale() < kLessNoise * before.channels[c].independentScale())
@@ -215,8 +220,7 @@ Refit Course::without(const Refit& from, std::vector<Candidate> effects, std::si
 Refit Course::onlyNeeded(Refit fit) {
   for (std::size_t i = 0; fit.effects.size() > 1 && i < fit.effects.size();) {
     Refit less = without(fit, i);
-    const bool is_clear = 2 * (less.cost - fit.cost) >= kDiscovery * kDiscovery;
-    if (!less.succeeded || (is_clear && worth(less) < worth(fit))) {
+    if (!less.succeeded || (isLarge(fit, less) && worth(less) < worth(fit))) {
       ++i;
       continue;
     }
@@ -264,8 +268,7 @@ void Course::attribute() {
 /// What has raised the alarm may be another than what is best supported, or explain less once refitted.
 bool Course::isBelieved(const Refit& fit, double looks) {
   const double alarm = alarmOf(-supportOver(fit, final_), looks);
-  const bool is_large = 2 * (final_.cost - fit.cost) >= kDiscovery * kDiscovery;
-  if (is_large && alarm <= options_.false_alarm) return true;
+  if (isLarge(fit, final_) && alarm <= options_.false_alarm) return true;
   if (final_.effects.empty()) {
     diagnosis_.alarm_p = std::max(diagnosis_.alarm_p, alarm);
     diagnosis_.most_improbable = nameOf(fit.effects.front());
@@ -307,11 +310,15 @@ bool Course::takeNoise(const NoiseModel& shown) {
   Refit nominal = refit(data_, nominal_.estimate, base, {}, shown);
   Refit present = refit(data_, final_.estimate, base, final_.effects, shown);
   if (!nominal.succeeded || !present.succeeded) return false;
+  // Where readings contradict each other there are many minima: no effect is to profit from a better one.
+  Refit back = refit(data_, present.estimate, base, {}, shown);
+  if (back.succeeded && back.cost < nominal.cost) nominal = std::move(back);
   diagnosis_.noise = shown;
   base_ = base;
   nominal_ = std::move(nominal);
   fitted_.clear();
   final_ = onlyNeeded(std::move(present));
+  if (!isLarge(final_, nominal_)) final_ = nominal_;
   locate();
   return true;
 }

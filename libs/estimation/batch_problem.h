@@ -36,11 +36,18 @@ struct PathPrior {
   double position_sigma_m = 100.0, heading_sigma_rad = 3.0;
 };
 
+/// Every channel's sigma as the data sheet has it.
+constexpr std::array<double, kBatchChannels.size()> asStated() {
+  std::array<double, kBatchChannels.size()> ones{};
+  ones.fill(1);
+  return ones;
+}
+
 struct ProblemOptions {
   /// Effects whose continuous parameters are estimated, starting from the state's.
   std::bitset<kEffectCount> estimate;
   /// Sigma of each channel in units of the data sheet's (or of a corner's own covariance), by BatchChannel.
-  std::array<double, kBatchChannels.size()> noise_scale{1, 1, 1, 1, 1, 1, 1, 1};
+  std::array<double, kBatchChannels.size()> noise_scale = asStated();
   /// Huber's loss for DVL, USBL and markers, beyond what a reading's chi-square exceeds with probability
   /// 1 - this; 1: none. Generous, so that what is out of place keeps most of its weight.
   double robust_probability = 0.99999;

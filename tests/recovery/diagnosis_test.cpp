@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+
 #include "diagnosis/elsewhere.h"
 #include "support/diagnosis_score.h"
 
@@ -93,6 +95,17 @@ TEST(Diagnosis, NamesNothingWithConfidenceFromWrongInput) {
     EXPECT_TRUE(test::isCautious(answer)) << run.name << ", " << told(answer);
     if (kFew) break;
   }
+}
+
+/// An effect is believed in, noise taken again with it in the model, and then there is nothing left of it.
+TEST(Diagnosis, NamesNothingThatVanishesOnceTheNoiseIsKnown) {
+  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: the shorter ones above take the same way";
+  const auto runs = test::wrongInputs(test::richRun(1, 12.0));
+  const auto constant_gyro =
+      std::find_if(runs.begin(), runs.end(), [](const auto& run) { return run.name == "constant gyro"; });
+  ASSERT_NE(constant_gyro, runs.end());
+  const test::Answer answer = test::answerOf(*constant_gyro, excitation());
+  EXPECT_TRUE(test::isCautious(answer)) << told(answer);
 }
 
 TEST(Diagnosis, IsJudgedOnAnotherManoeuvre) {
