@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/error.h"
@@ -205,8 +206,9 @@ double medianOf(const Eigen::VectorXd& values) {
   return *middle;
 }
 
-/// What pairs of nominal cameras contradict themselves by, the right one moved to where most agree (least
-/// squares, what is far off weighted down again and again), no farther than its mounting is uncertain.
+/// What pairs of nominal cameras contradict themselves by, in sigmas of the scatter: the right one moved to
+/// where most agree (least squares, what is far off weighted down again and again), no farther than its
+/// mounting is uncertain. Not finite where lines of sight are parallel.
 Eigen::VectorXd contradictionsOf(const std::vector<BatchTiePoint>& points, const CameraSheet& sheet) {
   constexpr int kRounds = 20;
   constexpr double kSigmaByMedian = 1.4826, kRobust = 1.5;  // Huber's, in sigmas
@@ -214,13 +216,19 @@ Eigen::VectorXd contradictionsOf(const std::vector<BatchTiePoint>& points, const
   std::iota(columns.begin(), columns.end(), kRightColumn);
   Eigen::VectorXd nominal(std::ssize(points));
   Eigen::MatrixXd J(std::ssize(points), 6), row;
+  std::vector<Eigen::Index> meeting;
   for (Eigen::Index i = 0; i < nominal.size(); ++i) {
     const BatchTiePoint& seen = points[static_cast<std::size_t>(i)];
     ForwardPoint at;
     at.T_left_right = seen.T_left_right;
     nominal[i] = tiePointModel(seen)->differentiate(at, columns, row)[0];
     J.row(i) = row;
+    if (std::isfinite(nominal[i]) && row.allFinite()) meeting.push_back(i);
   }
+  Eigen::VectorXd sizes = Eigen::VectorXd::Constant(nominal.size(), std::numeric_limits<double>::quiet_NaN());
+  if (meeting.empty()) return sizes;
+  nominal = nominal(meeting).eval();
+  J = J(meeting, Eigen::all).eval();
   Vector6d prior;
   prior << Vector3d::Constant(sheet.right_position_sigma_m), Vector3d::Constant(sheet.right_angle_sigma_rad);
   Eigen::VectorXd left = nominal;
@@ -232,7 +240,8 @@ Eigen::VectorXd contradictionsOf(const std::vector<BatchTiePoint>& points, const
     const Vector6d moved = normal.ldlt().solve(-J.transpose() * (weight * nominal.array()).matrix());
     left = nominal + J * moved;
   }
-  return left / std::max(1.0, kSigmaByMedian * medianOf(left.cwiseAbs()));
+  sizes(meeting) = left / std::max(1.0, kSigmaByMedian * medianOf(left.cwiseAbs()));
+  return sizes;
 }
 
 /// Two different things taken for one contradict each other by far more than any that is one.

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "estimation/filter_start.h"
+#include "recording/recorded_camera.h"
 #include "support/batch_runs.h"
 
 namespace fathom {
@@ -86,6 +87,42 @@ TEST(BatchData, TakesMarkersThatAMapHas) {
 
   test::ListSource nothing({{at(0), labels::kDepth, DepthSample{{}, 1e5, {}}}});
   EXPECT_THROW(collectBatch(nothing, {}, run.vehicle, {run.panel}), Error);
+}
+
+/// Twenty points that two parallel eyes see, one that is two different things, and one at infinity.
+TEST(BatchData, LeavesOutTiePointsThatAreNone) {
+  const CameraModel camera{640, 480, 500, 500, 319.5, 239.5, 0, 0, 0, 0, 0};
+  StereoSample pair;
+  pair.T_left_right.position = Vector3d(0.2, 0, 0);
+  pair.left_intrinsics = pair.right_intrinsics = recordedCamera(camera);
+  pair.left_file = "left.png";
+  pair.right_file = "right.png";
+  BatchDataOptions options;
+  std::vector<TiePoint>& points = options.tie_points["left.png"];
+  const Vector2d middle(319.5, 239.5);
+  points.push_back({0, {middle, middle}, {1, 1}});
+  EXPECT_THROW(
+      {
+        test::ListSource source({{at(0), labels::kStereo, pair}});
+        collectBatch(source, {}, readVehicle(test::kRov), {}, options);
+      },
+      Error);
+  Random random(1);
+  for (int id = 1; id <= 21; ++id) {
+    const Vector3d point(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(1, 2));
+    const double off_px = id == 21 ? 200 : 0.3 * random.normal();
+    points.push_back(
+        {id,
+         {camera.project<double>(point),
+          camera.project<double>(Vector3d(point - pair.T_left_right.position)) + Vector2d(0, off_px)},
+         {1, 1}});
+  }
+  test::ListSource source({{at(0), labels::kStereo, pair}});
+  const BatchData data = collectBatch(source, {}, readVehicle(test::kRov), {}, options);
+  ASSERT_EQ(data.tie_points.size(), 20u);
+  EXPECT_EQ(data.tie_points.front().point.id, 1);
+  EXPECT_EQ(data.tie_points.back().point.id, 20);
+  EXPECT_EQ(data.left_out.at("tie points of two different things"), 2u);
 }
 
 }  // namespace
