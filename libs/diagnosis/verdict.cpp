@@ -41,7 +41,7 @@ void remarkOnNoise(Diagnosis& diagnosis) {
         noise.rows > 0 && channel != BatchChannel::prior &&
         (noise.scale > kNoisier || noise.scale < kQuieter))
       diagnosis.remarks.push_back(
-          print("%s scatters %.2f times as much as stated", nameOf(channel).c_str(), noise.scale));
+          print("%s: %.2f times the noise stated", nameOf(channel).c_str(), noise.scale));
 }
 
 /// Everything by which the model with the effects found is still not adequate.
