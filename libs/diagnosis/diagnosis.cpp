@@ -198,14 +198,14 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
     tried.push_back(set.members);
     std::vector<Candidate> effects = from.effects;
     for (const std::size_t m : set.members) effects.push_back(screening.candidates()[m].candidate);
-    tryOne(std::move(effects));
+    tryOne(effects);
   }
   if (isCameraAlone())
     for (const TestedCandidate& tested : screening.candidates())
       if (tested.candidate.isForGood() && !tested.candidate.marker_id && !tested.candidate.time_s) {
         std::vector<Candidate> effects = from.effects;
         effects.push_back(tested.candidate);
-        tryOne(std::move(effects));
+        tryOne(effects);
       }
   return best;
 }
