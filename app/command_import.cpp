@@ -63,9 +63,9 @@ class ImportWriter {
   void report(const ImportedRecording& imported) const {
     for (const auto& conclusion : imported.conclusions) std::cout << toText(conclusion) << "\n";
     std::cout << samples_ << " samples\n";
-    for (const char* ending : {".rawlog", "_vehicle.yaml", "_reference.tum", "_import.json"})
-      if (ending != std::string("_reference.tum") || !imported.reference.empty())
-        std::cout << "wrote " << target_.file(ending).string() << "\n";
+    sayWritten(target_, {".rawlog", "_vehicle.yaml"});
+    if (!imported.reference.empty()) sayWritten(target_, {"_reference.tum"});
+    sayWritten(target_, {"_import.json"});
   }
 
   ImportTarget target_;

@@ -56,10 +56,7 @@ CameraModel readIntrinsics(const fs::path& file, const std::optional<std::array<
   const YamlFile yaml(file);
   const YamlMap& root = yaml.root();
   CameraModel camera;
-  camera.fx_px = root.positive("fx_px");
-  camera.fy_px = root.positive("fy_px");
-  camera.cx_px = root.number("cx_px");
-  camera.cy_px = root.number("cy_px");
+  readPinhole(root, camera);
   const auto sideAround = [](double middle_px) {
     return static_cast<int>(std::lround(std::clamp(2 * middle_px + 1, 0.0, kLargest_px + 1.0)));
   };
@@ -143,12 +140,6 @@ fs::path writeMap(const ImportTarget& target, std::vector<PanelMap> boards) {
   return folder / "boards.yaml";
 }
 
-std::string vehicleYaml(const CameraModel& camera, double sigma_px) {
-  return "# A camera by itself.\ngravity_m_s2: 9.80665\ncamera:\n" +
-         print("  rate_hz: %.9g\n", 1 / kInterval_s) + cameraLines(recordedCamera(camera), sigma_px) +
-         "  pose: {x: 0, y: 0, z: 0, yaw_deg: 0, pitch_deg: 0, roll_deg: 0}\n";
-}
-
 /// The squares as they were seen, for whoever opens the recording.
 cv::Mat drawn(const CameraModel& camera, const std::vector<Detection>& squares) {
   constexpr int kFraction = 4;  // bits of a pixel
@@ -183,7 +174,7 @@ void writeImages(const ImportTarget& target, const CameraModel& camera,
 
 void writeRawlog(const CornerOptions& options, const fs::path& map, const CameraModel& camera,
                  const std::map<std::string, std::vector<Detection>>& by_file) {
-  const Time begin = fromUnixSeconds(946684800);  // the tables have no time: 2000-01-01
+  const Time begin = timelessBegin();
   RawlogWriter rawlog(options.target.file(".rawlog"),
                       {fs::relative(map, options.target.folder).string(),
                        options.target.file("_vehicle.yaml").filename().string(),
@@ -209,7 +200,8 @@ void importCorners(CornerOptions options, const RunContext& context) {
 
   // The companions first, the rawlog last: where it is, all is.
   const fs::path map = writeMap(target, corners.boards);
-  writeTextFile(target.file("_vehicle.yaml"), vehicleYaml(camera, options.sigma_px));
+  writeTextFile(target.file("_vehicle.yaml"),
+                cameraAloneYaml("A camera by itself.", camera, 1 / kInterval_s, options.sigma_px));
   writeImages(target, camera, by_file);
   writeGivenCorners(cornersBeside(target.file(".rawlog")), by_file);
   nlohmann::ordered_json json;
@@ -223,8 +215,7 @@ void importCorners(CornerOptions options, const RunContext& context) {
   for (const auto& [file, of_image] : by_file) squares += of_image.size();
   std::cout << print("%zu images of %zu board%s, %zu squares with all four corners\n", by_file.size(),
                      corners.boards.size(), corners.boards.size() > 1 ? "s" : "", squares);
-  for (const char* ending : {".rawlog", "_corners.csv", "_vehicle.yaml", "_import.json"})
-    std::cout << "wrote " << target.file(ending).string() << "\n";
+  sayWritten(target, {".rawlog", "_corners.csv", "_vehicle.yaml", "_import.json"});
   std::cout << "wrote " << map.string() << "\n";
 }
 
@@ -233,11 +224,10 @@ void importCorners(CornerOptions options, const RunContext& context) {
 void addImportCorners(CLI::App& parent, const RunContext& context) {
   auto* command = parent.add_subcommand("corners", "From measured checkerboard corners, without images");
   command->footer(
-      "Reads image,corner,u_px,v_px (corners numbered row by row on --board) or x_mm,y_mm,z_mm,u_px,v_px "
-      "(one\n"
-      "image of one or more boards). Every second square of a board is taken for a marker. Writes a\n"
-      "recording with the squares drawn, a map of the boards, and NAME_corners.csv, which `smooth` and\n"
-      "`diagnose` take instead of searching the images.\n"
+      "Reads image,corner,u_px,v_px (corners numbered row by row on --board) or\n"
+      "x_mm,y_mm,z_mm,u_px,v_px (one image of one or more boards). Every second square of a board is taken\n"
+      "for a marker. Writes a recording with the squares drawn, a map of the boards, and\n"
+      "NAME_corners.csv, which `smooth` and `diagnose` take instead of searching the images.\n"
       "\n"
       "Examples:\n"
       "  fathom import corners water.csv --board 8x6 --square-m 0.03 --calibrate air.csv \\\n"

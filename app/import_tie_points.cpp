@@ -33,24 +33,15 @@ struct TiePointOptions {
 /// By frame, id and eye. Where an eye has an id more than once, which one it is nobody knows.
 using Seen = std::map<int, std::map<int, std::array<std::vector<Vector2d>, 2>>>;
 
-int wholeNumber(const TextTable& table, std::size_t row, std::size_t column) {
-  const double value = table.number(row, column);
-  if (value < 0 || value != std::floor(value) || value > 1e8)
-    throw table.error(row, table.columns[column] + " must be a whole number from 0 on");
-  return static_cast<int>(value);
-}
-
 Seen readDetections(const fs::path& file) {
-  const TextTable table = readTable(file);
-  if (table.columns != kDetectionColumns)
-    throw Error(file.string(), "line 1", "must be camera,frame,id,u_px,v_px");
+  const TextTable table = readTable(file, kDetectionColumns);
   Seen seen;
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
-    const int camera = wholeNumber(table, row, 0);
+    const int camera = table.wholeNumber(row, 0);
     if (camera != 1 && camera != 2) throw table.error(row, "camera must be 1, the left one, or 2");
     const std::size_t eye = camera == 1 ? 0 : 1;
-    seen[wholeNumber(table, row, 1)][wholeNumber(table, row, 2)][eye].emplace_back(table.number(row, 3),
-                                                                                   table.number(row, 4));
+    seen[table.wholeNumber(row, 1)][table.wholeNumber(row, 2)][eye].emplace_back(table.number(row, 3),
+                                                                                 table.number(row, 4));
   }
   return seen;
 }
@@ -98,21 +89,16 @@ std::string windowLine(const char* key, const Window& window) {
 }
 
 std::string pairYaml(const StereoRig& rig, double sigma_px) {
-  const Vector3d& p = rig.T_left_right.position;
-  const Vector3d ypr = yawPitchRollFromRotation(rig.T_left_right.rotation);
-  return "# A pair of cameras by itself, each before a window.\ngravity_m_s2: 9.80665\ncamera:\n" +
-         print("  rate_hz: %.9g\n", 1 / kFrame_s) + cameraLines(recordedCamera(rig.cameras[0]), sigma_px) +
-         "  pose: {x: 0, y: 0, z: 0, yaw_deg: 0, pitch_deg: 0, roll_deg: 0}\n" +
-         "  # From the windows' corners.\n" +
-         print("  right_pose: {x: %.9g, y: %.9g, z: %.9g, yaw_deg: %.9g, pitch_deg: %.9g, roll_deg: %.9g}\n",
-               p.x(), p.y(), p.z(), degrees(ypr[0]), degrees(ypr[1]), degrees(ypr[2])) +
+  return cameraAloneYaml("A pair of cameras by itself, each before a window.", rig.cameras[0], 1 / kFrame_s,
+                         sigma_px) +
+         "  # From the windows' corners.\n  right_pose: " + poseText(rig.T_left_right) + "\n" +
          print("  right_pose_sigma: {position_m: %.9g, angle_deg: %.9g}\n", rig.position_sigma_m,
                degrees(rig.angle_sigma_rad)) +
          windowLine("window", rig.cameras[0].window) + windowLine("right_window", rig.cameras[1].window);
 }
 
 void writePairs(const TiePointOptions& options, const StereoRig& rig, const Seen& seen) {
-  const Time begin = fromUnixSeconds(946684800);  // the tables have no time: 2000-01-01
+  const Time begin = timelessBegin();
   RawlogWriter rawlog(options.target.file(".rawlog"),
                       {"", options.target.file("_vehicle.yaml").filename().string(),
                        "tie points of " + fs::path(options.table).filename().string()},
@@ -137,7 +123,7 @@ void importTiePoints(TiePointOptions options, const RunContext& context) {
     rig = placeCameras(windows, options.sigma_px,
                        {allSeenBy(0, seen, windows[0]), allSeenBy(1, seen, windows[1])});
   } catch (const std::invalid_argument& e) {
-    throw Error(options.left + " and " + options.right, "reference_corners", e.what());
+    throw Error(options.left + " and " + options.right, "", e.what());
   }
   const TiePoints points = tiePointsOf(seen, windows, rig, options.sigma_px);
   if (points.empty()) throw Error(options.table, "", "nothing is seen by both cameras");
@@ -166,8 +152,7 @@ void importTiePoints(TiePointOptions options, const RunContext& context) {
                    "right camera is known to %.1f mm and %.2f degrees\n",
                    rig.cameras[0].window.distance_m, rig.cameras[1].window.distance_m, rig.corner_rms_px[0],
                    rig.corner_rms_px[1], 1000 * rig.position_sigma_m, degrees(rig.angle_sigma_rad));
-  for (const char* ending : {".rawlog", "_points.csv", "_vehicle.yaml", "_import.json"})
-    std::cout << "wrote " << target.file(ending).string() << "\n";
+  sayWritten(target, {".rawlog", "_points.csv", "_vehicle.yaml", "_import.json"});
 }
 
 }  // namespace
@@ -176,18 +161,16 @@ void addImportTiePoints(CLI::App& parent, const RunContext& context) {
   auto* command =
       parent.add_subcommand("tie-points", "From what two cameras see of the same points, without images");
   command->footer(
-      "Reads camera,frame,id,u_px,v_px: what has the same frame and id is the same point (an id\n"
-      "twice in a frame of one camera is left out). Each camera's "
-      "file\n"
-      "has fx_px, fy_px, cx_px, cy_px, distortion in OpenCV's order, and reference_corners, the corners\n"
-      "{u_px, v_px, x_cm, y_cm, z_cm} of the window that it looks through, which say where it stands. Writes "
-      "a\n"
-      "recording of pairs without their images, pinholes for cameras, and NAME_points.csv, which `diagnose`\n"
-      "and `smooth` take: lines of sight of one point should meet.\n"
+      "Reads camera,frame,id,u_px,v_px: what has the same frame and id is the same point (an id twice in a\n"
+      "frame of one camera is left out). Each camera's file has fx_px, fy_px, cx_px, cy_px, distortion in\n"
+      "OpenCV's order, and reference_corners, the corners {u_px, v_px, x_cm, y_cm, z_cm} of the window that\n"
+      "it looks through, which say where it stands. Writes a recording of pairs without their images,\n"
+      "pinholes for cameras, and NAME_points.csv, which `diagnose` and `smooth` take: lines of sight of one\n"
+      "point should meet.\n"
       "\n"
       "Example:\n"
-      "  fathom import tie-points detections.csv --left camera1.yaml --right camera2.yaml --out "
-      "out/two_view\n"
+      "  fathom import tie-points detections.csv --left camera1.yaml --right camera2.yaml \\\n"
+      "    --out out/two_view\n"
       "  fathom diagnose out/two_view/detections.rawlog --out out/two_view/diagnosis");
   const auto options = std::make_shared<TiePointOptions>();
   command->add_option("TABLE", options->table, "What was seen")->required()->type_name(values::kCsv);

@@ -24,7 +24,8 @@ struct FlatPortRefraction {
           "tan(theta_water)\n"
           "normal = Exp(tilt_deg, tilt_y_deg, 0) z, camera frame\n"
           "nominal line of sight: n sin(theta) with n = 1.34 / (1 + index_error), in the same plane\n"
-          "slab_m: one more layer, of an index 1.34 times that of what lies beyond it",
+          "slab_m: one more layer, of an index 1.34 times that of what lies beyond it\n"
+          "a vehicle's `window` adds its distance and tilt; up to it the nominal index holds",
       .source =
           "Treibitz et al. 2012; Agrawal et al. 2012 (layers with one normal). Distances of zero "
           "are a camera whose intrinsics already contain the bending, as those of a calibration "

@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "core/error.h"
-#include "estimation/readings.h"
+#include "estimation/tie_point_gate.h"
 #include "landmarks/image_entry.h"
 #include "localization/input_watch.h"
 
@@ -198,65 +197,6 @@ class Collector {
   double t_s_ = 0;
   std::size_t image_ = 0;
 };
-
-double medianOf(const Eigen::VectorXd& values) {
-  std::vector<double> sorted(values.begin(), values.end());
-  const auto middle = sorted.begin() + std::ssize(sorted) / 2;
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle;
-}
-
-/// What pairs of nominal cameras contradict themselves by, in sigmas of the scatter: the right one moved to
-/// where most agree (least squares, what is far off weighted down again and again), no farther than its
-/// mounting is uncertain. Not finite where lines of sight are parallel.
-Eigen::VectorXd contradictionsOf(const std::vector<BatchTiePoint>& points, const CameraSheet& sheet) {
-  constexpr int kRounds = 20;
-  constexpr double kSigmaByMedian = 1.4826, kRobust = 1.5;  // Huber's, in sigmas
-  std::vector<int> columns(6);
-  std::iota(columns.begin(), columns.end(), kRightColumn);
-  Eigen::VectorXd nominal(std::ssize(points));
-  Eigen::MatrixXd J(std::ssize(points), 6), row;
-  std::vector<Eigen::Index> meeting;
-  for (Eigen::Index i = 0; i < nominal.size(); ++i) {
-    const BatchTiePoint& seen = points[static_cast<std::size_t>(i)];
-    ForwardPoint at;
-    at.T_left_right = seen.T_left_right;
-    nominal[i] = tiePointModel(seen)->differentiate(at, columns, row)[0];
-    J.row(i) = row;
-    if (std::isfinite(nominal[i]) && row.allFinite()) meeting.push_back(i);
-  }
-  Eigen::VectorXd sizes = Eigen::VectorXd::Constant(nominal.size(), std::numeric_limits<double>::quiet_NaN());
-  if (meeting.empty()) return sizes;
-  nominal = nominal(meeting).eval();
-  J = J(meeting, Eigen::all).eval();
-  Vector6d prior;
-  prior << Vector3d::Constant(sheet.right_position_sigma_m), Vector3d::Constant(sheet.right_angle_sigma_rad);
-  Eigen::VectorXd left = nominal;
-  for (int round = 0; round < kRounds; ++round) {
-    const double sigma = std::max(1.0, kSigmaByMedian * medianOf(left.cwiseAbs()));
-    const Eigen::ArrayXd weight = (kRobust * sigma / left.array().abs()).min(1.0) / (sigma * sigma);
-    Matrix6d normal = J.transpose() * weight.matrix().asDiagonal() * J;
-    normal.diagonal() += prior.cwiseAbs2().cwiseInverse();
-    const Vector6d moved = normal.ldlt().solve(-J.transpose() * (weight * nominal.array()).matrix());
-    left = nominal + J * moved;
-  }
-  sizes(meeting) = left / std::max(1.0, kSigmaByMedian * medianOf(left.cwiseAbs()));
-  return sizes;
-}
-
-/// Two different things taken for one contradict each other by far more than any that is one.
-void leaveOutMismatches(BatchData& data) {
-  constexpr double kMismatch = 8;  // sigmas of the scatter shown: more than an effect that is left out makes
-  if (data.tie_points.empty()) return;
-  const Eigen::VectorXd sizes =
-      contradictionsOf(data.tie_points, data.vehicle.camera.value_or(CameraSheet{}));
-  std::vector<BatchTiePoint> kept;
-  for (std::size_t i = 0; i < data.tie_points.size(); ++i)
-    if (std::abs(sizes[static_cast<Eigen::Index>(i)]) <= kMismatch) kept.push_back(data.tie_points[i]);
-  if (kept.size() < data.tie_points.size())
-    data.left_out["tie points of two different things"] = data.tie_points.size() - kept.size();
-  data.tie_points = std::move(kept);
-}
 
 }  // namespace
 

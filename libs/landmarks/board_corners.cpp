@@ -117,12 +117,12 @@ BoardCorners numberedCorners(const TextTable& table, const Checkerboard& board, 
   requireIds(table, static_cast<std::size_t>(board.columns / 2) * static_cast<std::size_t>(board.rows / 2));
   std::map<std::string, Pixels> views;
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
-    const double corner = table.number(row, 1);
+    const auto corner = static_cast<std::size_t>(table.wholeNumber(row, 1));
     Pixels& pixels = views[table.rows[row][0]];
     pixels.resize(grid.corners(), Vector2d::Constant(std::nan("")));
-    if (corner < 0 || corner != std::floor(corner) || corner >= static_cast<double>(pixels.size()))
+    if (corner >= pixels.size())
       throw table.error(row, print("the board has corners 0 to %zu", pixels.size() - 1));
-    Vector2d& pixel = pixels[static_cast<std::size_t>(corner)];
+    Vector2d& pixel = pixels[corner];
     if (pixel.allFinite()) throw table.error(row, "this corner is in this image twice");
     pixel = {table.number(row, 2), table.number(row, 3)};
   }

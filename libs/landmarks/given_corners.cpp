@@ -1,7 +1,6 @@
 #include "landmarks/given_corners.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/files.h"
 #include "core/text.h"
@@ -19,20 +18,12 @@ constexpr std::size_t kFirstCorner = 4;
 Detection detectionOf(const TextTable& table, std::size_t row) {
   const std::string& family = table.rows[row][1];
   if (!isMarkerFamily(family)) throw table.error(row, "no such family: `" + family + "`");
-  const double id = table.number(row, 2), sigma_px = table.number(row, 3);
-  if (id < 0 || id != std::floor(id) || id > 1e6)
-    throw table.error(row, "id must be a whole number from 0 on");
+  const double sigma_px = table.number(row, 3);
   if (!(sigma_px > 0)) throw table.error(row, "sigma_px must be greater than zero");
   std::array<Vector2d, 4> corners_px;
   for (std::size_t k = 0; k < 4; ++k)
     corners_px[k] = {table.number(row, kFirstCorner + 2 * k), table.number(row, kFirstCorner + 2 * k + 1)};
-  return givenDetection(family, static_cast<int>(id), corners_px, sigma_px);
-}
-
-std::string headerLine() {
-  std::string text;
-  for (const std::string& column : kColumns) text += (text.empty() ? "" : ",") + column;
-  return text;
+  return givenDetection(family, table.wholeNumber(row, 2), corners_px, sigma_px);
 }
 
 }  // namespace
@@ -53,7 +44,7 @@ fs::path cornersBeside(const fs::path& rawlog) {
 }
 
 void writeGivenCorners(const fs::path& file, const std::map<std::string, std::vector<Detection>>& by_image) {
-  std::string text = headerLine();
+  std::string text = headerLine(kColumns);
   for (const auto& [image, detections] : by_image)
     for (const Detection& detection : detections) {
       text += "\n" + image + "," + detection.family + print(",%d,%.9g", detection.id, detection.sigma_px());
@@ -63,8 +54,7 @@ void writeGivenCorners(const fs::path& file, const std::map<std::string, std::ve
 }
 
 Detections readGivenCorners(const fs::path& file, const fs::path& image_folder) {
-  const TextTable table = readTable(file);
-  if (table.columns != kColumns) throw Error(file.string(), "line 1", "must be " + headerLine());
+  const TextTable table = readTable(file, kColumns);
   Detections detections;
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
     Detection detection = detectionOf(table, row);

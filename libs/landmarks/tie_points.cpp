@@ -1,7 +1,6 @@
 #include "landmarks/tie_points.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/files.h"
 #include "core/text.h"
@@ -13,15 +12,10 @@ namespace {
 
 const std::vector<std::string> kPointColumns{"image",         "id",         "left_u_px",  "left_v_px",
                                              "left_sigma_px", "right_u_px", "right_v_px", "right_sigma_px"};
-constexpr const char* kPointHeader =
-    "image,id,left_u_px,left_v_px,left_sigma_px,right_u_px,right_v_px,right_sigma_px";
 
 TiePoint pointOf(const TextTable& table, std::size_t row) {
   TiePoint point;
-  const double id = table.number(row, 1);
-  if (id < 0 || id != std::floor(id) || id > 1e9)
-    throw table.error(row, "id must be a whole number from 0 on");
-  point.id = static_cast<int>(id);
+  point.id = table.wholeNumber(row, 1);
   for (std::size_t eye = 0; eye < 2; ++eye) {
     const std::size_t first = 2 + 3 * eye;
     point.pixels[eye] = {table.number(row, first), table.number(row, first + 1)};
@@ -38,7 +32,7 @@ fs::path tiePointsBeside(const fs::path& rawlog) {
 }
 
 void writeTiePoints(const fs::path& file, const TiePoints& points) {
-  std::string text = kPointHeader;
+  std::string text = headerLine(kPointColumns);
   for (const auto& [image, of_image] : points)
     for (const TiePoint& point : of_image) {
       text += "\n" + image + print(",%d", point.id);
@@ -49,9 +43,7 @@ void writeTiePoints(const fs::path& file, const TiePoints& points) {
 }
 
 TiePoints readTiePoints(const fs::path& file) {
-  const TextTable table = readTable(file);
-  if (table.columns != kPointColumns)
-    throw Error(file.string(), "line 1", std::string("must be ") + kPointHeader);
+  const TextTable table = readTable(file, kPointColumns);
   TiePoints points;
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
     const TiePoint point = pointOf(table, row);

@@ -12,6 +12,7 @@
 #include "core/text.h"
 #include "core/uncertain_pose.h"
 #include "core/yaml.h"
+#include "sensors/vehicle.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -21,6 +22,7 @@ constexpr double kCentimetre = 0.01;
 constexpr std::size_t kFewestWindowCorners = 4;
 constexpr double kFlat = 0.02;  // of the corners' spread: so far may they lie off a line or off their plane
 constexpr int kRoom_px = 20;    // around what is seen
+constexpr double kFarthest_px = 10000;  // off the middle: beyond it, no camera sees
 
 /// A plane that the corners lie in, in their own frame.
 struct Plane {
@@ -37,7 +39,8 @@ std::optional<Plane> planeOf(const std::vector<Vector3d>& corners) {
 }
 
 Vector2d straightIdeal(const WatchedWindow& window, const Vector2d& pixel) {
-  const cv::Matx33d K(window.fx_px, 0, window.cx_px, 0, window.fy_px, window.cy_px, 0, 0, 1);
+  const cv::Matx33d K(window.pinhole.fx_px, 0, window.pinhole.cx_px, 0, window.pinhole.fy_px,
+                      window.pinhole.cy_px, 0, 0, 1);
   const std::vector<cv::Point2d> seen{{pixel.x(), pixel.y()}};
   std::vector<cv::Point2d> ideal;
   cv::undistortPoints(seen, ideal, K, window.distortion, cv::noArray(), cv::noArray(),
@@ -57,9 +60,14 @@ UncertainPose placed(const WatchedWindow& window, double corner_sigma_px) {
   }
   cv::Mat turn, shift;
   const cv::Matx33d eye = cv::Matx33d::eye();
-  if (!cv::solvePnP(corners, ideal, eye, cv::noArray(), turn, shift, false, cv::SOLVEPNP_SQPNP))
-    throw std::invalid_argument("no place from which the corners look like that");
-  cv::solvePnPRefineLM(corners, ideal, eye, cv::noArray(), turn, shift);
+  const std::invalid_argument nowhere("no place from which the corners look like that");
+  try {
+    if (!cv::solvePnP(corners, ideal, eye, cv::noArray(), turn, shift, false, cv::SOLVEPNP_SQPNP))
+      throw nowhere;
+    cv::solvePnPRefineLM(corners, ideal, eye, cv::noArray(), turn, shift);
+  } catch (const cv::Exception&) {
+    throw nowhere;
+  }
   UncertainPose result;
   result.pose = {expSO3<double>(Vector3d(turn.at<double>(0), turn.at<double>(1), turn.at<double>(2))),
                  Vector3d(shift.at<double>(0), shift.at<double>(1), shift.at<double>(2))};
@@ -77,7 +85,7 @@ UncertainPose placed(const WatchedWindow& window, double corner_sigma_px) {
     square += (Vector2d(p.x() / p.z(), p.y() / p.z()) - Vector2d(ideal[i].x, ideal[i].y)).squaredNorm();
   }
   const double freedom = 2 * static_cast<double>(corners.size()) - 6;
-  const double stated = std::pow(corner_sigma_px / window.fx_px, 2);
+  const double stated = std::pow(corner_sigma_px / window.pinhole.fx_px, 2);
   result.covariance = std::max(stated, square / freedom) * normal.inverse();
   return result;
 }
@@ -96,19 +104,27 @@ Window windowOf(const WatchedWindow& window, const Pose& T_camera_world) {
 
 /// A pinhole whose image has room for all that is seen.
 CameraModel pinholeFor(const WatchedWindow& window, const std::vector<Vector2d>& seen_px) {
+  const Vector2d focal_px(window.pinhole.fx_px, window.pinhole.fy_px);
   Vector2d low = Vector2d::Zero(), high = Vector2d::Zero();
   for (const Vector2d& pixel : seen_px) {
-    const Vector2d ideal = straightIdeal(window, pixel);
-    low = low.cwiseMin(ideal);
-    high = high.cwiseMax(ideal);
+    const Vector2d place = focal_px.cwiseProduct(straightIdeal(window, pixel));
+    // Also what is not finite.
+    if (!(place.cwiseAbs().maxCoeff() < kFarthest_px))
+      throw std::invalid_argument(
+          print("what is seen at (%g, %g) px would lie more than %g px off the middle", pixel.x(), pixel.y(),
+                kFarthest_px));
+    low = low.cwiseMin(place);
+    high = high.cwiseMax(place);
   }
+  const Eigen::Vector2i before = (-low).array().ceil().cast<int>() + kRoom_px,
+                        behind = high.array().ceil().cast<int>() + kRoom_px;
   CameraModel camera;
-  camera.fx_px = window.fx_px;
-  camera.fy_px = window.fy_px;
-  camera.cx_px = std::ceil(-low.x() * window.fx_px) + kRoom_px;
-  camera.cy_px = std::ceil(-low.y() * window.fy_px) + kRoom_px;
-  camera.width_px = static_cast<int>(std::ceil(high.x() * window.fx_px + camera.cx_px)) + kRoom_px;
-  camera.height_px = static_cast<int>(std::ceil(high.y() * window.fy_px + camera.cy_px)) + kRoom_px;
+  camera.fx_px = focal_px.x();
+  camera.fy_px = focal_px.y();
+  camera.cx_px = before.x();
+  camera.cy_px = before.y();
+  camera.width_px = before.x() + behind.x();
+  camera.height_px = before.y() + behind.y();
   return camera;
 }
 
@@ -132,10 +148,7 @@ WatchedWindow readWatchedWindow(const fs::path& file) {
   const YamlFile yaml(file);
   const YamlMap& root = yaml.root();
   WatchedWindow window;
-  window.fx_px = root.positive("fx_px");
-  window.fy_px = root.positive("fy_px");
-  window.cx_px = root.number("cx_px");
-  window.cy_px = root.number("cy_px");
+  readPinhole(root, window.pinhole);
   if (root.has("distortion")) window.distortion = root.numbers("distortion");
   const std::size_t d = window.distortion.size();
   if (d != 0 && d != 4 && d != 5 && d != 8 && d != 12 && d != 14)

@@ -18,7 +18,7 @@ struct StraightPixel {
 };
 
 struct WatchedWindow {
-  double fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
+  CameraModel pinhole;             ///< focal lengths and principal point alone
   std::vector<double> distortion;  ///< OpenCV's order, 4, 5, 8, 12 or 14
   std::vector<Vector2d> corners_px;
   std::vector<Vector3d> corners_m;  ///< in a frame that all cameras of the data set have in common

@@ -143,6 +143,20 @@ double TextTable::number(std::size_t row, std::size_t column) const {
   throw error(row, "not a finite number: `" + rows[row][column] + "`");
 }
 
+int TextTable::wholeNumber(std::size_t row, std::size_t column) const {
+  constexpr double kLargest = 1e8;
+  const double value = number(row, column);
+  if (value < 0 || value != std::floor(value) || value > kLargest)
+    throw error(row, columns[column] + " must be a whole number from 0 on");
+  return static_cast<int>(value);
+}
+
+std::string headerLine(const std::vector<std::string>& columns) {
+  std::string line;
+  for (const std::string& column : columns) line += (line.empty() ? "" : ",") + column;
+  return line;
+}
+
 TextTable readTable(const std::filesystem::path& file) {
   Lines lines(file);
   const std::string header = headerOf(lines, file);
@@ -151,6 +165,12 @@ TextTable readTable(const std::filesystem::path& file) {
   forEachRow(lines, names.size(), [&](const std::vector<std::string_view>& fields) {
     table.rows.emplace_back(fields.begin(), fields.end());
   });
+  return table;
+}
+
+TextTable readTable(const std::filesystem::path& file, const std::vector<std::string>& columns) {
+  TextTable table = readTable(file);
+  if (table.columns != columns) throw Error(file.string(), "line 1", "must be " + headerLine(columns));
   return table;
 }
 

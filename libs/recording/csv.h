@@ -25,8 +25,14 @@ struct TextTable {
   Error error(std::size_t row, const std::string& why) const;
   /// Throws Error where it is not a finite number.
   double number(std::size_t row, std::size_t column) const;
+  /// Throws Error where it is not a whole number from 0 to 100 million.
+  int wholeNumber(std::size_t row, std::size_t column) const;
 };
+/// A table's first line.
+std::string headerLine(const std::vector<std::string>& columns);
 /// Throws Error with file and line: cannot be read, damaged gzip, wrong number of fields, no row at all.
 TextTable readTable(const std::filesystem::path& file);
+/// The same. Throws Error where the columns are not these, in this order.
+TextTable readTable(const std::filesystem::path& file, const std::vector<std::string>& columns);
 
 }  // namespace fathom

@@ -549,15 +549,7 @@ std::string sigmaLine(const char* key, std::optional<double> from_bag, double ge
   return line;
 }
 
-std::string poseLine(const Pose& pose) {
-  const Vector3d ypr = yawPitchRollFromRotation(pose.rotation);
-  char line[256];
-  std::snprintf(line, sizeof line,
-                "  pose: {x: %.9g, y: %.9g, z: %.9g, yaw_deg: %.9g, pitch_deg: %.9g, roll_deg: %.9g}\n",
-                pose.position.x(), pose.position.y(), pose.position.z(), degrees(ypr[0]) + 0.0,
-                degrees(ypr[1]) + 0.0, degrees(ypr[2]) + 0.0);  // + 0.0: no negative zero
-  return line;
-}
+std::string poseLine(const Pose& pose) { return "  pose: " + poseText(pose) + "\n"; }
 
 std::string rateLine(const Pace& pace) {
   char line[80];

@@ -16,6 +16,14 @@ std::string toText(const Conclusion& conclusion) {
   return conclusion.evidence.empty() ? text : text + "; " + conclusion.evidence;
 }
 
+std::string poseText(const Pose& pose) {
+  const Vector3d& p = pose.position;
+  const Vector3d ypr = yawPitchRollFromRotation(pose.rotation);
+  return print("{x: %.9g, y: %.9g, z: %.9g, yaw_deg: %.9g, pitch_deg: %.9g, roll_deg: %.9g}", p.x(), p.y(),
+               p.z(), degrees(ypr[0]) + 0.0, degrees(ypr[1]) + 0.0,
+               degrees(ypr[2]) + 0.0);  // + 0.0: no negative zero
+}
+
 std::string cameraLines(const mrpt::img::TCamera& c, double corner_sigma_px) {
   return print(
       "  width_px: %u\n  height_px: %u\n  fx_px: %.9g\n  fy_px: %.9g\n  cx_px: %.9g\n  cy_px: %.9g\n"

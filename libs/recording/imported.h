@@ -22,6 +22,9 @@ struct Conclusion {
 /// "what: concluded (N x better than runner-up); evidence", one line.
 std::string toText(const Conclusion& conclusion);
 
+/// "{x: …, …, roll_deg: …}", as vehicle files have a pose.
+std::string poseText(const Pose& pose);
+
 /// A vehicle file's camera as far as intrinsics and corners' sigma tell; the rest is generic. Without rate_hz
 /// and pose.
 std::string cameraLines(const mrpt::img::TCamera& camera, double corner_sigma_px = 0.15);

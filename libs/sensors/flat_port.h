@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "core/scalar.h"
@@ -26,38 +27,50 @@ inline constexpr double kSlabIndex = kWaterIndex * kWaterIndex;  ///< where what
 
 namespace detail {
 
+template <class T>
+struct PortLayer {
+  T index, thickness_m;  ///< along the normal
+};
+
+/// What lies before the water, from the camera outwards.
+template <class T, class P>
+std::array<PortLayer<T>, 4> layersBeforeWater(const FlatPort<P>& port) {
+  return {{{kWaterIndex / (1.0 + T(port.index_error)), T(port.window_m)},
+           {T(1), T(port.distance_m)},
+           {T(kGlassIndex), T(port.glass_m)},
+           {T(kSlabIndex), T(port.slab_m)}}};
+}
+
 /// The layers between the camera's centre and a point, and the light's way through them. The unknown is
 /// `slope`: tan(theta_air) over the point's lateral distance, which stays smooth on the normal itself.
 template <class T>
 struct PortCrossing {
-  T nominal_index;
-  T window_m, distance_m, glass_m, slab_m, water_m;  ///< thickness of each layer, along the normal
-  T lateral_squared;                                 ///< of the point, m²
+  std::array<PortLayer<T>, 5> layers;  ///< the last one is the water
+  T lateral_squared;                   ///< of the point, m²
 
   /// tan(theta) over the lateral distance, in a medium of index n: tan(theta_n) = tan(theta_air) /
   /// sqrt(n² + (n² - 1) tan²(theta_air)).
-  static T slopeIn(const T& index, const T& slope, const T& lateral_squared) {
+  T slopeIn(const T& index, const T& slope) const {
     using std::sqrt;
     const T n2 = index * index;
     return slope / sqrt(n2 + (n2 - 1.0) * slope * slope * lateral_squared);
   }
   /// Where the light of this slope ends, as a share of the lateral distance, minus 1: zero for the point.
   T miss(const T& slope) const {
-    return slopeIn(nominal_index, slope, lateral_squared) * window_m + slope * distance_m +
-           slopeIn(T(kGlassIndex), slope, lateral_squared) * glass_m +
-           slopeIn(T(kSlabIndex), slope, lateral_squared) * slab_m +
-           slopeIn(T(kWaterIndex), slope, lateral_squared) * water_m - 1.0;
+    T reached(0);
+    for (const PortLayer<T>& layer : layers) reached += slopeIn(layer.index, slope) * layer.thickness_m;
+    return reached - 1.0;
   }
 };
 
 /// d miss / d slope: d/ds s (n² + (n² - 1) s² q)^-1/2 = n² (…)^-3/2.
 inline double missBySlope(const PortCrossing<double>& port, double slope) {
-  const auto in = [&](double n2) {
-    return n2 / std::pow(n2 + (n2 - 1) * slope * slope * port.lateral_squared, 1.5);
-  };
-  return in(port.nominal_index * port.nominal_index) * port.window_m + port.distance_m +
-         in(kGlassIndex * kGlassIndex) * port.glass_m + in(kSlabIndex * kSlabIndex) * port.slab_m +
-         in(kWaterIndex * kWaterIndex) * port.water_m;
+  double sum = 0;
+  for (const PortLayer<double>& layer : port.layers) {
+    const double n2 = layer.index * layer.index;
+    sum += n2 / std::pow(n2 + (n2 - 1) * slope * slope * port.lateral_squared, 1.5) * layer.thickness_m;
+  }
+  return sum;
 }
 
 /// Newton's method from 0. miss() is concave and grows, so it comes up to the root and never beyond. A point
@@ -89,20 +102,19 @@ Vector3<T> apparentDirection(const FlatPort<P>& port, const Vector3<T>& point_ca
   const Vector3<T> lateral = point_camera - height * normal;
 
   constexpr double kThinnestWater_m = 1e-3;  // what touches the port
-  const T nominal_index = kWaterIndex / (1.0 + T(port.index_error));
-  detail::PortCrossing<T> crossing{nominal_index,        T(port.window_m), T(port.distance_m),
-                                   T(port.glass_m),      T(port.slab_m),   T(0),
-                                   lateral.squaredNorm()};
-  crossing.water_m = height - crossing.window_m - crossing.distance_m - crossing.glass_m - crossing.slab_m;
-  if (crossing.water_m < kThinnestWater_m) crossing.water_m = T(kThinnestWater_m);
-  const detail::PortCrossing<double> plain{valueOf(crossing.nominal_index),  valueOf(crossing.window_m),
-                                           valueOf(crossing.distance_m),     valueOf(crossing.glass_m),
-                                           valueOf(crossing.slab_m),         valueOf(crossing.water_m),
-                                           valueOf(crossing.lateral_squared)};
+  const auto before = detail::layersBeforeWater<T>(port);
+  T water_m = height;
+  for (const auto& layer : before) water_m -= layer.thickness_m;
+  if (water_m < kThinnestWater_m) water_m = T(kThinnestWater_m);
+  const detail::PortCrossing<T> crossing{
+      {before[0], before[1], before[2], before[3], {T(kWaterIndex), water_m}}, lateral.squaredNorm()};
+  detail::PortCrossing<double> plain{{}, valueOf(crossing.lateral_squared)};
+  for (std::size_t i = 0; i < plain.layers.size(); ++i)
+    plain.layers[i] = {valueOf(crossing.layers[i].index), valueOf(crossing.layers[i].thickness_m)};
   const double root = detail::solveSlope(plain);
   const T slope = T(root) - crossing.miss(T(root)) / detail::missBySlope(plain, root);
 
-  return normal + detail::PortCrossing<T>::slopeIn(nominal_index, slope, crossing.lateral_squared) * lateral;
+  return normal + crossing.slopeIn(before[0].index, slope) * lateral;
 }
 
 template <class T>
@@ -116,22 +128,18 @@ SightLine<T> lightBehind(const FlatPort<P>& port, const Vector3<T>& apparent) {
   using std::sqrt;
   const Vector3<T> normal = expSO3<T>(Vector3<T>(T(port.tilt_x_rad), T(port.tilt_y_rad), T(0))).col(2);
   const Vector3<T> sight = apparent.normalized();
+  const auto before = detail::layersBeforeWater<T>(port);
   // n sin(theta), the same in each layer, along the port.
-  const T nominal_index = kWaterIndex / (1.0 + T(port.index_error));
-  const Vector3<T> along = nominal_index * (sight - sight.dot(normal) * normal);
+  const Vector3<T> along = before[0].index * (sight - sight.dot(normal) * normal);
   const auto direction = [&](const T& index) {
     const Vector3<T> lateral = along / index;
     return Vector3<T>(lateral + sqrt(1.0 - lateral.squaredNorm()) * normal);
   };
   SightLine<T> line{Vector3<T>::Zero(), direction(T(kWaterIndex))};
-  const auto pass = [&](const T& index, const T& thickness_m) {
-    const Vector3<T> d = direction(index);
-    line.origin += d * (thickness_m / d.dot(normal));
-  };
-  pass(nominal_index, T(port.window_m));
-  pass(T(1), T(port.distance_m));
-  pass(T(kGlassIndex), T(port.glass_m));
-  pass(T(kSlabIndex), T(port.slab_m));
+  for (const auto& layer : before) {
+    const Vector3<T> d = direction(layer.index);
+    line.origin += d * (layer.thickness_m / d.dot(normal));
+  }
   return line;
 }
 

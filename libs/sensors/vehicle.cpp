@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "core/yaml.h"
-
 namespace fathom {
 namespace {
 
@@ -71,10 +69,7 @@ CameraSheet readCamera(const YamlMap& y) {
   s.model.height_px = y.integer("height_px");
   if (s.model.width_px <= 0 || s.model.height_px <= 0)
     throw y.error("width_px", "image size must be greater than zero");
-  s.model.fx_px = y.positive("fx_px");
-  s.model.fy_px = y.positive("fy_px");
-  s.model.cx_px = y.number("cx_px");
-  s.model.cy_px = y.number("cy_px");
+  readPinhole(y, s.model);
   const YamlMap d = y.map("distortion");
   s.model.k1 = d.number("k1");
   s.model.k2 = d.number("k2");
@@ -118,6 +113,13 @@ Pose DvlSheet::T_robot_beam(std::size_t k) const {
   const double azimuth = beam_azimuths_rad.at(k);
   const Pose T_dvl_beam{rotationFromYawPitchRoll(azimuth, radians(90) - beam_angle_rad, 0), Vector3d::Zero()};
   return T_robot_dvl * T_dvl_beam;
+}
+
+void readPinhole(const YamlMap& y, CameraModel& camera) {
+  camera.fx_px = y.positive("fx_px");
+  camera.fy_px = y.positive("fy_px");
+  camera.cx_px = y.number("cx_px");
+  camera.cy_px = y.number("cy_px");
 }
 
 Vehicle readVehicle(const std::filesystem::path& file) {

@@ -7,6 +7,7 @@
 
 #include "core/camera_model.h"
 #include "core/geometry.h"
+#include "core/yaml.h"
 
 /// The vehicle file: what an engineer knows of the robot from data sheets and drawings. See config/rov.yaml.
 namespace fathom {
@@ -99,5 +100,8 @@ struct Vehicle {
 
 /// Strict, see core/yaml.h. Throws Error.
 Vehicle readVehicle(const std::filesystem::path& file);
+
+/// A camera's fx_px, fy_px, cx_px, cy_px, wherever they stand. Throws Error.
+void readPinhole(const YamlMap& y, CameraModel& camera);
 
 }  // namespace fathom

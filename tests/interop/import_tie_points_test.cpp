@@ -137,6 +137,8 @@ TEST_F(ImportTiePoints, WrongInputIsOneLine) {
   EXPECT_NE(complaint(importing("alone.csv")).find("nothing is seen by both"), std::string::npos);
   writeTextFile(folder_ / "columns.csv", "camera,frame,u_px,v_px\n1,1,5,5\n");
   EXPECT_NE(complaint(importing("columns.csv")).find("must be camera,frame"), std::string::npos);
+  writeTextFile(folder_ / "afar.csv", header + "1,1,0,5,5\n2,1,0,1e12,5\n");
+  EXPECT_NE(complaint(importing("afar.csv")).find("off the middle"), std::string::npos);
   const std::string camera = readTextFile(folder_ / "camera2.yaml");
   writeTextFile(folder_ / "camera2.yaml", camera + "distortion: [0.1, 0.2, 0.3]\n");
   EXPECT_NE(complaint(importing()).find("distortion"), std::string::npos);

@@ -1,0 +1,255 @@
+#pragma once
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <span>
+
+#include "effects/catalogue.h"
+#include "estimation/batch_problem.h"
+
+/// The two kinds of rows that a batch problem is made of: of a reading, and of what is linear.
+namespace fathom {
+
+/// A registered scalar and what it is of.
+struct Scalar {
+  std::size_t effect = 0;
+  ParameterKind kind = ParameterKind::continuous;
+  double prior_sigma = 0;
+};
+
+inline const std::vector<Scalar>& scalars() {
+  static const std::vector<Scalar> all = [] {
+    std::vector<Scalar> list;
+    for (const EffectInfo& effect : allEffects())
+      for (const Parameter& p : effect.parameters)
+        for (int i = 0; i < p.size; ++i) list.push_back({effect.index, p.kind, p.prior_sigma});
+    return list;
+  }();
+  return all;
+}
+
+/// Effects that look at the motion besides the pose, whatever the sensor: latencies and the shutter.
+inline const std::bitset<kEffectCount>& effectsOfMotion() {
+  static const std::bitset<kEffectCount> mask = [] {
+    std::bitset<kEffectCount> effects;
+    forEachEffect([&]<class Effect>() {
+      using Stage = typename Effect::template Stage<double>;
+      if (std::is_same_v<Stage, ValidityOffset<double, Sensor::ins>> ||
+          std::is_same_v<Stage, ValidityOffset<double, Sensor::dvl>> ||
+          std::is_same_v<Stage, ValidityOffset<double, Sensor::depth>> ||
+          std::is_same_v<Stage, ValidityOffset<double, Sensor::camera>> ||
+          std::is_same_v<Stage, Shutter<double>>)
+        effects.set(kEffectIndex<Effect>);
+    });
+    return effects;
+  }();
+  return mask;
+}
+
+/// An effect's scalar as a sum of unknowns.
+struct Link {
+  std::size_t scalar = 0;
+  std::size_t block = 0;  ///< place among the cost's blocks
+  int coordinate = 0;     ///< in that block
+  double factor = 1.0;
+};
+
+/// Rows of one reading.
+class ReadingCost final : public BatchCost {
+ public:
+  ReadingCost(const BatchState& reference, const std::vector<UnknownBlock>& unknowns)
+      : reference_(reference), unknowns_(unknowns) {}
+
+  std::unique_ptr<ReadingModel> model;
+  ForwardPoint at_reference;  ///< but for the motion
+  std::vector<MotionNode> nodes;
+  Eigen::VectorXd reading;
+  Eigen::MatrixXd whitening;
+  int first_pose = 0, pose_count = 0;  ///< their blocks come first
+  /// Poses beside the robot's, the panel's and the right camera's: place among the blocks, the model's
+  /// column.
+  std::vector<std::pair<std::size_t, int>> other_poses;
+  std::vector<Link> links;
+  std::bitset<kEffectCount> acting;
+
+  void finish() {
+    finishSetup(unknowns_, static_cast<int>(reading.size()));
+    local_.clear();
+    int column = 0;
+    for (const std::size_t b : blocks) {
+      local_.push_back(column);
+      column += unknowns_[b].size;
+    }
+    local_.push_back(column);
+    columns_ = model->motionColumns();
+    if ((acting & effectsOfMotion()).any()) {
+      columns_.clear();
+      for (int c = 0; c < kMotionSize; ++c) columns_.push_back(c);
+    }
+    motion_columns_ = columns_.size();
+    for (const auto& [block, first] : other_poses)
+      for (int c = 0; c < 6; ++c) columns_.push_back(first + c);
+    for (const Link& link : links) {
+      const int c = kEffectColumn + static_cast<int>(link.scalar);
+      if (std::find(columns_.begin(), columns_.end(), c) == columns_.end()) columns_.push_back(c);
+    }
+  }
+
+  void compute(const Eigen::VectorXd& x, Eigen::VectorXd& residual,
+               Eigen::MatrixXd* derivative) const override {
+    const std::vector<Pose> poses = posesAt(x);
+    ForwardPoint point = pointAt(x);
+    Eigen::VectorXd prediction = Eigen::VectorXd::Zero(reading.size());
+    if (derivative != nullptr) derivative->setZero(reading.size(), local_.back());
+    Eigen::MatrixXd slope;
+    for (const MotionNode& node : nodes) {
+      const auto own = ownOf(poses, node);
+      point.motion = motionOf(own, node, reference_.path.knot_s);
+      if (derivative == nullptr) {
+        prediction += model->predict(point);
+        continue;
+      }
+      prediction += model->differentiate(point, columns_, slope);
+      accumulate(slope, motionJacobian(own, node, reference_.path.knot_s), node, *derivative);
+    }
+    const double share = 1.0 / static_cast<double>(nodes.size());
+    residual = whitening * (reading - share * prediction);
+    if (derivative == nullptr) return;
+    *derivative = (-share * whitening * *derivative).eval();
+    for (std::size_t b = 0; b < blocks.size(); ++b) turnByRightJacobian(x, b, *derivative);
+  }
+
+  Eigen::VectorXd raw(const Eigen::VectorXd& residual) const override {
+    return whitening.fullPivLu().solve(residual);
+  }
+
+  void effectColumns(Eigen::Ref<Eigen::MatrixXd> columns) const override {
+    columns.setZero();
+    std::vector<std::size_t> wanted;
+    for (std::size_t s = 0; s < kEffectScalars; ++s)
+      if (scalars()[s].kind == ParameterKind::continuous && model->dependsOn(scalars()[s].effect))
+        wanted.push_back(s);
+    const std::vector<Pose> poses = posesAt(Eigen::VectorXd::Zero(lastColumn()));
+    const Eigen::MatrixXd scale = -1.0 / static_cast<double>(nodes.size()) * whitening;
+    for (const MotionNode& node : nodes) {
+      ForwardPoint point = at_reference;
+      point.motion = motionOf(ownOf(poses, node), node, reference_.path.knot_s);
+      for (std::size_t first = 0; first < wanted.size(); first += kColumnsAtOnce)
+        addColumns(point, std::span(wanted).subspan(first, std::min(kColumnsAtOnce, wanted.size() - first)),
+                   scale, columns);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kColumnsAtOnce = 8;
+
+  /// Others that are neutral change nothing, so only those are switched on that are differentiated by: some
+  /// are costly.
+  void addColumns(ForwardPoint point, std::span<const std::size_t> wanted, const Eigen::MatrixXd& scale,
+                  Eigen::Ref<Eigen::MatrixXd> columns) const {
+    std::vector<int> model_columns;
+    for (const std::size_t s : wanted) {
+      point.on.set(scalars()[s].effect);
+      model_columns.push_back(kEffectColumn + static_cast<int>(s));
+    }
+    Eigen::MatrixXd slope;
+    model->differentiate(point, model_columns, slope);
+    slope = (scale * slope).eval();
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      columns.col(static_cast<Eigen::Index>(wanted[i])) += slope.col(static_cast<Eigen::Index>(i));
+  }
+
+  int lastColumn() const { return unknowns_.back().column + unknowns_.back().size; }
+
+  std::vector<Pose> posesAt(const Eigen::VectorXd& x) const {
+    std::vector<Pose> poses;
+    for (int k = 0; k < pose_count; ++k)
+      poses.push_back(
+          retracted(reference_.path.poses[static_cast<std::size_t>(first_pose) + static_cast<std::size_t>(k)],
+                    x.segment<6>(blockAt(static_cast<std::size_t>(k)).column)));
+    return poses;
+  }
+
+  ForwardPoint pointAt(const Eigen::VectorXd& x) const {
+    ForwardPoint point = at_reference;
+    for (const auto& [block, first] : other_poses) {
+      Pose& pose = first == kPanelColumn ? point.T_odom_panel : point.T_left_right;
+      pose = retracted(pose, x.segment<6>(blockAt(block).column));
+    }
+    for (const Link& link : links)
+      point.effects[link.scalar] += link.factor * x[blockAt(link.block).column + link.coordinate];
+    return point;
+  }
+
+  const UnknownBlock& blockAt(std::size_t place) const { return unknowns_[blocks[place]]; }
+
+  std::span<const Pose> ownOf(const std::vector<Pose>& poses, const MotionNode& node) const {
+    return std::span(poses).subspan(static_cast<std::size_t>(node.first - first_pose),
+                                    static_cast<std::size_t>(node.count));
+  }
+
+  /// Chain rule: columns of the model -> columns of the blocks.
+  void accumulate(const Eigen::MatrixXd& slope, const MotionJacobian& motion_slope, const MotionNode& node,
+                  Eigen::MatrixXd& derivative) const {
+    auto by_pose = derivative.middleCols(6 * (node.first - first_pose), 6 * node.count);
+    for (std::size_t c = 0; c < motion_columns_; ++c)
+      by_pose += slope.col(static_cast<Eigen::Index>(c)) * motion_slope.row(columns_[c]);
+    auto next = static_cast<Eigen::Index>(motion_columns_);
+    for (const auto& [block, first] : other_poses) {
+      derivative.middleCols<6>(local_[block]) += slope.middleCols<6>(next);
+      next += 6;
+    }
+    for (const Link& link : links) {
+      const auto c =
+          std::find(columns_.begin(), columns_.end(), kEffectColumn + static_cast<int>(link.scalar));
+      derivative.col(local_[link.block] + link.coordinate) += link.factor * slope.col(c - columns_.begin());
+    }
+  }
+
+  /// Derivatives so far are by the error of the pose at x; the unknown is that of the reference.
+  void turnByRightJacobian(const Eigen::VectorXd& x, std::size_t place, Eigen::MatrixXd& derivative) const {
+    const UnknownBlock& block = blockAt(place);
+    if (block.kind != UnknownBlock::Kind::pose && block.kind != UnknownBlock::Kind::panel &&
+        block.kind != UnknownBlock::Kind::right_camera)
+      return;
+    const Vector3d turn = x.segment<3>(block.column + 3);
+    auto columns = derivative.middleCols<3>(local_[place] + 3);
+    columns = (columns * rightJacobianSO3<double>(turn)).eval();
+  }
+
+  const BatchState& reference_;
+  const std::vector<UnknownBlock>& unknowns_;
+  std::vector<int> local_;    ///< first column of each block; the last entry is their number
+  std::vector<int> columns_;  ///< by which the model is differentiated: motion, panel, scalars
+  std::size_t motion_columns_ = 0;
+};
+
+/// r = value + sum of slope x over its blocks.
+class LinearCost final : public BatchCost {
+ public:
+  LinearCost(const std::vector<UnknownBlock>& unknowns, std::vector<std::size_t> of,
+             const Eigen::VectorXd& value, const Eigen::MatrixXd& slope)
+      : unknowns_(unknowns), value_(value), slope_(slope) {
+    blocks = std::move(of);
+    finishSetup(unknowns_, static_cast<int>(value_.size()));
+  }
+
+  void compute(const Eigen::VectorXd& x, Eigen::VectorXd& residual,
+               Eigen::MatrixXd* derivative) const override {
+    residual = value_;
+    int column = 0;
+    for (const std::size_t b : blocks) {
+      const int size = unknowns_[b].size;
+      residual += slope_.middleCols(column, size) * x.segment(unknowns_[b].column, size);
+      column += size;
+    }
+    if (derivative != nullptr) *derivative = slope_;
+  }
+
+ private:
+  const std::vector<UnknownBlock>& unknowns_;
+  Eigen::VectorXd value_;
+  Eigen::MatrixXd slope_;
+};
+
+}  // namespace fathom
