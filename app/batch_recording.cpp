@@ -7,6 +7,7 @@
 #include "core/fingerprint.h"
 #include "core/text.h"
 #include "effects/catalogue.h"
+#include "environment/image_patches.h"
 #include "landmarks/given_corners.h"
 #include "landmarks/tie_points.h"
 #include "panel/panel_maps.h"
@@ -24,6 +25,13 @@ std::optional<fs::path> givenCornersOf(const fs::path& rawlog) {
   return fs::exists(file) ? std::optional(file) : std::nullopt;
 }
 
+DetectionSettings settingsFor(const std::vector<PanelMap>& panels) {
+  DetectionSettings settings;
+  settings.families = familiesOf(panels);
+  settings.backend = Backend::apriltag;
+  return settings;
+}
+
 /// Remarks: also what of the recording is lost, now that it was read to its end.
 Detections findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& panels,
                        std::vector<std::string>& remarks) {
@@ -35,10 +43,7 @@ Detections findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& pane
     remarks.push_back("Corners are those of " + given->filename().string() + ": images are not searched.");
     return readGivenCorners(*given, source.imageFolder());
   }
-  DetectionSettings settings;
-  settings.families = familiesOf(panels);
-  settings.backend = Backend::apriltag;
-  Detections detections = detectImages(images, settings, keepBeside(rawlog));
+  Detections detections = detectImages(images, settingsFor(panels), keepBeside(rawlog));
   if (!detections.not_kept_why.empty())
     remarks.push_back("detections are not kept: " + detections.not_kept_why);
   for (const UnreadableImage& image : detections.unreadable)
@@ -52,6 +57,23 @@ TiePoints tiePointsOf(const fs::path& rawlog, std::vector<std::string>& remarks)
   if (!fs::exists(file)) return {};
   remarks.push_back("Tie points are those of " + file.filename().string() + ".");
   return readTiePoints(file);
+}
+
+/// The images where they show panels, reduced to patches.
+void addPatches(const fs::path& rawlog, const Vehicle& vehicle, const std::vector<PanelMap>& panels,
+                const EffectParameters<double>& calibration, BatchRecording& recording) {
+  BatchData& data = recording.input.data;
+  if (panels.empty() || !vehicle.camera || data.markers.empty() || givenCornersOf(rawlog)) return;
+  const DetectionSettings settings = settingsFor(panels);
+  const PosedImages images = posedImages(rawlog, panels, settings, calibration);
+  const PairMaker maker({vehicle, panels, {}, calibration, {}}, {}, settings);
+  ImagePatches patches = imagePatches(images.posed, maker, data.time_zero);
+  if (!patches.rejected.empty())
+    recording.remarks.push_back(print("pixels of %zu images are not compared; %s: %s",
+                                      patches.rejected.size(), patches.rejected[0].file.filename().c_str(),
+                                      patches.rejected[0].why.c_str()));
+  data.patches = std::move(patches.patches);
+  data.water = patches.start;
 }
 
 std::vector<InputFile> filesOf(const BatchRecordingOptions& options, const BatchRecording& recording) {
@@ -97,6 +119,7 @@ BatchRecording readBatchRecording(const BatchRecordingOptions& options,
   BatchDataOptions beside;
   beside.tie_points = tiePointsOf(options.rawlog, recording.remarks);
   recording.input = batchInput(open, detections, vehicle, panels, calibration, start, beside);
+  if (options.pixels) addPatches(options.rawlog, vehicle, panels, calibration, recording);
   return recording;
 }
 

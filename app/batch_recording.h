@@ -16,6 +16,7 @@ struct BatchRecordingOptions {
   std::filesystem::path rawlog;
   std::string vehicle, map;      ///< files; empty: those that the recording names
   std::string start = "auto";    ///< see startPose()
+  bool pixels = false;           ///< take patches of the images too
   std::filesystem::path folder;  ///< of the results
 };
 /// All of it, as options of a command.

@@ -66,6 +66,7 @@ void runDiagnosis(DiagnoseOptions options, const RunContext& context) {
   std::optional<RecordingJob> again;  // read before the long work, so that a mistake shows at once
   if (options.rerun) again = rerunJob(options.recording, context.command_line);
   if (!options.calibration.empty()) options.diagnosis.calibration = readCalibration(options.calibration);
+  options.recording.pixels = true;
   story.read = readBatchRecording(options.recording, options.diagnosis.calibration);
   if (!options.calibration.empty()) story.read.files.push_back(inputFile(options.calibration));
 
@@ -117,7 +118,9 @@ void addDiagnose(const RunContext& context) {
       "  explained     effects of the catalogue are missing, and with them nothing else is\n"
       "  unexplained   something is missing that no effect of the catalogue describes\n"
       "  insufficient  the recording could not show it either way\n"
-      "Effects that the recording cannot tell apart are named together.\n"
+      "Effects that the recording cannot tell apart are named together. Images count by the markers' "
+      "corners\n"
+      "and by their light: recorded against rendered, where a panel is in view.\n"
       "\n"
       "Writes report.html, result.json, calibration.yaml (what was found, for `simulate` and `localize`) "
       "and\n"

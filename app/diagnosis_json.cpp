@@ -25,6 +25,8 @@ const char* labelOf(BatchChannel channel) {
       return labels::kUsbl;
     case BatchChannel::markers:
       return labels::kMarkers;
+    case BatchChannel::pixels:
+      return labels::kCamera;
     case BatchChannel::tie_points:
       return "TIE_POINTS";
     case BatchChannel::prior:
@@ -95,7 +97,7 @@ Json interactionsJson(const std::vector<InteractionTest>& tests) {
 Json effectJson(const FoundEffect& effect, const DiagnosisStory& story) {
   Json json{{"id", idOf(effect.candidate)}, {"name", nameOf(effect.candidate)}};
   for (const char* key : {"parameters", "sigma", "unit"}) json[key] = Json::object();
-  for (const FoundParameter& parameter : parametersOf(effect, story.diagnosis.after.state.effects)) {
+  for (const FoundParameter& parameter : parametersOf(effect, story.diagnosis)) {
     json["parameters"][parameter.name] = numbersJson(parameter.value);
     json["unit"][parameter.name] = parameter.unit;
     if (!parameter.sigma.empty()) json["sigma"][parameter.name] = numbersJson(parameter.sigma);

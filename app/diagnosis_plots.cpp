@@ -51,12 +51,12 @@ Series blockSeries(const HeldOut& heldout, double HeldOut::Block::*value, const 
 
 /// Of one channel, a cloud a component.
 std::vector<Series> clouds(BatchChannel channel, const Linearization& linear) {
-  static constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
   const bool is_scalar = channel == BatchChannel::depth || channel == BatchChannel::tie_points;
   const std::size_t count = is_scalar ? 1 : channel == BatchChannel::markers ? 2 : 3;
   std::vector<Series> components;
   for (std::size_t c = 0; c < count; ++c)
-    components.push_back({.name = count > 1 ? kAxes[c] : "", .style = Series::Style::kPoints});
+    components.push_back(
+        {.name = count > 1 ? nameOfAxis(channel, static_cast<int>(c)) : "", .style = Series::Style::kPoints});
   const double scale = unitOf(channel).scale;
   for (const RowInfo& row : linear.rows) {
     if (row.channel != channel) continue;

@@ -300,12 +300,11 @@ void addRerun(const DiagnosisStory& story, HtmlReport& report) {
 void addInputs(const DiagnosisStory& story, HtmlReport& report) {
   const BatchData& data = story.read.input.data;
   report.heading("From what");
-  report.paragraph(
-      print("%.1f s; %zu intervals of the gyro, %zu DVL and %zu pressure readings, %zu markers and "
-            "%zu tie points in images. Started from: ",
-            data.last_s - data.first_s, data.gyro.size(), data.dvl.size(), data.pressure.size(),
-            data.markers.size(), data.tie_points.size()) +
-      story.read.input.start.source + ".");
+  report.paragraph(print("%.1f s; %zu intervals of the gyro, %zu DVL and %zu pressure readings, %zu markers, "
+                         "%zu tie points and %zu patches in images. Started from: ",
+                         data.last_s - data.first_s, data.gyro.size(), data.dvl.size(), data.pressure.size(),
+                         data.markers.size(), data.tie_points.size(), data.patches.size()) +
+                   story.read.input.start.source + ".");
   Table files{{"input", "fingerprint"}, {}};
   for (const InputFile& input : story.read.files)
     files.rows.push_back({input.file.string(), input.fingerprint});

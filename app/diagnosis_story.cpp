@@ -47,8 +47,9 @@ std::vector<double> valuesOf(const FoundEffect& effect, const Parameter& paramet
 
 }  // namespace
 
-std::vector<FoundParameter> parametersOf(const FoundEffect& effect,
-                                         const EffectParameters<double>& calibration) {
+std::vector<FoundParameter> parametersOf(const FoundEffect& effect, const Diagnosis& diagnosis) {
+  const BatchState& state = diagnosis.after.state;
+  const EffectParameters<double>& calibration = state.effects;
   const EffectInfo& info = allEffects()[effect.candidate.effect];
   std::vector<FoundParameter> parameters;
   std::size_t scalar = info.first_scalar;
@@ -56,6 +57,11 @@ std::vector<FoundParameter> parametersOf(const FoundEffect& effect,
     parameters.push_back({std::string(p.name), std::string(p.unit), valuesOf(effect, p, scalar, calibration),
                           sigmasOf(effect, scalar, p.size)});
     scalar += static_cast<std::size_t>(p.size);
+  }
+  if (info.derived != nullptr) {
+    const Vector3d value = info.derive(calibration.values.data() + info.first_scalar, state.water.head<3>());
+    parameters.push_back(
+        {std::string(info.derived->name), std::string(info.derived->unit), {value.begin(), value.end()}, {}});
   }
   return parameters;
 }
@@ -95,7 +101,7 @@ Table effectTable(const DiagnosisStory& story) {
   Table table{{"effect", "parameter", "value ± sigma", "when", "size [sqrt lambda]"}, {}};
   for (const FoundEffect& effect : modelledEffects(story.diagnosis)) {
     bool first = true;
-    for (const FoundParameter& parameter : parametersOf(effect, story.diagnosis.after.state.effects)) {
+    for (const FoundParameter& parameter : parametersOf(effect, story.diagnosis)) {
       table.rows.push_back({first ? nameOf(effect.candidate) : "", parameter.name, textOf(parameter)});
       if (first)
         table.rows.back().insert(

@@ -42,9 +42,8 @@ struct FoundParameter {
   std::vector<double> value;
   std::vector<double> sigma;  ///< as many; empty where it was chosen, not estimated
 };
-/// All that the effect has, by the names in the registry.
-std::vector<FoundParameter> parametersOf(const FoundEffect& effect,
-                                         const EffectParameters<double>& calibration);
+/// All that the effect has, by the names in the registry, derived ones with the water of the final estimate.
+std::vector<FoundParameter> parametersOf(const FoundEffect& effect, const Diagnosis& diagnosis);
 /// "0.0153 ± 0.0004 m": digits as sigma deserves them; lists in brackets.
 std::string textOf(const FoundParameter& parameter);
 

@@ -18,7 +18,7 @@ Time timelessBegin() { return fromUnixSeconds(946684800); }
 std::string cameraAloneYaml(const std::string& what, const CameraModel& camera, double rate_hz,
                             double corner_sigma_px) {
   return "# " + what + "\ngravity_m_s2: 9.80665\ncamera:\n" + print("  rate_hz: %.9g\n", rate_hz) +
-         cameraLines(recordedCamera(camera), corner_sigma_px) + "  pose: " + poseText(Pose{}) + "\n";
+         cameraLines(recordedCamera(camera), corner_sigma_px) + "  pose: " + yamlPose(Pose{}) + "\n";
 }
 
 void addImportTarget(CLI::App& command, ImportTarget& target, const std::string& default_name) {

@@ -91,7 +91,7 @@ std::string windowLine(const char* key, const Window& window) {
 std::string pairYaml(const StereoRig& rig, double sigma_px) {
   return cameraAloneYaml("A pair of cameras by itself, each before a window.", rig.cameras[0], 1 / kFrame_s,
                          sigma_px) +
-         "  # From the windows' corners.\n  right_pose: " + poseText(rig.T_left_right) + "\n" +
+         "  # From the windows' corners.\n  right_pose: " + yamlPose(rig.T_left_right) + "\n" +
          print("  right_pose_sigma: {position_m: %.9g, angle_deg: %.9g}\n", rig.position_sigma_m,
                degrees(rig.angle_sigma_rad)) +
          windowLine("window", rig.cameras[0].window) + windowLine("right_window", rig.cameras[1].window);

@@ -1,6 +1,7 @@
 #include "diagnosis/covariate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "effects/registry.h"
@@ -21,7 +22,7 @@ std::vector<Covariate> allOf(BatchChannel channel) {
       {"speed", "m/s", [](const RowInfo& row) { return row.speed_m_s; }, 1, 6},
       {"turn rate", "deg/s", [](const RowInfo& row) { return row.turn_rate_rad_s; }, degrees(1.0), 6},
       {"depth", "m", [](const RowInfo& row) { return row.depth_m; }, 1, 6}};
-  if (channel == BatchChannel::markers || channel == BatchChannel::tie_points) {
+  if (isOfImages(channel)) {
     all.push_back({"range", "m", [](const RowInfo& row) { return row.range_m; }, 1, 6});
     all.push_back({"image radius", "1", [](const RowInfo& row) { return row.image_radius; }, 1, 6});
     all.push_back({"image x", "px", [](const RowInfo& row) { return row.pixel.x(); }, 1, 6});
@@ -29,6 +30,8 @@ std::vector<Covariate> allOf(BatchChannel channel) {
     if (channel == BatchChannel::tie_points) return all;
     all.push_back(
         {"incidence", "deg", [](const RowInfo& row) { return row.incidence_rad; }, degrees(1.0), 6});
+    if (channel == BatchChannel::pixels)
+      all.push_back({"brightness", "DN", [](const RowInfo& row) { return row.level; }, 255, 6});
     return all;
   }
   for (const int axis : {0, 1, 2}) {
@@ -40,6 +43,18 @@ std::vector<Covariate> allOf(BatchChannel channel) {
 }
 
 }  // namespace
+
+bool isOfImages(BatchChannel channel) {
+  return channel == BatchChannel::markers || channel == BatchChannel::tie_points ||
+         channel == BatchChannel::pixels;
+}
+
+std::string nameOfAxis(BatchChannel channel, int axis) {
+  if (channel == BatchChannel::tie_points) return "across the lines of sight";
+  if (channel == BatchChannel::pixels)
+    return std::array{"red", "green", "blue"}.at(static_cast<std::size_t>(axis));
+  return std::string(1, "xyz"[axis]);
+}
 
 std::vector<Covariate> covariatesOf(const Linearization& linear, BatchChannel channel) {
   std::vector<Covariate> varying;
@@ -87,9 +102,7 @@ std::vector<Direction> directionsOf(const Linearization& linear, BatchChannel ch
     return directions;
   }
   for (int axis = 0; axis < 3; ++axis) {
-    const bool is_miss = channel == BatchChannel::tie_points;
-    Direction direction{is_miss ? "across the lines of sight" : std::string(1, "xyz"[axis]),
-                        std::vector<double>(rows, 0), axis};
+    Direction direction{nameOfAxis(channel, axis), std::vector<double>(rows, 0), axis};
     bool any = false;
     for (std::size_t i = 0; i < rows; ++i)
       if (linear.rows[i].channel == channel && linear.rows[i].component == axis) {
@@ -119,6 +132,8 @@ ReadingUnit unitOf(BatchChannel channel) {
       return {"px", 1};
     case BatchChannel::tie_points:
       return {"sigma", 1};
+    case BatchChannel::pixels:
+      return {"DN", 255};
     case BatchChannel::prior:
       break;
   }
@@ -126,13 +141,13 @@ ReadingUnit unitOf(BatchChannel channel) {
 }
 
 double noiseUnit(const Linearization& linear, BatchChannel channel) {
-  double variance = 0, rows = 0;
+  double information = 0, rows = 0;
   for (const RowInfo& row : linear.rows)
     if (row.channel == channel) {
-      variance += 1 / (row.per_unit * row.per_unit);
+      information += row.per_unit * row.per_unit;
       ++rows;
     }
-  return rows > 0 ? std::sqrt(variance / rows) : 0;
+  return rows > 0 ? std::sqrt(rows / information) : 0;
 }
 
 std::vector<double> binLimits(const Linearization& linear, BatchChannel channel, const Covariate& covariate) {

@@ -19,6 +19,11 @@ struct Covariate {
   int bins = 6;
 };
 
+/// Whether a channel's readings are taken from images.
+bool isOfImages(BatchChannel channel);
+/// "x", "green", …: of a component that is an axis or a colour.
+std::string nameOfAxis(BatchChannel channel, int axis);
+
 /// Those that a channel's readings have, where they vary at all.
 std::vector<Covariate> covariatesOf(const Linearization& linear, BatchChannel channel);
 
@@ -40,7 +45,7 @@ struct ReadingUnit {
   double scale = 1;
 };
 ReadingUnit unitOf(BatchChannel channel);
-/// What one unit of noise is in the reading's own unit: root mean square over the channel.
+/// What one unit of noise is in the reading's own unit: of readings that count by what they tell.
 double noiseUnit(const Linearization& linear, BatchChannel channel);
 
 /// Readings by equal shares of a covariate: each bin's limits, from the first's lower one.

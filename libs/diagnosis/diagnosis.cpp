@@ -28,7 +28,7 @@ constexpr double kConfirmed = 0.3;   // of the likelihood it gains, on stretches
 /// To compare what a camera by itself shows: its noise and the markers' scatter, multiplied.
 double cameraNoise(const NoiseModel& noise) {
   double product = noise.panel_tolerance_m > 0 ? noise.panel_tolerance_m : 1;
-  for (const BatchChannel channel : {BatchChannel::markers, BatchChannel::tie_points})
+  for (const BatchChannel channel : {BatchChannel::markers, BatchChannel::tie_points, BatchChannel::pixels})
     product *= noise.of(channel).independentScale();
   return product;
 }

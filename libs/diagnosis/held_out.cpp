@@ -346,6 +346,8 @@ std::string metricOf(BatchChannel channel) {
       return "attitude_rms_deg";
     case BatchChannel::usbl:
       return "usbl_rms_m";
+    case BatchChannel::pixels:
+      return "patch_rms_dn";
     case BatchChannel::tie_points:
       return "contradiction_rms_sigma";
     case BatchChannel::prior:

@@ -249,8 +249,7 @@ std::vector<Mismatch> spectra(const WhitenedModel& model, std::uint64_t seed) {
   std::vector<Mismatch> maps;
   for (const auto& track : linear.tracks) {
     const RowInfo& first = linear.rows[track[0]];
-    const bool is_seen = first.channel == BatchChannel::markers || first.channel == BatchChannel::tie_points;
-    if (track.size() < kShortestSpectrum || is_seen) continue;
+    if (track.size() < kShortestSpectrum || isOfImages(first.channel)) continue;
     Eigen::MatrixXd own(std::ssize(track), all.cols());
     for (std::size_t k = 0; k < track.size(); ++k)
       own.row(static_cast<Eigen::Index>(k)) = all.row(static_cast<Eigen::Index>(track[k]));
@@ -309,6 +308,8 @@ double materialSize(BatchChannel channel) {
       return 0.1;
     case BatchChannel::markers:
       return 0.03;
+    case BatchChannel::pixels:
+      return 0.25 / 255;  // of a patch: less than rounding to eight bits hides
     case BatchChannel::tie_points:
       return 0.1;  // of the sigma stated
     case BatchChannel::prior:

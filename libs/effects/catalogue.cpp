@@ -23,6 +23,10 @@ const std::vector<EffectInfo>& allEffects() {
       constexpr std::size_t index = kEffectIndex<Effect>;
       all.push_back({Effect::id, Effect::text, Effect::parameters, index, kEffectOffsets[index],
                      parameterSize<Effect>()});
+      if constexpr (requires { Effect::derived; }) {
+        all.back().derived = &Effect::derived;
+        all.back().derive = &Effect::derive;
+      }
     });
     return all;
   }();

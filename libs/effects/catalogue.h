@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/geometry.h"
 #include "effects/effect_text.h"
 #include "effects/parameter.h"
 
@@ -15,9 +16,12 @@ struct EffectInfo {
   std::string_view id;
   EffectText text;
   std::span<const Parameter> parameters;
-  std::size_t index = 0;         ///< in EffectParameters::on and active_s
-  std::size_t first_scalar = 0;  ///< in EffectParameters::values
-  std::size_t scalars = 0;       ///< so many, list by list in the order of the parameters
+  std::size_t index = 0;                      ///< in EffectParameters::on and active_s
+  std::size_t first_scalar = 0;               ///< in EffectParameters::values
+  std::size_t scalars = 0;                    ///< so many, list by list in the order of the parameters
+  const DerivedParameter* derived = nullptr;  ///< null: there is none
+  /// Its value by the effect's scalars and the water's attenuation.
+  Vector3d (*derive)(const double* p, const Vector3d& attenuation_per_m) = nullptr;
 
   std::vector<std::string_view> confusedWith() const;
   /// Whether any of its parameters is of this kind.

@@ -29,4 +29,11 @@ struct Parameter {
   std::string_view usual{};  ///< what it stands for and its usual range
 };
 
+/// What people know an effect by, where that is its parameters and the water's: results have it, calibration
+/// files do not.
+struct DerivedParameter {
+  std::string_view name{}, unit{};
+  int size = 1;
+};
+
 }  // namespace fathom

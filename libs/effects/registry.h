@@ -10,6 +10,7 @@
 #include "effects/accelerometer_bias.h"
 #include "effects/camera_latency.h"
 #include "effects/camera_misalignment.h"
+#include "effects/dark_offset.h"
 #include "effects/dvl_latency.h"
 #include "effects/dvl_lever_arm.h"
 #include "effects/dvl_misalignment.h"
@@ -17,6 +18,7 @@
 #include "effects/earth_rotation.h"
 #include "effects/flat_port_refraction.h"
 #include "effects/focal_scale.h"
+#include "effects/gamma.h"
 #include "effects/gyro_bias.h"
 #include "effects/gyro_scale.h"
 #include "effects/ins_latency.h"
@@ -28,6 +30,9 @@
 #include "effects/pressure_density.h"
 #include "effects/pressure_offset.h"
 #include "effects/rolling_shutter.h"
+#include "effects/separate_backscatter.h"
+#include "effects/slant_range.h"
+#include "effects/vignetting.h"
 #include "effects/water_current.h"
 
 /// To add an effect: see libs/effects/README.md. Simulator, filter, calibration file, `fathom effects` and
@@ -36,12 +41,12 @@ namespace fathom {
 
 /// The only registration. Effects at the same stage are applied in this order: a misalignment turns the
 /// mounting before a lever arm moves it, a scale acts on what the sensor would have read, a bias is added to
-/// that.
-using AllEffects =
-    std::tuple<DvlMisalignment, DvlLeverArm, DvlLatency, WaterCurrent, DvlScale, EarthRotation, GyroScale,
-               GyroBias, AccelerometerBias, InsMisalignment, InsLatency, PressureDensity, PressureOffset,
-               FlatPortRefraction, FocalScale, LensDistortion, CameraMisalignment, CameraLatency,
-               RollingShutter, MarkerMoved, MarkerSize, PanelMoved>;
+/// that; of the veil's own attenuation, too, the line of sight is the way.
+using AllEffects = std::tuple<DvlMisalignment, DvlLeverArm, DvlLatency, WaterCurrent, DvlScale, EarthRotation,
+                              GyroScale, GyroBias, AccelerometerBias, InsMisalignment, InsLatency,
+                              PressureDensity, PressureOffset, FlatPortRefraction, FocalScale, LensDistortion,
+                              CameraMisalignment, CameraLatency, RollingShutter, MarkerMoved, MarkerSize,
+                              PanelMoved, SeparateBackscatter, SlantRange, Vignetting, Gamma, DarkOffset>;
 
 inline constexpr std::size_t kEffectCount = std::tuple_size_v<AllEffects>;
 

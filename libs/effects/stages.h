@@ -117,13 +117,14 @@ struct WaterRay {
   Vector3<T> veil_depth = Vector3<T>::Zero();    ///< which builds up the veil
 };
 
-/// How one pixel answers to the light that reaches it: DN = full scale * (gain * radiance) ^ exponent. Starts
-/// as the vehicle file has it, with a gain of 1.
+/// How one pixel answers to the light that reaches it: DN = full scale * ((gain * radiance) ^ exponent +
+/// offset). Starts as the vehicle file has it, with a gain of 1.
 template <class T>
 struct PixelResponse {
   T image_radius = T(0);  ///< tangent of the line of sight's angle to the optical axis
   T gain = T(1);
   T exponent = T(1);
+  T offset = T(0);  ///< share of full scale
 };
 
 }  // namespace fathom

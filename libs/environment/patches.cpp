@@ -1,5 +1,7 @@
 #include "environment/patches.h"
 
+#include <map>
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 
 #include "core/text.h"
@@ -8,6 +10,8 @@
 namespace fathom {
 namespace {
 
+/// exp(-a z) has the mean exp(-a (m - a s²/2)), with m and s² mean and variance of z, to second order.
+constexpr double kUsualAttenuation_per_m = 0.25;
 constexpr double kLeastCorrelation = 0.5;     // of albedo and reading within an image
 constexpr double kSaturatedShare = 0.5;       // of patches, from which on the image counts as overexposed
 constexpr double kDarkSigmas = 3;             // a mean nearer to 0 is biased by clipping there
@@ -27,14 +31,18 @@ cv::Mat interior(const View& clean, const cv::Mat& mask, const PatchOptions& opt
 /// What is summed over the pixels of a patch.
 struct Sums {
   int pixels = 0;
-  double z_m = 0, range_m = 0;
+  double z_m = 0, z_squared = 0, range_m = 0, radius_squared = 0;
+  Vector2d pixel = Vector2d::Zero();
   Vector3d albedo = Vector3d::Zero(), radiance = Vector3d::Zero(), squares = Vector3d::Zero();
   Vector3d largest = Vector3d::Zero();
 
-  void add(const cv::Vec3f& light, const cv::Vec3f& surface, double z, double range) {
+  void add(const Vector2d& where, const cv::Vec3f& light, const cv::Vec3f& surface, double z, double range) {
     ++pixels;
+    pixel += where;
     z_m += z;
+    z_squared += z * z;
     range_m += range;
+    radius_squared += range * range / (z * z) - 1;
     for (int c = 0; c < 3; ++c) {
       const double value = light[c];
       albedo[c] += surface[c];
@@ -53,17 +61,39 @@ double quantum(double radiance, const CameraSheet& sheet) {
   return radianceOf(below + 1, sheet) - radianceOf(below, sheet);
 }
 
-/// Pixels of a patch vary by the sensor's noise, or by more where there is texture or something misplaced.
-double sigmaOfMean(double mean, double mean_square, int pixels, const CameraSheet& sheet) {
-  const double n = pixels, rounding = quantum(mean, sheet) * quantum(mean, sheet) / 12;
+/// By what a mean of numbers rounded to whole ones errs, where they scatter by `scatter` about x before: all
+/// of one brightness err alike (Widrow & Kollar 2008, quantization noise; the first term).
+double roundingError(double x, double scatter) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  return -std::exp(-0.5 * kTurn * kTurn * scatter * scatter) * std::sin(kTurn * x) / std::numbers::pi;
+}
+
+/// What a colour's pixels say of it. They vary by the sensor's noise, or by more where there is texture or
+/// something misplaced. Of a linear camera the mean is freed from what rounding does to it; as much again is
+/// left in doubt.
+struct Measured {
+  double radiance = 0, sigma = 0;
+};
+Measured measured(double mean, double mean_square, int pixels, const CameraSheet& sheet) {
+  const double n = pixels, step = quantum(mean, sheet), rounding = step * step / 12;
   const double seen = n / (n - 1) * std::max(0.0, mean_square - mean * mean);
-  const double expected = std::pow(radianceSigma(mean, sheet), 2) + rounding;
-  return std::sqrt(std::max(seen, expected) / n);
+  const double scatter = std::sqrt(std::max(0.0, seen - rounding));
+  const double bias = step * roundingError(mean / step, scatter / step);
+  const double noise = radianceSigma(mean, sheet);
+  return {sheet.response_gamma == 1 ? mean - bias : mean,
+          std::sqrt(std::max(seen, noise * noise + rounding) / n + bias * bias)};
 }
 
 Patch patchFrom(const Sums& sums, const CameraSheet& sheet, PatchSet& set) {
   const double n = sums.pixels;
-  Patch patch{0, sums.z_m / n, sums.range_m / n, sums.albedo / n, sums.radiance / n, Patch().sigma};
+  Patch patch;
+  const double mean_m = sums.z_m / n;
+  patch.z_m = mean_m - 0.5 * kUsualAttenuation_per_m * (sums.z_squared / n - mean_m * mean_m);
+  patch.range_m = sums.range_m / n;
+  patch.pixel = sums.pixel / n;
+  patch.image_radius = std::sqrt(std::max(0.0, sums.radius_squared / n));
+  patch.albedo = sums.albedo / n;
+  patch.radiance = sums.radiance / n;
   const double full = radianceOf((1 << sheet.bits) - 1, sheet);
   bool saturated = false, dark = false;
   for (int c = 0; c < 3; ++c) {
@@ -72,7 +102,10 @@ Patch patchFrom(const Sums& sums, const CameraSheet& sheet, PatchSet& set) {
     const bool too_dark = mean < kDarkSigmas * radianceSigma(mean, sheet);
     saturated |= too_bright;
     dark |= too_dark;
-    if (!too_bright && !too_dark) patch.sigma[c] = sigmaOfMean(mean, sums.squares[c] / n, sums.pixels, sheet);
+    if (too_bright || too_dark) continue;
+    const Measured colour = measured(mean, sums.squares[c] / n, sums.pixels, sheet);
+    patch.radiance[c] = colour.radiance;
+    patch.sigma[c] = colour.sigma;
   }
   set.saturated += saturated ? 1 : 0;
   set.dark += dark ? 1 : 0;
@@ -106,8 +139,16 @@ std::string whyUnusable(const PatchSet& set) {
 
 }  // namespace
 
+cv::Mat squareLabels(const cv::Size& size, int side_px) {
+  const int across = (size.width + side_px - 1) / side_px;
+  cv::Mat labels(size, CV_32SC1);
+  for (int v = 0; v < size.height; ++v)
+    for (int u = 0; u < size.width; ++u) labels.at<int>(v, u) = v / side_px * across + u / side_px;
+  return labels;
+}
+
 PatchSet patchesOf(const cv::Mat& image, const View& clean, const cv::Mat& mask, const cv::Mat& z_per_range,
-                   const CameraSheet& sheet, const PatchOptions& options) {
+                   const cv::Mat& labels, const CameraSheet& sheet, const PatchOptions& options) {
   PatchSet set;
   if (image.size() != clean.radiance.size()) {
     set.why_not = print("is of %d x %d pixels, its rendering of %d x %d", image.cols, image.rows,
@@ -115,19 +156,19 @@ PatchSet patchesOf(const cv::Mat& image, const View& clean, const cv::Mat& mask,
     return set;
   }
   const cv::Mat light = radianceOf(image, sheet), usable = interior(clean, mask, options);
-  for (int top = 0; top < image.rows; top += options.side_px)
-    for (int left = 0; left < image.cols; left += options.side_px) {
-      const cv::Rect block =
-          cv::Rect(left, top, options.side_px, options.side_px) & cv::Rect({}, image.size());
-      Sums sums;
-      for (int v = block.y; v < block.br().y; ++v)
-        for (int u = block.x; u < block.br().x; ++u)
-          if (usable.at<std::uint8_t>(v, u) != 0) {
-            const double range = clean.range_m.at<float>(v, u);
-            sums.add(light.at<cv::Vec3f>(v, u), clean.radiance.at<cv::Vec3f>(v, u),
-                     range * z_per_range.at<float>(v, u), range);
-          }
-      if (sums.pixels >= options.least_pixels) set.patches.push_back(patchFrom(sums, sheet, set));
+  std::map<int, Sums> by_label;
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u) {
+      const int label = labels.at<int>(v, u);
+      if (usable.at<std::uint8_t>(v, u) == 0 || label < 0) continue;
+      const double range = clean.range_m.at<float>(v, u);
+      by_label[label].add(Vector2d(u, v), light.at<cv::Vec3f>(v, u), clean.radiance.at<cv::Vec3f>(v, u),
+                          range * z_per_range.at<float>(v, u), range);
+    }
+  for (const auto& [label, sums] : by_label)
+    if (sums.pixels >= options.least_pixels) {
+      set.patches.push_back(patchFrom(sums, sheet, set));
+      set.patches.back().label = label;
     }
   set.why_not = whyUnusable(set);
   return set;

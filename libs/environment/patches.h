@@ -16,7 +16,12 @@ namespace fathom {
 /// A few neighbouring pixels of one albedo, away from every edge. Colours are linear red, green, blue.
 struct Patch {
   std::size_t image = 0;  ///< which of the images of the fit
-  double z_m = 0, range_m = 0;
+  int label = 0;          ///< its own, of those that the pixels were given
+  /// What stands for all pixels: light dies away exponentially, so z is a little less than their mean.
+  double z_m = 0;
+  double range_m = 0;
+  Vector2d pixel = Vector2d::Zero();     ///< its centre
+  double image_radius = 0;               ///< see PixelResponse; root mean square
   Vector3d albedo = Vector3d::Zero();    ///< of what is there, with its shading, under full ambient light
   Vector3d radiance = Vector3d::Zero();  ///< mean, as the camera read it
   /// Of that mean, by the sensor's noise, rounding, and what varies within the patch. Infinite for a channel
@@ -25,7 +30,6 @@ struct Patch {
 };
 
 struct PatchOptions {
-  int side_px = 16;        ///< of a patch; on the grid of JPEG's blocks of colour
   int margin_px = 3;       ///< that pose, blur and JPEG may shift or smear an edge
   int least_pixels = 12;   ///< of a patch
   double flatness = 0.01;  ///< largest difference of albedo within the margin
@@ -37,10 +41,14 @@ struct PatchSet {
   std::string why_not;                  ///< why there is none, or why they cannot be of this image; one line
 };
 
-/// `image` (BGR, 8 or 16 bits) and `clean`, rendered at its pose under ambient light 1; `mask` (CV_8UC1) is
-/// not 0 where the rendering is to be trusted; `z_per_range` as cosinesOf(). Takes no patch where the image
-/// does not get brighter with the rendering: then it was taken from another pose, or shows another panel.
+/// A patch for each square of this side, by default on the grid of JPEG's blocks of colour. CV_32SC1.
+cv::Mat squareLabels(const cv::Size& size, int side_px = 16);
+
+/// A patch for each label of `labels` (CV_32SC1) from 0 on. `image` (BGR, 8 or 16 bits) and `clean`, rendered
+/// at its pose under ambient light 1; `mask` (CV_8UC1) is not 0 where the rendering is to be trusted;
+/// `z_per_range` as cosinesOf(). Takes no patch where the image does not get brighter with the rendering:
+/// then it was taken from another pose, or shows another panel.
 PatchSet patchesOf(const cv::Mat& image, const View& clean, const cv::Mat& mask, const cv::Mat& z_per_range,
-                   const CameraSheet& sheet, const PatchOptions& options = {});
+                   const cv::Mat& labels, const CameraSheet& sheet, const PatchOptions& options = {});
 
 }  // namespace fathom

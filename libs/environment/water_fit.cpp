@@ -100,16 +100,6 @@ void describeCovariance(const std::vector<Patch>& patches, const WaterFitOptions
 
 }  // namespace
 
-Vector9d waterParameters(const Environment& environment) {
-  Vector9d parameters;
-  parameters << environment.water.attenuation_per_m, environment.water.veil, environment.ambient;
-  return parameters;
-}
-
-Environment environmentOf(const Vector9d& parameters) {
-  return {{parameters.head<3>(), parameters.segment<3>(3)}, parameters.tail<3>(), {}};
-}
-
 Vector3d predictedRadiance(const Patch& patch, const Environment& environment, double log_gain) {
   return predictRadiance<double>(patch, waterParameters(environment).data(), log_gain);
 }

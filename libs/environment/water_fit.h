@@ -16,12 +16,6 @@
 namespace fathom {
 
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
-using Vector9d = Eigen::Matrix<double, 9, 1>;
-
-/// Attenuation, veil, ambient light, red green blue each: the order of the nine parameters of a fit.
-Vector9d waterParameters(const Environment& environment);
-/// With the lamps off.
-Environment environmentOf(const Vector9d& parameters);
 
 struct WaterFitOptions {
   enum class Gain { fixed, fitted, detected };

@@ -44,7 +44,8 @@ struct OneImage {
   std::string why_not;
 };
 
-OneImage patchesFrom(const PosedImage& posed, const PairMaker& maker, const cv::Mat& z_per_range) {
+OneImage patchesFrom(const PosedImage& posed, const PairMaker& maker, const cv::Mat& z_per_range,
+                     const Labelling& labelsOf) {
   OneImage one;
   try {
     const CleanPair pair = maker.clean(posed);
@@ -52,7 +53,8 @@ OneImage patchesFrom(const PosedImage& posed, const PairMaker& maker, const cv::
     options.margin_px = margin_px(posed, range_m(posed, maker.world().panels));
     CameraSheet sheet = maker.camera();
     sheet.bits = 8;
-    one.set = patchesOf(pair.recorded, pair.clean, pair.panel_mask, z_per_range, sheet, options);
+    const cv::Mat labels = labelsOf ? labelsOf(posed, pair.clean) : squareLabels(pair.recorded.size());
+    one.set = patchesOf(pair.recorded, pair.clean, pair.panel_mask, z_per_range, labels, sheet, options);
     one.why_not = one.set.why_not;
   } catch (const Error& problem) {
     one.why_not = problem.why;
@@ -189,7 +191,7 @@ void requireImages(const fs::path& rawlog, const SynchronizedImages& synchronize
 }  // namespace
 
 SynchronizedImages synchronize(const std::vector<PosedImage>& posed, const std::vector<std::size_t>& images,
-                               const PairMaker& maker) {
+                               const PairMaker& maker, const Labelling& labelsOf) {
   const OneOpenCvThread one_thread;
   std::map<std::string, cv::Mat> z_per_range;
   for (const std::size_t i : images) {
@@ -199,7 +201,7 @@ SynchronizedImages synchronize(const std::vector<PosedImage>& posed, const std::
   std::vector<OneImage> each(images.size());
   forEachIndex(images.size(), "rendering where images were taken", [&](std::size_t k) {
     const PosedImage& image = posed[images[k]];
-    each[k] = patchesFrom(image, maker, z_per_range.at(fingerprintOf(image.camera.lens)));
+    each[k] = patchesFrom(image, maker, z_per_range.at(fingerprintOf(image.camera.lens)), labelsOf);
   });
   SynchronizedImages result;
   for (std::size_t k = 0; k < images.size(); ++k) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,9 +56,13 @@ struct WaterStudy {
   const WaterCandidate& recommendedWater() const { return candidates[recommended]; }
 };
 
-/// Renders these posed images and takes patches of them, all cores at once. Throws Interrupted.
+/// Which patch each pixel of an image belongs to, see patchesOf(). For many threads at once.
+using Labelling = std::function<cv::Mat(const PosedImage&, const View& clean)>;
+
+/// Renders these posed images and takes patches of them, all cores at once. Without a labelling, squares.
+/// Throws Interrupted.
 SynchronizedImages synchronize(const std::vector<PosedImage>& posed, const std::vector<std::size_t>& images,
-                               const PairMaker& maker);
+                               const PairMaker& maker, const Labelling& labelsOf = {});
 
 /// `maker` renders; its world's environment does not matter, lamps are taken to be off. Throws Error where no
 /// image can be used: no marker in any, or none fits its pose (the first one's reason); Interrupted.

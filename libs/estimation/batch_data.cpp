@@ -202,7 +202,8 @@ class Collector {
 
 std::string nameOf(BatchChannel channel) {
   static const std::array<const char*, kBatchChannels.size()> names{
-      "gyro", "accelerometer", "attitude", "dvl", "depth", "usbl", "markers", "tie points", "prior"};
+      "gyro", "accelerometer", "attitude",   "dvl",    "depth",
+      "usbl", "markers",       "tie points", "pixels", "prior"};
   return names[static_cast<std::size_t>(channel)];
 }
 

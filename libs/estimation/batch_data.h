@@ -10,18 +10,31 @@
 #include "landmarks/tie_points.h"
 #include "panel/panel_map.h"
 #include "recording/sample_source.h"
+#include "sensors/image_patch.h"
 #include "sensors/vehicle.h"
+#include "sensors/water.h"
 
 /// What goes into the batch estimate: readings of a whole recording, typed and plain. Times are stamps in
 /// seconds since the recording's first entry.
 namespace fathom {
 
 /// Where a row of the estimate comes from.
-enum class BatchChannel { gyro, accelerometer, attitude, dvl, depth, usbl, markers, tie_points, prior };
+enum class BatchChannel {
+  gyro,
+  accelerometer,
+  attitude,
+  dvl,
+  depth,
+  usbl,
+  markers,
+  tie_points,
+  pixels,
+  prior
+};
 inline constexpr std::array kBatchChannels{
-    BatchChannel::gyro,    BatchChannel::accelerometer, BatchChannel::attitude,
-    BatchChannel::dvl,     BatchChannel::depth,         BatchChannel::usbl,
-    BatchChannel::markers, BatchChannel::tie_points,    BatchChannel::prior};
+    BatchChannel::gyro,   BatchChannel::accelerometer, BatchChannel::attitude, BatchChannel::dvl,
+    BatchChannel::depth,  BatchChannel::usbl,          BatchChannel::markers,  BatchChannel::tie_points,
+    BatchChannel::pixels, BatchChannel::prior};
 /// "gyro", …, as in results.
 std::string nameOf(BatchChannel channel);
 
@@ -92,6 +105,8 @@ struct BatchData {
   std::vector<BatchUsbl> usbl;
   std::vector<BatchMarker> markers;
   std::vector<BatchTiePoint> tie_points;
+  std::vector<ImagePatch> patches;
+  Environment water;  ///< that its fit starts from; its lamps are off
 
   /// How many readings are not there, by the reason: not-a-number, impossible, duplicate, no such marker …
   std::map<std::string, std::size_t> left_out;

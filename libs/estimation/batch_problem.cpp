@@ -13,7 +13,7 @@ namespace fathom {
 namespace {
 
 using Kind = UnknownBlock::Kind;
-constexpr std::size_t kNoImage = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
 /// W with W C W^T = 1. The symmetric one, so that each row stays as near to its own coordinate as can be.
 Eigen::MatrixXd whitener(const Eigen::MatrixXd& covariance) {
@@ -79,6 +79,7 @@ BatchProblem::BatchProblem(const BatchData& data, const ProblemOptions& options,
   addReadings();
   addMarkers();
   addTiePoints();
+  addPatches();
   addPriors();
 }
 
@@ -105,6 +106,7 @@ void BatchProblem::layOut() {
     if (data_.panels[i].position_sigma_m > 0 && data_.panels[i].angle_sigma_rad > 0)
       blocks_.push_back({Kind::panel, i, 6, 0});
   if (!data_.tie_points.empty()) blocks_.push_back({Kind::right_camera, 0, 6, 0});
+  if (!data_.patches.empty()) blocks_.push_back({Kind::water, 0, 9, 0});
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (const auto size = std::ssize(continuousScalars(e)); options_.estimate[e] && size > 0)
       blocks_.push_back({Kind::effect, e, static_cast<int>(size), 0});
@@ -114,7 +116,7 @@ void BatchProblem::layOut() {
     block_of_[{blocks_[b].kind, blocks_[b].index}] = b;
   }
   for (std::size_t i = 0; i < reference_.images.size(); ++i) {
-    image_pose_.resize(std::max(image_pose_.size(), reference_.images[i] + 1), kNoImage);
+    image_pose_.resize(std::max(image_pose_.size(), reference_.images[i] + 1), kNone);
     image_pose_[reference_.images[i]] = i;
   }
 }
@@ -132,6 +134,7 @@ BatchState BatchProblem::at(const Eigen::VectorXd& x) const {
     if (block.kind == Kind::panel)
       state.T_odom_panel[block.index] = retracted(state.T_odom_panel[block.index], e);
     if (block.kind == Kind::right_camera) state.T_left_right = retracted(state.T_left_right, e);
+    if (block.kind == Kind::water) state.water += e;
     if (block.kind == Kind::bias) state.bias[block.index] += e;
     if (block.kind == Kind::pressure_offset) state.pressure_offset_pa += e[0];
     if (block.kind == Kind::effect) {
@@ -176,7 +179,8 @@ std::bitset<kEffectCount> BatchProblem::actingOn(const ReadingModel& model, cons
 
 double BatchProblem::thresholdOf(BatchChannel channel, Eigen::Index rows) const {
   const bool robust = channel == BatchChannel::dvl || channel == BatchChannel::usbl ||
-                      channel == BatchChannel::markers || channel == BatchChannel::tie_points;
+                      channel == BatchChannel::markers || channel == BatchChannel::tie_points ||
+                      channel == BatchChannel::pixels;
   if (!robust || options_.robust_probability >= 1.0) return 0.0;
   return std::sqrt(chiSquareQuantile(static_cast<double>(rows), options_.robust_probability));
 }
@@ -186,6 +190,8 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   auto cost = std::make_unique<ReadingCost>(reference_, blocks_);
   const BatchMarker* marker =
       source.marker < 0 ? nullptr : &data_.markers[static_cast<std::size_t>(source.marker)];
+  const ImagePatch* patch =
+      source.patch < 0 ? nullptr : &data_.patches[static_cast<std::size_t>(source.patch)];
   ForwardPoint& point = cost->at_reference;
 
   // What acts on it.
@@ -195,14 +201,16 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (cost->acting[e])
       for (const std::size_t s : continuousScalars(e)) point.effects[s] += reference_.effects.values[s];
-  if (marker != nullptr) point.T_odom_panel = reference_.T_odom_panel[marker->panel];
+  const std::size_t panel = marker != nullptr ? marker->panel : patch != nullptr ? patch->panel : kNone;
+  const std::size_t image = marker != nullptr ? marker->image : patch != nullptr ? patch->image : kNone;
+  if (panel != kNone) point.T_odom_panel = reference_.T_odom_panel[panel];
+  point.water = reference_.water;
   point.T_left_right = reference_.T_left_right;
 
   // When it was valid, and which poses that makes.
   point.validity_s = model->validity_s(point);
   if (node_s.size() == 2 && node_s[0] == node_s[1]) node_s.pop_back();
-  for (const double t_s : node_s)
-    cost->nodes.push_back(nodeOf(t_s + point.validity_s, marker == nullptr ? kNoImage : marker->image));
+  for (const double t_s : node_s) cost->nodes.push_back(nodeOf(t_s + point.validity_s, image));
   if (cost->nodes.empty()) cost->nodes.push_back({0, 0, 0.0});  // wherever the robot is
   const auto [first, last] = std::minmax_element(
       cost->nodes.begin(), cost->nodes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -217,14 +225,13 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
     cost->blocks.push_back(block_of_.at({kind, index}));
     for (const std::size_t s : to) cost->links.push_back({s, cost->blocks.size() - 1, coordinate++, factor});
   };
-  if (marker != nullptr && block_of_.contains({Kind::panel, marker->panel})) {
-    cost->blocks.push_back(block_of_.at({Kind::panel, marker->panel}));
-    cost->other_poses.emplace_back(cost->blocks.size() - 1, kPanelColumn);
-  }
-  if (source.tie_point >= 0) {
-    cost->blocks.push_back(block_of_.at({Kind::right_camera, 0}));
-    cost->other_poses.emplace_back(cost->blocks.size() - 1, kRightColumn);
-  }
+  const auto other = [&](Kind kind, std::size_t index, int column) {
+    cost->others.push_back({cost->blocks.size(), column});
+    cost->blocks.push_back(block_of_.at({kind, index}));
+  };
+  if (block_of_.contains({Kind::panel, panel})) other(Kind::panel, panel, kPanelColumn);
+  if (source.tie_point >= 0) other(Kind::right_camera, 0, kRightColumn);
+  if (patch != nullptr) other(Kind::water, 0, kWaterColumn);
   const bool is_gyro = source.channel == BatchChannel::gyro,
              is_force = source.channel == BatchChannel::accelerometer;
   if ((is_gyro || is_force) && !reference_.bias.empty()) {
@@ -294,9 +301,7 @@ void BatchProblem::addReadings() {
 void BatchProblem::addMarkers() {
   for (std::size_t i = 0; i < data_.markers.size(); ++i) {
     const BatchMarker& seen = data_.markers[i];
-    if (!reference_.path.isSpline() &&
-        (seen.image >= image_pose_.size() || image_pose_[seen.image] == kNoImage))
-      continue;
+    if (!hasPose(seen.image)) continue;
     const Pose T_odom_camera =
         motionAt(seen.t_s, seen.image).T_odom_robot * seen.T_robot_camera * seen.T_left_right;
     const Vector3d centre_odom = reference_.T_odom_panel[seen.panel] * seen.marker.T_panel_marker.position;
@@ -317,6 +322,21 @@ void BatchProblem::addTiePoints() {
     const BatchTiePoint& seen = data_.tie_points[i];
     add(tiePointModel(seen), {BatchChannel::tie_points, seen.t_s, -1, static_cast<std::ptrdiff_t>(i)}, {},
         Eigen::VectorXd::Zero(1), whitener(1, 1.0));
+  }
+}
+
+bool BatchProblem::hasPose(std::size_t image) const {
+  return reference_.path.isSpline() || (image < image_pose_.size() && image_pose_[image] != kNone);
+}
+
+void BatchProblem::addPatches() {
+  for (std::size_t i = 0; i < data_.patches.size(); ++i) {
+    const ImagePatch& seen = data_.patches[i];
+    if (!hasPose(seen.image)) continue;
+    const std::vector<int> colours = seen.colours();
+    const Eigen::VectorXd reading = seen.radiance(colours), sigma = seen.sigma(colours);
+    add(patchModel(seen), {BatchChannel::pixels, seen.t_s, -1, -1, static_cast<std::ptrdiff_t>(i)},
+        {seen.t_s}, reading, whitener(sigma));
   }
 }
 
@@ -394,6 +414,16 @@ void BatchProblem::addPriors() {
       addPosePrior(block, data_.tie_points[0].T_left_right, reference_.T_left_right,
                    camera.right_position_sigma_m, camera.right_angle_sigma_rad);
     }
+    if (block.kind == Kind::water) {
+      // So wide that only what the patches tell nothing of feels it.
+      constexpr double kAttenuation_per_m = 2.0, kVeil = 0.5, kAmbient = 1.0;
+      Vector9d sigma;
+      sigma << Vector3d::Constant(kAttenuation_per_m), Vector3d::Constant(kVeil),
+          Vector3d::Constant(kAmbient);
+      const Vector9d precision = sigma.cwiseInverse();
+      addLinear(block, precision.cwiseProduct(reference_.water - waterParameters(data_.water)),
+                precision.asDiagonal().toDenseMatrix());
+    }
     if (block.kind == Kind::effect) {
       Eigen::VectorXd precision(block.size), value(block.size);
       int i = 0;
@@ -413,6 +443,7 @@ BatchState startState(const BatchData& data, const std::vector<double>& times_s,
   state.effects = effects;
   for (const PanelMap& panel : data.panels) state.T_odom_panel.push_back(panel.T_odom_panel);
   if (!data.tie_points.empty()) state.T_left_right = data.tie_points[0].T_left_right;
+  if (!data.patches.empty()) state.water = waterParameters(data.water);
   if (!data.hasMotion()) {
     for (const BatchMarker& seen : data.markers) {
       if (!state.images.empty() && state.images.back() == seen.image) continue;

@@ -27,8 +27,9 @@ struct BatchState {
   double bias_interval_s = 10.0;
   double pressure_offset_pa = 0.0;
   std::vector<Pose> T_odom_panel;
-  Pose T_left_right;                 ///< of a pair of cameras that sees tie points
-  EffectParameters<double> effects;  ///< all that are on, estimated or not
+  Pose T_left_right;                  ///< of a pair of cameras that sees tie points
+  Vector9d water = Vector9d::Zero();  ///< waterParameters(), where there are patches
+  EffectParameters<double> effects;   ///< all that are on, estimated or not
 };
 
 struct PathPrior {
@@ -59,7 +60,7 @@ struct ProblemOptions {
 
 /// A block of unknowns: coordinates of the error of one part of a reference state.
 struct UnknownBlock {
-  enum class Kind { pose, bias, pressure_offset, panel, right_camera, effect };
+  enum class Kind { pose, bias, pressure_offset, panel, right_camera, water, effect };
   Kind kind = Kind::pose;
   std::size_t index = 0;  ///< in the state's list, of an effect: in the registry
   int size = 6;
@@ -72,6 +73,7 @@ struct RowSource {
   double t_s = 0.0;
   std::ptrdiff_t marker = -1;     ///< index in BatchData::markers; -1: none
   std::ptrdiff_t tie_point = -1;  ///< likewise
+  std::ptrdiff_t patch = -1;
 };
 
 /// A few rows of residuals, whitened: r = W (reading - prediction).
@@ -130,6 +132,8 @@ class BatchProblem {
   void addReadings();
   void addMarkers();
   void addTiePoints();
+  void addPatches();
+  bool hasPose(std::size_t image) const;
   void addPriors();
   MotionNode nodeOf(double t_s, std::size_t image) const;
   void add(std::unique_ptr<ReadingModel> model, RowSource source, std::vector<double> node_s,

@@ -30,6 +30,21 @@ std::vector<EffectColumn> effectColumnsOf(const BatchProblem& problem) {
   return columns;
 }
 
+void setPatch(RowInfo& info, const ImagePatch& seen, const Motion& motion, const BatchState& state) {
+  info.place = seen.place;
+  info.panel = static_cast<std::ptrdiff_t>(seen.panel);
+  info.image = static_cast<std::ptrdiff_t>(seen.image);
+  info.eye = static_cast<std::ptrdiff_t>(seen.eye);
+  info.pixel = seen.pixel;
+  info.image_radius = seen.image_radius;
+  const Pose T_camera_panel = (motion.T_odom_robot * seen.T_robot_camera * seen.T_left_right).inverse() *
+                              state.T_odom_panel[seen.panel];
+  const Vector3d point_camera = T_camera_panel * seen.point_panel;
+  info.range_m = point_camera.norm();
+  info.incidence_rad =
+      std::acos(std::clamp(-T_camera_panel.rotation.col(2).dot(point_camera) / info.range_m, -1.0, 1.0));
+}
+
 /// What all rows of a reading have in common.
 RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const RowSource& source) {
   RowInfo info;
@@ -37,16 +52,22 @@ RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const Row
   info.t_s = source.t_s;
   info.marker = source.marker;
   info.tie_point = source.tie_point;
+  info.patch = source.patch;
   const BatchMarker* seen =
       source.marker < 0 ? nullptr : &data.markers[static_cast<std::size_t>(source.marker)];
-  if (seen == nullptr && !problem.reference().path.isSpline()) return info;
-  const Motion motion = problem.motionAt(source.t_s, seen == nullptr ? 0 : seen->image);
+  const ImagePatch* patch =
+      source.patch < 0 ? nullptr : &data.patches[static_cast<std::size_t>(source.patch)];
+  if (seen == nullptr && patch == nullptr && !problem.reference().path.isSpline()) return info;
+  const Motion motion = problem.motionAt(source.t_s, seen != nullptr    ? seen->image
+                                                     : patch != nullptr ? patch->image
+                                                                        : 0);
   info.speed_m_s = motion.velocity_odom.norm();
   info.turn_rate_rad_s = motion.rate_robot.norm();
   info.depth_m = -motion.T_odom_robot.position.z();
   const Matrix3d R_robot_odom = motion.T_odom_robot.rotation.transpose();
   info.velocity_robot = R_robot_odom * motion.velocity_odom;
   info.force_robot = R_robot_odom * (motion.acceleration_odom - data.vehicle.gravityOdom());
+  if (patch != nullptr) setPatch(info, *patch, motion, problem.reference());
   if (seen == nullptr) return info;
   info.marker_id = seen->marker.id;
   info.panel = static_cast<std::ptrdiff_t>(seen->panel);
@@ -84,12 +105,13 @@ void setTiePoint(RowInfo& info, const BatchTiePoint& seen, const Pose& T_left_ri
 
 /// Tracks in the order of channel, marker and component; rows by time.
 void findTracks(Linearization& linear) {
-  using Key = std::tuple<BatchChannel, std::ptrdiff_t, int, std::ptrdiff_t, int, int>;
+  using Key = std::tuple<BatchChannel, std::ptrdiff_t, int, std::ptrdiff_t, int, int, int>;
   std::map<Key, std::vector<std::size_t>> tracks;
   for (std::size_t i = 0; i < linear.rows.size(); ++i) {
     const RowInfo& row = linear.rows[i];
     if (row.channel == BatchChannel::prior) continue;
-    tracks[{row.channel, row.panel, row.marker_id, row.eye, row.tie_point_id, row.component}].push_back(i);
+    tracks[{row.channel, row.panel, row.marker_id, row.eye, row.tie_point_id, row.place, row.component}]
+        .push_back(i);
   }
   for (auto& [key, rows] : tracks) {
     std::stable_sort(rows.begin(), rows.end(),
@@ -145,6 +167,11 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
       info.component = static_cast<int>(k);
       info.raw = raw[k];
       info.per_unit = 1 / sigma[k];
+      if (info.patch >= 0)
+        info.component =
+            data.patches[static_cast<std::size_t>(info.patch)].colours()[static_cast<std::size_t>(k)];
+      if (info.patch >= 0)
+        info.level = data.patches[static_cast<std::size_t>(info.patch)].radiance[info.component] - info.raw;
       if (info.marker >= 0) setCorner(info, data.markers[static_cast<std::size_t>(info.marker)]);
       if (info.tie_point >= 0)
         setTiePoint(info, data.tie_points[static_cast<std::size_t>(info.tie_point)],

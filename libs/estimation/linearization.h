@@ -12,8 +12,8 @@ namespace fathom {
 /// One residual. What is not of its kind is NaN, or -1.
 struct RowInfo {
   BatchChannel channel = BatchChannel::prior;
-  int component = 0;         ///< axis x y z; of a marker x0 y0 x1 y1 …; of a prior, its row
-  double t_s = 0;            ///< stamp
+  int component = 0;  ///< axis x y z; colour red green blue; of a marker x0 y0 x1 y1 …; of a prior, its row
+  double t_s = 0;     ///< stamp
   std::size_t reading = 0;   ///< rows of one reading have this in common
   int track = -1;            ///< index in Linearization::tracks; -1: a prior
   double raw = 0;            ///< reading - prediction in the reading's unit
@@ -28,7 +28,11 @@ struct RowInfo {
   std::ptrdiff_t tie_point = -1;  ///< index in BatchData::tie_points
   int tie_point_id = -1;
 
-  // Of markers; of tie points as the left eye sees them.
+  std::ptrdiff_t patch = -1;  ///< index in BatchData::patches
+  int place = -1;             ///< of a patch
+  double level = kNone;       ///< what it should read, share of full scale
+
+  // Of markers and patches; of tie points as the left eye sees them.
   std::ptrdiff_t marker = -1;  ///< index in BatchData::markers
   int marker_id = -1;
   std::ptrdiff_t panel = -1, image = -1, eye = -1;
@@ -62,7 +66,8 @@ struct Linearization {
   /// always: a candidate (effect, marker, onset) is its columns with all other rows set to zero.
   Eigen::MatrixXd C;
   std::vector<EffectColumn> columns;
-  /// Rows of one sensor's axis, or of one coordinate of one marker's corner (and eye), in time order.
+  /// Rows of one sensor's axis, or of one coordinate of one marker's corner, or one colour of
+  /// one place (and eye), in time order.
   std::vector<std::vector<std::size_t>> tracks;
 };
 

@@ -66,9 +66,12 @@ class ReadingCost final : public BatchCost {
   Eigen::VectorXd reading;
   Eigen::MatrixXd whitening;
   int first_pose = 0, pose_count = 0;  ///< their blocks come first
-  /// Poses beside the robot's, the panel's and the right camera's: place among the blocks, the model's
-  /// column.
-  std::vector<std::pair<std::size_t, int>> other_poses;
+  /// Beside the robot's poses: the panel's, the right camera's, the water.
+  struct Other {
+    std::size_t block = 0;  ///< place among the cost's blocks
+    int column = 0;         ///< the model's first
+  };
+  std::vector<Other> others;
   std::vector<Link> links;
   std::bitset<kEffectCount> acting;
 
@@ -87,8 +90,8 @@ class ReadingCost final : public BatchCost {
       for (int c = 0; c < kMotionSize; ++c) columns_.push_back(c);
     }
     motion_columns_ = columns_.size();
-    for (const auto& [block, first] : other_poses)
-      for (int c = 0; c < 6; ++c) columns_.push_back(first + c);
+    for (const auto& [block, first] : others)
+      for (int c = 0; c < blockAt(block).size; ++c) columns_.push_back(first + c);
     for (const Link& link : links) {
       const int c = kEffectColumn + static_cast<int>(link.scalar);
       if (std::find(columns_.begin(), columns_.end(), c) == columns_.end()) columns_.push_back(c);
@@ -172,9 +175,11 @@ class ReadingCost final : public BatchCost {
 
   ForwardPoint pointAt(const Eigen::VectorXd& x) const {
     ForwardPoint point = at_reference;
-    for (const auto& [block, first] : other_poses) {
-      Pose& pose = first == kPanelColumn ? point.T_odom_panel : point.T_left_right;
-      pose = retracted(pose, x.segment<6>(blockAt(block).column));
+    for (const auto& [block, first] : others) {
+      const int at = blockAt(block).column;
+      if (first == kPanelColumn) point.T_odom_panel = retracted(point.T_odom_panel, x.segment<6>(at));
+      if (first == kRightColumn) point.T_left_right = retracted(point.T_left_right, x.segment<6>(at));
+      if (first == kWaterColumn) point.water += x.segment<9>(at);
     }
     for (const Link& link : links)
       point.effects[link.scalar] += link.factor * x[blockAt(link.block).column + link.coordinate];
@@ -195,9 +200,10 @@ class ReadingCost final : public BatchCost {
     for (std::size_t c = 0; c < motion_columns_; ++c)
       by_pose += slope.col(static_cast<Eigen::Index>(c)) * motion_slope.row(columns_[c]);
     auto next = static_cast<Eigen::Index>(motion_columns_);
-    for (const auto& [block, first] : other_poses) {
-      derivative.middleCols<6>(local_[block]) += slope.middleCols<6>(next);
-      next += 6;
+    for (const Other& other : others) {
+      const int size = blockAt(other.block).size;
+      derivative.middleCols(local_[other.block], size) += slope.middleCols(next, size);
+      next += size;
     }
     for (const Link& link : links) {
       const auto c =

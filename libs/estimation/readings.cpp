@@ -18,6 +18,7 @@ struct Inputs {
   PanelPlacement<T> panel;
   Vector3<T> right_in_left;
   Matrix3<T> R_left_right;
+  Vector9<T> water;
   EffectParameters<T> effects;
 };
 
@@ -34,6 +35,7 @@ Inputs<T> lift(const ForwardPoint& point, double t_s, const std::vector<int>& co
   for (auto& v : moved) v.setZero();
   for (auto& v : panel_moved) v.setZero();
   for (auto& v : right_moved) v.setZero();
+  in.water = point.water.cast<T>();
   for (std::size_t i = 0; i < point.effects.size(); ++i) in.effects.values[i] = T(point.effects[i]);
   in.effects.on = point.on;
   if constexpr (!std::is_same_v<T, double>) {
@@ -43,8 +45,10 @@ Inputs<T> lift(const ForwardPoint& point, double t_s, const std::vector<int>& co
         moved[c / 3][c % 3].v[slot] = 1.0;
       else if (c < kRightColumn)
         panel_moved[(c - kPanelColumn) / 3][c % 3].v[slot] = 1.0;
-      else if (c < kEffectColumn)
+      else if (c < kWaterColumn)
         right_moved[(c - kRightColumn) / 3][c % 3].v[slot] = 1.0;
+      else if (c < kEffectColumn)
+        in.water[c - kWaterColumn].v[slot] = 1.0;
       else
         in.effects.values[static_cast<std::size_t>(c - kEffectColumn)].v[slot] = 1.0;
     }
@@ -215,6 +219,21 @@ struct TiePointReader {
   }
 };
 
+struct PatchReader {
+  static constexpr Sensor kSensor = Sensor::camera;
+  using Stages = StageList<Mounting<double, Sensor::camera>, ValidityOffset<double, Sensor::camera>,
+                           PanelPlacement<double>, WaterRay<double>, PixelResponse<double>>;
+  static std::vector<int> motion() { return triples({kPositionColumn, kOrientationColumn}); }
+  ImagePatch seen;
+  double t_s;
+  std::vector<int> colours;
+  template <class T>
+  Eigen::Matrix<T, Eigen::Dynamic, 1, 0, 3, 1> predict(const Inputs<T>& in) const {
+    const Vector3<T> all = predictPatch(in.state, in.panel, seen, in.water, in.effects, t_s);
+    return all(colours);
+  }
+};
+
 struct AccelerationReader {
   static constexpr Sensor kSensor = Sensor::ins;
   using Stages = StageList<>;
@@ -344,6 +363,9 @@ std::unique_ptr<ReadingModel> markerModel(const BatchMarker& reading) {
 std::unique_ptr<ReadingModel> tiePointModel(const BatchTiePoint& reading) {
   const SeenByBoth seen{reading.cameras, reading.point.pixels, reading.point.sigma_px};
   return model(TiePointReader{seen, contradictionSense(seen, reading.T_left_right), reading.t_s});
+}
+std::unique_ptr<ReadingModel> patchModel(const ImagePatch& reading) {
+  return model(PatchReader{reading, reading.t_s, reading.colours()});
 }
 
 std::unique_ptr<ReadingModel> accelerationModel(double t_s) { return model(AccelerationReader{t_s}); }

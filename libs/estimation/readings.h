@@ -16,11 +16,12 @@ namespace fathom {
 inline constexpr std::size_t kEffectScalars = kEffectOffsets[kEffectCount];
 
 /// Columns of a prediction's derivative: the motion's (MotionColumn), the panel's pose (position in odom, m;
-/// rotation vector in panel axes, rad), the right camera's pose likewise in the left one's frame, then the
-/// scalars of all effects.
+/// rotation vector in panel axes, rad), the right camera's pose likewise in the left one's frame, the water
+/// (waterParameters()), then the scalars of all effects.
 inline constexpr int kPanelColumn = kMotionSize;
 inline constexpr int kRightColumn = kPanelColumn + 6;
-inline constexpr int kEffectColumn = kRightColumn + 6;
+inline constexpr int kWaterColumn = kRightColumn + 6;
+inline constexpr int kEffectColumn = kWaterColumn + 9;
 
 /// All that a prediction depends on.
 struct ForwardPoint {
@@ -29,6 +30,7 @@ struct ForwardPoint {
   /// at constant jerk.
   double validity_s = 0.0;
   Pose T_odom_panel, T_left_right;
+  Vector9d water = Vector9d::Zero();
   std::array<double, kEffectScalars> effects{};
   std::bitset<kEffectCount> on;  ///< those that act, and those by which is differentiated
 };
@@ -61,6 +63,8 @@ std::unique_ptr<ReadingModel> usblModel(const BatchUsbl& reading, const Vehicle&
 std::unique_ptr<ReadingModel> markerModel(const BatchMarker& reading);
 /// By how much the eyes contradict each other, in units of sigma: contradiction().
 std::unique_ptr<ReadingModel> tiePointModel(const BatchTiePoint& reading);
+/// Of the colours that count.
+std::unique_ptr<ReadingModel> patchModel(const ImagePatch& reading);
 /// Acceleration in odom and angular acceleration, both in robot axes: what a vehicle does little of.
 std::unique_ptr<ReadingModel> accelerationModel(double t_s);
 /// Position, and the rotation vector from a reference attitude in odom axes, of which z is the heading.

@@ -549,7 +549,7 @@ std::string sigmaLine(const char* key, std::optional<double> from_bag, double ge
   return line;
 }
 
-std::string poseLine(const Pose& pose) { return "  pose: " + poseText(pose) + "\n"; }
+std::string poseLine(const Pose& pose) { return "  pose: " + yamlPose(pose) + "\n"; }
 
 std::string rateLine(const Pace& pace) {
   char line[80];

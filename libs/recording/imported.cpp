@@ -16,7 +16,7 @@ std::string toText(const Conclusion& conclusion) {
   return conclusion.evidence.empty() ? text : text + "; " + conclusion.evidence;
 }
 
-std::string poseText(const Pose& pose) {
+std::string yamlPose(const Pose& pose) {
   const Vector3d& p = pose.position;
   const Vector3d ypr = yawPitchRollFromRotation(pose.rotation);
   return print("{x: %.9g, y: %.9g, z: %.9g, yaw_deg: %.9g, pitch_deg: %.9g, roll_deg: %.9g}", p.x(), p.y(),

@@ -23,7 +23,7 @@ struct Conclusion {
 std::string toText(const Conclusion& conclusion);
 
 /// "{x: …, …, roll_deg: …}", as vehicle files have a pose.
-std::string poseText(const Pose& pose);
+std::string yamlPose(const Pose& pose);
 
 /// A vehicle file's camera as far as intrinsics and corners' sigma tell; the rest is generic. Without rate_hz
 /// and pose.

@@ -32,13 +32,19 @@ Vector3<T> predictLight(const Vector3<T>& scene, const T& z_m, const T& range_m,
   return light;
 }
 
+template <class T>
+T clampedShare(const T& share) {
+  return share <= T(0) ? T(0) : share >= T(1) ? T(1) : share;
+}
+
 /// The reading as a share of full scale, from 0 to 1, of a radiance (0 or more) at a pixel.
 template <class T>
 T predictReading(const T& radiance, const PixelResponse<T>& response) {
   using std::pow;
   const T exposed = response.gain * radiance;
-  if (exposed <= T(0)) return T(0);
-  return exposed >= T(1) ? T(1) : T(pow(exposed, response.exponent));
+  if (exposed <= T(0)) return clampedShare(response.offset);
+  return clampedShare(exposed >= T(1) ? T(1.0 + response.offset)
+                                      : T(pow(exposed, response.exponent) + response.offset));
 }
 
 /// Sigma of a radiance as the sensor sees it, before the response: electrons count with the variance of
@@ -83,7 +89,8 @@ class ImageModel {
 
  private:
   cv::Mat lightWithEffects(const cv::Mat& radiance, const cv::Mat& range_m, double t_s) const;
-  void respondAlong(int row, double t_s, std::vector<float>& gain, std::vector<float>& exponent) const;
+  struct RowResponse;
+  void respondAlong(int row, double t_s, RowResponse& response) const;
 
   CameraSheet sheet_;
   Water water_;

@@ -31,4 +31,14 @@ Environment readEnvironment(const std::filesystem::path& file) {
   return environment;
 }
 
+Vector9d waterParameters(const Environment& environment) {
+  Vector9d parameters;
+  parameters << environment.water.attenuation_per_m, environment.water.veil, environment.ambient;
+  return parameters;
+}
+
+Environment environmentOf(const Vector9d& parameters) {
+  return {{parameters.head<3>(), parameters.segment<3>(3)}, parameters.tail<3>(), {}};
+}
+
 }  // namespace fathom

@@ -25,6 +25,14 @@ struct Environment {
   std::optional<Vector3d> lamps_irradiance_1m;
 };
 
+/// Attenuation, veil, ambient light, red green blue each: what a fit finds of an environment.
+template <class T>
+using Vector9 = Eigen::Matrix<T, 9, 1>;
+using Vector9d = Vector9<double>;
+Vector9d waterParameters(const Environment& environment);
+/// With the lamps off.
+Environment environmentOf(const Vector9d& parameters);
+
 /// Strict, see core/yaml.h. Throws Error.
 Environment readEnvironment(const std::filesystem::path& file);
 

@@ -64,7 +64,8 @@ std::vector<std::size_t> chosenEffects(const std::string& list) {
   std::vector<std::size_t> chosen;
   if (list == "none") return chosen;
   for (const EffectInfo& effect : allEffects())
-    if (list == "all") chosen.push_back(effect.index);
+    // Its recordings have no images, only the markers in them.
+    if (list == "all" && effect.text.channel != EffectChannel::image) chosen.push_back(effect.index);
   if (list == "all") return chosen;
   for (const std::string& id : CLI::detail::split(list, ',')) {
     const EffectInfo* effect = findEffect(id);

@@ -11,6 +11,7 @@
 #include "effects/calibration.h"
 #include "effects/catalogue.h"
 #include "sensors/camera_geometry.h"
+#include "sensors/image_patch.h"
 #include "sensors/models.h"
 #include "support/motions.h"
 #include "support/shared_data.h"
@@ -70,6 +71,26 @@ void addPixels(const KinematicState<double>& where, const KinematicState<T>& sta
   }
 }
 
+/// Bright and dark on that panel, in the middle of the image and in a corner.
+template <class T, class Add>
+void addPatches(const KinematicState<double>& where, const KinematicState<T>& state,
+                const EffectParameters<T>& effects, double t_s, const Add& add) {
+  ImagePatch patch;
+  patch.T_robot_camera = {rotationFromYawPitchRoll(radians(-80), radians(4), radians(-95)), {0.3, 0.1, 0}};
+  const Pose T_camera_panel{rotationFromYawPitchRoll(0.1, 0.2, radians(170)), {0.1, -0.2, 1.3}};
+  const Pose T_odom_panel =
+      Pose{where.R_odom_robot, where.position_odom} * patch.T_robot_camera * T_camera_panel;
+  Vector9<T> water;
+  water << T(0.4), T(0.2), T(0.1), T(0.05), T(0.15), T(0.2), T(0.6), T(0.7), T(0.65);
+  for (const double albedo : {0.05, 0.8})
+    for (const double radius : {0.1, 0.6}) {
+      patch.albedo = Vector3d(albedo, 0.9 * albedo, 0.8 * albedo);
+      patch.image_radius = radius;
+      patch.point_panel = {radius, 0.2, 0.01};
+      add(predictPatch(state, nominalPlacement<T>(T_odom_panel, t_s), patch, water, effects, t_s));
+    }
+}
+
 /// Everything the forward model predicts of an entry stamped t_s, as one vector. The panel is before the
 /// camera when the vehicle is at `where`.
 template <class T>
@@ -93,7 +114,9 @@ std::vector<T> predictions(const KinematicState<double>& where, const KinematicS
         predictBeamRange(dvl, world, vehicle.dvl->T_robot_dvl, vehicle.dvl->T_robot_beam(k), effects, t_s));
   all.push_back(predictPressure(state, world, *vehicle.depth, vehicle.depth->T_robot_depth, effects, t_s));
   add(predictUsbl(state, vehicle.usbl->T_robot_usbl));
-  addPixels(where, validAt(validityOffset<Sensor::camera>(effects, t_s)), effects, t_s, add);
+  const auto seen = validAt(validityOffset<Sensor::camera>(effects, t_s));
+  addPixels(where, seen, effects, t_s, add);
+  addPatches(where, seen, effects, t_s, add);
   return all;
 }
 std::vector<double> predictions(const KinematicState<double>& state, const EffectParameters<double>& effects,
@@ -373,8 +396,10 @@ TEST(EffectRegistry, IdsAndParametersAreTheCatalogues) {
       for (const std::string& id : ticked(second)) listed.insert(id);
     std::set<std::string_view> known{"active_s"};  // of the row's effects
     for (const std::string& id : ticked(first))
-      if (const EffectInfo* effect = findEffect(id))
+      if (const EffectInfo* effect = findEffect(id)) {
         for (const Parameter& p : effect->parameters) known.insert(p.name);
+        if (effect->derived != nullptr) known.insert(effect->derived->name);
+      }
     if (known.size() == 1) continue;  // not a row of parameters, or of effects that are not there yet
     for (const std::string& name : ticked(second)) EXPECT_EQ(known.count(name), 1U) << first << " " << name;
   }

@@ -37,7 +37,8 @@ struct BatchRun {
   bool noise = true;
   double corner_sigma_px = 0.15;
   std::uint64_t seed = 1;
-  PanelMap panel;  ///< as the map has it
+  PanelMap panel;       ///< as the map has it
+  bool pixels = false;  ///< black and white of each marker, straight from the forward model of light
 
   // What no effect describes.
   std::optional<PanelMap> true_panel;  ///< where it is not as the map has it
@@ -50,7 +51,9 @@ struct BatchRun {
 
   std::vector<Sample> samples() const;
   Detections detections() const;
+  std::vector<ImagePatch> patches() const;
   BatchInput input(const EffectParameters<double>& calibration = {}) const;
+  void addPatches(BatchInput& input) const;
   /// The robot's pose t_s after the first entry.
   Pose truth(double t_s) const {
     const auto state = path_.at(kBegin_s + t_s);
@@ -137,10 +140,63 @@ inline Detections BatchRun::detections() const {
   }
 }
 
+/// A coastal water, as waterParameters().
+inline Vector9d coastalWater() {
+  Vector9d water;
+  water << 0.38, 0.2, 0.18, 0.04, 0.19, 0.21, 0.79, 0.86, 0.84;
+  return water;
+}
+
+/// Of the markers that are detected: two patches each, with noise as of 100 pixels.
+inline std::vector<ImagePatch> BatchRun::patches() const {
+  constexpr double kSigma = 0.0003;
+  const SimulationOptions simulation = options();
+  const CameraSheet& sheet = *vehicle.camera;
+  Random random = Random::stream(seed, 79);
+  std::vector<ImagePatch> patches;
+  for (std::size_t image = 0;; ++image) {
+    ImagePatch patch;
+    patch.t_s = secondsBetween(simulation.start, imageTime(simulation, image));
+    if (patch.t_s > duration_s) return patches;
+    patch.image = image;
+    patch.T_robot_camera = sheet.T_robot_camera;
+    patch.sigma.setConstant(kSigma);
+    const auto state =
+        path_.at(simulation.begin_s + patch.t_s + validityOffset<Sensor::camera>(effects, patch.t_s));
+    const Pose T_camera_panel =
+        (Pose{state.R_odom_robot, state.position_odom} * sheet.T_robot_camera).inverse() * panel.T_odom_panel;
+    for (const Marker& marker : panel.markers) {
+      patch.point_panel = marker.T_panel_marker.position;
+      const Vector3d point = T_camera_panel * patch.point_panel;
+      if (point.z() < 0.1 || !sheet.model.contains(sheet.model.project<double>(point))) continue;
+      patch.pixel = sheet.model.project<double>(point);
+      patch.image_radius = point.head<2>().norm() / point.z();
+      for (const bool white : {false, true}) {
+        patch.place = 2 * marker.id + (white ? 1 : 0);
+        patch.albedo.setConstant(white ? panel.white_albedo : panel.black_albedo);
+        patch.radiance = predictPatch(state, nominalPlacement<double>(panel.T_odom_panel, patch.t_s), patch,
+                                      coastalWater(), effects, patch.t_s);
+        if (noise) patch.radiance += kSigma * random.normal3();
+        patches.push_back(patch);
+      }
+    }
+  }
+}
+
 inline BatchInput BatchRun::input(const EffectParameters<double>& calibration) const {
   const std::vector<Sample> all = samples();
-  return batchInput([&]() -> std::unique_ptr<SampleSource> { return std::make_unique<ListSource>(all); },
-                    detections(), vehicle, {panel}, calibration);
+  BatchInput input =
+      batchInput([&]() -> std::unique_ptr<SampleSource> { return std::make_unique<ListSource>(all); },
+                 detections(), vehicle, {panel}, calibration);
+  addPatches(input);
+  return input;
+}
+
+/// The fit starts a little off.
+inline void BatchRun::addPatches(BatchInput& input) const {
+  if (!pixels) return;
+  input.data.patches = patches();
+  input.data.water = environmentOf(1.02 * coastalWater());
 }
 
 }  // namespace fathom::test

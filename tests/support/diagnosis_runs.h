@@ -51,8 +51,11 @@ struct DiagnosisRun {
   BatchInput input() const {
     std::vector<Sample> all = run.samples();
     if (change) change(run, all);
-    return batchInput([&]() -> std::unique_ptr<SampleSource> { return std::make_unique<ListSource>(all); },
-                      run.detections(), run.vehicle, {run.panel});
+    BatchInput input =
+        batchInput([&]() -> std::unique_ptr<SampleSource> { return std::make_unique<ListSource>(all); },
+                   run.detections(), run.vehicle, {run.panel});
+    run.addPatches(input);
+    return input;
   }
 };
 
@@ -91,6 +94,14 @@ class Excitation {
     return signal.squaredNorm() * (1.0 - alignment(signal, rival));
   }
 
+  /// Whether any reading depends on it.
+  bool canShow(const EffectInfo& effect) const {
+    for (std::size_t c = 0; c < linear_.columns.size(); ++c)
+      if (linear_.columns[c].effect == effect.index && !linear_.C.col(static_cast<Eigen::Index>(c)).isZero(0))
+        return true;
+    return false;
+  }
+
   /// How much of an effect's columns the nuisances leave.
   double kept(const Candidate& candidate) const {
     const Eigen::MatrixXd C = columns(candidate);
@@ -101,6 +112,7 @@ class Excitation {
   std::vector<Candidate> candidates() const {
     std::vector<Candidate> all;
     for (const EffectInfo& effect : allEffects()) {
+      if (!canShow(effect)) continue;
       Candidate candidate;
       candidate.effect = effect.index;
       const ParameterKind kind = effect.parameters[0].kind;

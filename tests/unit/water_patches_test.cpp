@@ -30,7 +30,9 @@ struct WallScene {
   Environment water = readEnvironment(test::kConfig / "water_moderate.yaml");
   cv::Mat image = WaterCamera(sheet, sheet.model, std::nullopt, 1).image(clean, water, 0);
 
-  PatchSet patches() const { return patchesOf(image, clean, everywhere(clean), z_per_range, sheet); }
+  PatchSet patches() const {
+    return patchesOf(image, clean, everywhere(clean), z_per_range, squareLabels(image.size()), sheet);
+  }
 };
 
 TEST(WaterPatches, AreWhatTheWaterMakesOfTheWall) {
@@ -78,7 +80,8 @@ TEST(WaterPatches, RefuseAnOverexposedImage) {
 TEST(WaterPatches, RefuseAnEmptyMask) {
   const WallScene scene;
   const cv::Mat nowhere = cv::Mat::zeros(scene.clean.range_m.size(), CV_8UC1);
-  const PatchSet set = patchesOf(scene.image, scene.clean, nowhere, scene.z_per_range, scene.sheet);
+  const PatchSet set = patchesOf(scene.image, scene.clean, nowhere, scene.z_per_range,
+                                 squareLabels(scene.image.size()), scene.sheet);
   EXPECT_TRUE(set.patches.empty());
   EXPECT_EQ(set.why_not, "no part of a panel that is large enough is in view of its pose (0 patches)");
 }

@@ -1,0 +1,162 @@
+#include "environment/image_patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "sensors/fingerprints.h"
+
+namespace fathom {
+namespace {
+
+constexpr double kBodyCell_m = 0.25;  // pieces that the panel's body is cut into
+constexpr double kFlat_m = 0.001;     // to so much is a panel flat, and its rendering right
+constexpr double kHandleMargin = 1.2;
+constexpr std::size_t kFewestPieces = 30;
+
+/// The places of a panel: two a marker, black and white, then the pieces of its body.
+class Places {
+ public:
+  Places(const PanelMap& panel, int first) : panel_(panel), first_(first) {
+    Vector3d high = Vector3d::Zero();
+    for (const Marker& marker : panel.markers)
+      for (const Vector3d& corner : marker.corners_panel()) reach(corner, high);
+    for (const auto& vertex : panel.body.vertices) reach(vertex.position.cast<double>(), high);
+    for (int axis = 0; axis < 2; ++axis)
+      cells_[axis] = static_cast<int>(std::floor((high[axis] - low_[axis]) / kBodyCell_m)) + 1;
+  }
+
+  int end() const { return first_ + 2 * static_cast<int>(panel_.markers.size()) + cells_[0] * cells_[1]; }
+
+  /// Of a point of the panel; -1 where a handle may be, whose state is not known.
+  int at(const Vector3d& point_panel, double albedo) const {
+    for (const Handle& handle : panel_.handles) {
+      const double reach_m = kHandleMargin * std::max(handle.radius_m, handle.length_m);
+      if ((point_panel - handle.position_panel).head<2>().norm() < reach_m) return -1;
+    }
+    for (std::size_t i = 0; i < panel_.markers.size(); ++i) {
+      const Marker& marker = panel_.markers[i];
+      const Vector3d point = marker.T_panel_marker.inverse() * point_panel;
+      if (point.head<2>().cwiseAbs().maxCoeff() > 0.5 * marker.size_m) continue;
+      const bool white = albedo > 0.5 * (panel_.white_albedo + panel_.black_albedo);
+      return first_ + 2 * static_cast<int>(i) + (white ? 1 : 0);
+    }
+    const auto cell = [&](int axis) {
+      return std::clamp(static_cast<int>(std::floor((point_panel[axis] - low_[axis]) / kBodyCell_m)), 0,
+                        cells_[axis] - 1);
+    };
+    return first_ + 2 * static_cast<int>(panel_.markers.size()) + cell(1) * cells_[0] + cell(0);
+  }
+
+ private:
+  void reach(const Vector3d& point, Vector3d& high) {
+    low_ = low_.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+
+  const PanelMap& panel_;
+  int first_;
+  Vector3d low_ = Vector3d::Zero();
+  std::array<int, 2> cells_{};
+};
+
+std::vector<Places> placesOf(const std::vector<PanelMap>& panels) {
+  std::vector<Places> places;
+  for (const PanelMap& panel : panels) places.emplace_back(panel, places.empty() ? 0 : places.back().end());
+  return places;
+}
+
+/// Each pixel's line of sight, unit length, camera frame: CV_32FC3.
+cv::Mat raysOf(const CameraModel& camera) {
+  cv::Mat rays(camera.height_px, camera.width_px, CV_32FC3);
+  for (int v = 0; v < rays.rows; ++v)
+    for (int u = 0; u < rays.cols; ++u) {
+      const Vector3d ray = camera.rayAt({u, v});
+      rays.at<cv::Vec3f>(v, u) = cv::Vec3d(ray[0], ray[1], ray[2]);
+    }
+  return rays;
+}
+
+Pose panelFromCamera(const PosedImage& posed, const std::vector<PanelMap>& panels) {
+  return panels[posed.panel].T_odom_panel.inverse() * posed.T_odom_camera();
+}
+
+/// What stands for all of a patch: in the direction of its middle, where z and the image radius are their
+/// means. (Those of the middle pixel are less: 0.03 DN of a piece of a panel near by.)
+Vector3d pointOf(const Patch& patch, const CameraModel& camera) {
+  const Vector2d middle = camera.idealAt(patch.pixel);
+  const double stretch = middle.norm() > 1e-3 ? patch.image_radius / middle.norm() : 1;
+  return patch.z_m * (stretch * middle).homogeneous();
+}
+
+ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vector<PanelMap>& panels,
+                   const CameraSheet& sheet, Time time_zero) {
+  const CameraModel& camera = posed.camera.lens;
+  ImagePatch patch;
+  patch.t_s = secondsBetween(time_zero, posed.time);
+  patch.image = posed.entry;
+  patch.eye = posed.eye;
+  patch.panel = posed.panel;
+  patch.place = plain.label;
+  patch.point_panel = panelFromCamera(posed, panels) * pointOf(plain, camera);
+  patch.albedo = plain.albedo;
+  patch.pixel = plain.pixel;
+  patch.image_radius = plain.image_radius;
+  patch.response_gamma = sheet.response_gamma;
+  patch.radiance = plain.radiance;
+  patch.sigma = plain.sigma;
+  patch.T_robot_camera = posed.T_robot_camera;
+  return patch;
+}
+
+}  // namespace
+
+ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker& maker, Time time_zero) {
+  const std::vector<PanelMap>& panels = maker.world().panels;
+  const std::vector<Places> places = placesOf(panels);
+  std::map<std::string, cv::Mat> rays;
+  for (const PosedImage& image : posed)
+    if (cv::Mat& own = rays[fingerprintOf(image.camera.lens)]; own.empty()) own = raysOf(image.camera.lens);
+  const auto labelsOf = [&](const PosedImage& image, const View& clean) {
+    const cv::Mat& own = rays.at(fingerprintOf(image.camera.lens));
+    const Pose T_panel_camera = panelFromCamera(image, panels);
+    cv::Mat labels(clean.range_m.size(), CV_32SC1, cv::Scalar(-1));
+    for (int v = 0; v < labels.rows; ++v)
+      for (int u = 0; u < labels.cols; ++u) {
+        const float range_m = clean.range_m.at<float>(v, u);
+        if (!std::isfinite(range_m)) continue;
+        const cv::Vec3f ray = range_m * own.at<cv::Vec3f>(v, u), albedo = clean.radiance.at<cv::Vec3f>(v, u);
+        labels.at<int>(v, u) = places[image.panel].at(T_panel_camera * Vector3d(ray[0], ray[1], ray[2]),
+                                                      (albedo[0] + albedo[1] + albedo[2]) / 3);
+      }
+    return labels;
+  };
+  std::vector<std::size_t> all(posed.size());
+  std::iota(all.begin(), all.end(), 0);
+  const SynchronizedImages synchronized = synchronize(posed, all, maker, labelsOf);
+
+  ImagePatches result;
+  result.rejected = synchronized.rejected;
+  for (const Patch& patch : synchronized.patches)
+    if (!patch.sigma.array().isInf().all())
+      result.patches.push_back(
+          patchOf(patch, posed[synchronized.images[patch.image]], panels, maker.camera(), time_zero));
+  WaterFitOptions options;
+  options.start.water = {Vector3d::Constant(0.1), Vector3d::Constant(0.1)};
+  options.gain = WaterFitOptions::Gain::fixed;
+  const WaterFit fit = result.patches.size() < kFewestPieces
+                           ? WaterFit{}
+                           : fitWater(synchronized.patches, synchronized.images.size(), options);
+  if (!fit.solved) result.patches.clear();
+  result.start = fit.environment;
+  // Light would else tell how far away things are to a tenth of a millimetre.
+  const Water& water = result.start.water;
+  for (ImagePatch& patch : result.patches) {
+    const Vector3d by_z = water.attenuation_per_m.cwiseProduct(patch.radiance - water.veil);
+    patch.sigma = (patch.sigma.cwiseAbs2() + (kFlat_m * by_z).cwiseAbs2()).cwiseSqrt();
+  }
+  return result;
+}
+
+}  // namespace fathom

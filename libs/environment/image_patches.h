@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "environment/water_study.h"
+#include "sensors/image_patch.h"
+
+/// The images of a whole recording, reduced to what a diagnosis of the image can see: white and black of each
+/// marker, and the panel's body piece by piece, each a patch with place, albedo, and what the camera read.
+namespace fathom {
+
+struct ImagePatches {
+  std::vector<ImagePatch> patches;  ///< by image; stamps are since `time_zero`
+  Environment start;                ///< the base model's water fitted to them, lamps off
+  std::vector<RejectedImage> rejected;
+};
+
+/// All cores at once. No patches where no water can be fitted to them. Throws Interrupted.
+ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker& maker, Time time_zero);
+
+}  // namespace fathom

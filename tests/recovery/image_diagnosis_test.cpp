@@ -1,0 +1,68 @@
+// Diagnosis with images: black and white of the markers beside navigation and corners.
+#include <gtest/gtest.h>
+
+#include "support/diagnosis_score.h"
+
+namespace fathom {
+namespace {
+
+test::BatchRun diveWithImages() {
+  test::BatchRun run = test::richRun(1, 24.0);
+  run.pixels = true;
+  return run;
+}
+const test::BatchRun& dive() {
+  static const test::BatchRun run = diveWithImages();
+  return run;
+}
+const test::Excitation& excitation() {
+  static const test::Excitation excitation(dive());
+  return excitation;
+}
+
+std::string told(const test::Answer& answer) {
+  std::string text = nameOf(answer.outcome) + ": ";
+  for (const std::string& name : answer.named) text += name + "; ";
+  return text + answer.why;
+}
+
+// Its water is found beside path and calibration: within 4 of the sigmas that the linearization states.
+TEST(ImageDiagnosis, TheWaterIsFound) {
+  const BatchInput input = dive().input();
+  const BatchEstimate estimate = estimateBatch(input.data, input.start, {});
+  ASSERT_TRUE(estimate.succeeded) << estimate.failure;
+  const auto problem = problemAt(input.data, estimate, {});
+  const UnknownBlock* water = problem->find(UnknownBlock::Kind::water, 0);
+  ASSERT_NE(water, nullptr);
+  const Nuisances nuisances(linearize(input.data, *problem, false).J);
+  std::vector<Eigen::Index> unknowns(9);
+  for (Eigen::Index i = 0; i < 9; ++i) unknowns[static_cast<std::size_t>(i)] = water->column + i;
+  const Eigen::VectorXd sigma = nuisances.covariance(unknowns).diagonal().cwiseSqrt();
+  const Vector9d error = estimate.state.water - test::coastalWater();
+  for (Eigen::Index i = 0; i < 9; ++i) EXPECT_LT(std::abs(error[i]), 4 * sigma[i]) << i;
+  EXPECT_LT(sigma.maxCoeff(), 0.002);
+}
+
+TEST(ImageDiagnosis, SaysThatNothingIsMissing) {
+#ifdef FATHOM_SANITIZE
+  GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
+#endif
+  const test::Answer answer = test::answerOf(test::plainNull(dive(), 1), excitation());
+  EXPECT_EQ(nameOf(answer.outcome), "none") << told(answer);
+}
+
+class HiddenImageEffect : public testing::TestWithParam<const char*> {};
+TEST_P(HiddenImageEffect, IsNamed) {
+#ifdef FATHOM_SANITIZE
+  GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
+#endif
+  const auto hidden = test::effectOfSize(dive(), excitation(), *findEffect(GetParam()), 24.0, 1);
+  const test::Answer answer = test::answerOf(hidden, excitation());
+  EXPECT_TRUE(test::namesTheEffect(answer)) << told(answer);
+}
+INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenImageEffect,
+                         testing::Values("separate-backscatter", "slant-range", "vignetting", "gamma",
+                                         "dark-offset", "dvl-latency"));
+
+}  // namespace
+}  // namespace fathom
