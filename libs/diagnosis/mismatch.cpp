@@ -309,7 +309,7 @@ double materialSize(BatchChannel channel) {
     case BatchChannel::markers:
       return 0.03;
     case BatchChannel::pixels:
-      return 0.25 / 255;  // of a patch: less than rounding to eight bits hides
+      return 0.03 / 255;  // of a patch of a hundred pixels, whose noise is not much less
     case BatchChannel::tie_points:
       return 0.1;  // of the sigma stated
     case BatchChannel::prior:
