@@ -216,11 +216,13 @@ Refit Course::without(const Refit& from, std::vector<Candidate> effects, std::si
   return effects.empty() ? nominal_ : fit(from, effects);
 }
 
-/// Effects that the others make superfluous, or too small to be named, are dropped.
+/// Effects that the others make superfluous, or too small to be named, are dropped. So are those that the
+/// readings do not ask for, only the prior of another one, which is far larger than expected.
 Refit Course::onlyNeeded(Refit fit) {
   for (std::size_t i = 0; fit.effects.size() > 1 && i < fit.effects.size();) {
     Refit less = without(fit, i);
-    if (!less.succeeded || (isLarge(fit, less) && worth(less) < worth(fit))) {
+    const bool shows = sqrtLambda(fit, fit.effects[i].effect) >= kDiscovery;
+    if (!less.succeeded || (shows && isLarge(fit, less) && worth(less) < worth(fit))) {
       ++i;
       continue;
     }

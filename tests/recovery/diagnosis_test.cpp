@@ -108,6 +108,19 @@ TEST(Diagnosis, NamesNothingThatVanishesOnceTheNoiseIsKnown) {
   EXPECT_TRUE(test::isCautious(answer)) << told(answer);
 }
 
+/// Where nothing but the difference of two latencies can be seen, the prior would rather have two smaller
+/// ones.
+TEST(Diagnosis, NamesOneLatencyThoughItIsFarBeyondWhatIsUsual) {
+  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  test::BatchRun run = test::richRun(1, 24.0);
+  run.vehicle.camera.reset();
+  run.effects.add<DvlLatency>({-0.9});
+  const Diagnosis diagnosis = diagnose(run.input());
+  EXPECT_FALSE(diagnosis.effects.empty()) << diagnosis.why;
+  for (const FoundEffect& found : diagnosis.effects)
+    EXPECT_GE(found.sqrt_lambda, 5) << nameOf(found.candidate) << ": " << diagnosis.why;
+}
+
 TEST(Diagnosis, IsJudgedOnAnotherManoeuvre) {
   if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   test::BatchRun found = test::richRun(2, 8.0), same(8.0), other(8.0);
