@@ -150,7 +150,7 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
                            : fitWater(synchronized.patches, synchronized.images.size(), options);
   if (!fit.solved) result.patches.clear();
   result.start = fit.environment;
-  // Light would else tell how far away things are to a tenth of a millimetre.
+  // Or else what is not flat would be taken for physics.
   const Water& water = result.start.water;
   for (ImagePatch& patch : result.patches) {
     const Vector3d by_z = water.attenuation_per_m.cwiseProduct(patch.radiance - water.veil);

@@ -197,6 +197,9 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   // What acts on it.
   setDiscrete(point, marker == nullptr ? -1 : marker->marker.id);
   cost->acting = actingOn(*model, source);
+  for (const EffectInfo& effect : allEffects())
+    cost->told[effect.index] =
+        model->dependsOn(effect.index) && (patch == nullptr || effect.text.channel == EffectChannel::image);
   point.on = cost->acting;
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (cost->acting[e])
@@ -211,7 +214,8 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   point.validity_s = model->validity_s(point);
   if (node_s.size() == 2 && node_s[0] == node_s[1]) node_s.pop_back();
   for (const double t_s : node_s) cost->nodes.push_back(nodeOf(t_s + point.validity_s, image));
-  if (cost->nodes.empty()) cost->nodes.push_back({0, 0, 0.0});  // wherever the robot is
+  if (cost->nodes.empty()) cost->nodes.push_back({0, 0, 0.0});  // whatever the robot's pose
+  if (patch != nullptr) point.motion = motionAt(source.t_s + point.validity_s, patch->image);
   const auto [first, last] = std::minmax_element(
       cost->nodes.begin(), cost->nodes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   cost->first_pose = first->first;
@@ -229,7 +233,7 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
     cost->others.push_back({cost->blocks.size(), column});
     cost->blocks.push_back(block_of_.at({kind, index}));
   };
-  if (block_of_.contains({Kind::panel, panel})) other(Kind::panel, panel, kPanelColumn);
+  if (marker != nullptr && block_of_.contains({Kind::panel, panel})) other(Kind::panel, panel, kPanelColumn);
   if (source.tie_point >= 0) other(Kind::right_camera, 0, kRightColumn);
   if (patch != nullptr) other(Kind::water, 0, kWaterColumn);
   const bool is_gyro = source.channel == BatchChannel::gyro,
@@ -256,7 +260,7 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
     link(Kind::pressure_offset, 0, scalar, 0, 1.0);
   }
   for (std::size_t e = 0; e < kEffectCount; ++e)
-    if (cost->acting[e] && block_of_.contains({Kind::effect, e}))
+    if (cost->acting[e] && cost->told[e] && block_of_.contains({Kind::effect, e}))
       link(Kind::effect, e, continuousScalars(e), 0, 1.0);
 
   cost->model = std::move(model);
@@ -329,6 +333,9 @@ bool BatchProblem::hasPose(std::size_t image) const {
   return reference_.path.isSpline() || (image < image_pose_.size() && image_pose_[image] != kNone);
 }
 
+/// Light tells of water and camera, not of where things are: by what dies away on the way it would measure
+/// ranges to a tenth of a millimetre, and every flaw of its own model would move path and calibration. So
+/// poses are taken as they are at the reference.
 void BatchProblem::addPatches() {
   for (std::size_t i = 0; i < data_.patches.size(); ++i) {
     const ImagePatch& seen = data_.patches[i];

@@ -73,7 +73,7 @@ class ReadingCost final : public BatchCost {
   };
   std::vector<Other> others;
   std::vector<Link> links;
-  std::bitset<kEffectCount> acting;
+  std::bitset<kEffectCount> acting, told;  ///< effects in the model; those it can tell something of
 
   void finish() {
     finishSetup(unknowns_, static_cast<int>(reading.size()));
@@ -107,7 +107,7 @@ class ReadingCost final : public BatchCost {
     Eigen::MatrixXd slope;
     for (const MotionNode& node : nodes) {
       const auto own = ownOf(poses, node);
-      point.motion = motionOf(own, node, reference_.path.knot_s);
+      if (node.count > 0) point.motion = motionOf(own, node, reference_.path.knot_s);
       if (derivative == nullptr) {
         prediction += model->predict(point);
         continue;
@@ -130,13 +130,12 @@ class ReadingCost final : public BatchCost {
     columns.setZero();
     std::vector<std::size_t> wanted;
     for (std::size_t s = 0; s < kEffectScalars; ++s)
-      if (scalars()[s].kind == ParameterKind::continuous && model->dependsOn(scalars()[s].effect))
-        wanted.push_back(s);
+      if (scalars()[s].kind == ParameterKind::continuous && told[scalars()[s].effect]) wanted.push_back(s);
     const std::vector<Pose> poses = posesAt(Eigen::VectorXd::Zero(lastColumn()));
     const Eigen::MatrixXd scale = -1.0 / static_cast<double>(nodes.size()) * whitening;
     for (const MotionNode& node : nodes) {
       ForwardPoint point = at_reference;
-      point.motion = motionOf(ownOf(poses, node), node, reference_.path.knot_s);
+      if (node.count > 0) point.motion = motionOf(ownOf(poses, node), node, reference_.path.knot_s);
       for (std::size_t first = 0; first < wanted.size(); first += kColumnsAtOnce)
         addColumns(point, std::span(wanted).subspan(first, std::min(kColumnsAtOnce, wanted.size() - first)),
                    scale, columns);

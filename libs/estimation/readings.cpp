@@ -223,7 +223,7 @@ struct PatchReader {
   static constexpr Sensor kSensor = Sensor::camera;
   using Stages = StageList<Mounting<double, Sensor::camera>, ValidityOffset<double, Sensor::camera>,
                            PanelPlacement<double>, WaterRay<double>, PixelResponse<double>>;
-  static std::vector<int> motion() { return triples({kPositionColumn, kOrientationColumn}); }
+  static std::vector<int> motion() { return {}; }
   ImagePatch seen;
   double t_s;
   std::vector<int> colours;
