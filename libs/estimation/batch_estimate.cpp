@@ -257,7 +257,9 @@ BatchEstimate minimumFrom(const BatchData& data, const BatchEstimate& from, cons
     }
     const EffectParameters<double> before = estimate.state.effects;
     estimate.state = problem->at(x);
-    const bool has_moved = latencyChange(before, estimate.state.effects) > kSettled_s;
+    // What light was compared at is where things were before.
+    const bool has_moved = latencyChange(before, estimate.state.effects) > kSettled_s ||
+                           (!data.patches.empty() && estimate.rounds == 0);
     const bool has_gained = summary.initial_cost - summary.final_cost >= options.cost_tolerance;
     settled = !has_moved || (estimate.rounds > 0 && !has_gained);
     if (!settled) problem = problemAt(data, estimate, options);

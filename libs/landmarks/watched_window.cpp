@@ -108,8 +108,7 @@ CameraModel pinholeFor(const WatchedWindow& window, const std::vector<Vector2d>&
   Vector2d low = Vector2d::Zero(), high = Vector2d::Zero();
   for (const Vector2d& pixel : seen_px) {
     const Vector2d place = focal_px.cwiseProduct(straightIdeal(window, pixel));
-    // Also what is not finite.
-    if (!(place.cwiseAbs().maxCoeff() < kFarthest_px))
+    if (!place.allFinite() || place.cwiseAbs().maxCoeff() > kFarthest_px)
       throw std::invalid_argument(
           print("what is seen at (%g, %g) px would lie more than %g px off the middle", pixel.x(), pixel.y(),
                 kFarthest_px));

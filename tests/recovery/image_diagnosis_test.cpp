@@ -6,21 +6,20 @@
 namespace fathom {
 namespace {
 
-test::BatchRun diveWithImages() {
-  test::BatchRun run = test::richRun(1, 24.0);
-  run.pixels = true;
+const test::BatchRun& lightDive() {
+  static const test::BatchRun run = [] {
+    test::BatchRun with_images = test::richRun(1, 24.0);
+    with_images.pixels = true;
+    return with_images;
+  }();
   return run;
 }
-const test::BatchRun& dive() {
-  static const test::BatchRun run = diveWithImages();
-  return run;
-}
-const test::Excitation& excitation() {
-  static const test::Excitation excitation(dive());
+const test::Excitation& lightExcitation() {
+  static const test::Excitation excitation(lightDive());
   return excitation;
 }
 
-std::string told(const test::Answer& answer) {
+std::string toldOf(const test::Answer& answer) {
   std::string text = nameOf(answer.outcome) + ": ";
   for (const std::string& name : answer.named) text += name + "; ";
   return text + answer.why;
@@ -28,7 +27,7 @@ std::string told(const test::Answer& answer) {
 
 // Its water is found beside path and calibration: within 4 of the sigmas that the linearization states.
 TEST(ImageDiagnosis, TheWaterIsFound) {
-  const BatchInput input = dive().input();
+  const BatchInput input = lightDive().input();
   const BatchEstimate estimate = estimateBatch(input.data, input.start, {});
   ASSERT_TRUE(estimate.succeeded) << estimate.failure;
   const auto problem = problemAt(input.data, estimate, {});
@@ -47,8 +46,8 @@ TEST(ImageDiagnosis, SaysThatNothingIsMissing) {
 #ifdef FATHOM_SANITIZE
   GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
 #endif
-  const test::Answer answer = test::answerOf(test::plainNull(dive(), 1), excitation());
-  EXPECT_EQ(nameOf(answer.outcome), "none") << told(answer);
+  const test::Answer answer = test::answerOf(test::plainNull(lightDive(), 1), lightExcitation());
+  EXPECT_EQ(nameOf(answer.outcome), "none") << toldOf(answer);
 }
 
 class HiddenImageEffect : public testing::TestWithParam<const char*> {};
@@ -56,9 +55,9 @@ TEST_P(HiddenImageEffect, IsNamed) {
 #ifdef FATHOM_SANITIZE
   GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
 #endif
-  const auto hidden = test::effectOfSize(dive(), excitation(), *findEffect(GetParam()), 24.0, 1);
-  const test::Answer answer = test::answerOf(hidden, excitation());
-  EXPECT_TRUE(test::namesTheEffect(answer)) << told(answer);
+  const auto hidden = test::effectOfSize(lightDive(), lightExcitation(), *findEffect(GetParam()), 24.0, 1);
+  const test::Answer answer = test::answerOf(hidden, lightExcitation());
+  EXPECT_TRUE(test::namesTheEffect(answer)) << toldOf(answer);
 }
 INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenImageEffect,
                          testing::Values("separate-backscatter", "slant-range", "vignetting", "gamma",
