@@ -8,6 +8,7 @@
 #include "core/text.h"
 #include "effects/catalogue.h"
 #include "environment/image_patches.h"
+#include "fiducials/jpeg.h"
 #include "landmarks/given_corners.h"
 #include "landmarks/tie_points.h"
 #include "panel/panel_maps.h"
@@ -66,6 +67,13 @@ void addPatches(const fs::path& rawlog, const Vehicle& vehicle, const std::vecto
   if (panels.empty() || !vehicle.camera || data.markers.empty() || givenCornersOf(rawlog)) return;
   const DetectionSettings settings = settingsFor(panels);
   const PosedImages images = posedImages(rawlog, panels, settings, calibration);
+  if (images.posed.empty()) return;
+  if (const auto quality = jpegQuality(images.posed.front().image.file)) {
+    // Its blocks err alike, by several times the noise of a patch.
+    recording.remarks.push_back(
+        print("images are JPEG of quality %d: their pixels are not compared", *quality));
+    return;
+  }
   const PairMaker maker({vehicle, panels, {}, calibration, {}}, {}, settings);
   ImagePatches patches = imagePatches(images.posed, maker, data.time_zero);
   if (!patches.rejected.empty())
