@@ -17,7 +17,7 @@ struct Gamma {
       .title = "The camera's response is another power than its data sheet says",
       .equation = "DN = full scale L^(g (1 + exponent_error)), g the data sheet's response_gamma",
       .source = "Grossberg & Nayar 2004 (response curves); DN = 255 L^g",
-      .confused_with = {"separate-backscatter", "dark-offset", "lamp"},
+      .confused_with = {"separate-backscatter", "dark-offset"},
       .told_apart =
           "Bright and dark surfaces side by side at near and far range: a power bends what attenuation "
           "leaves straight"};

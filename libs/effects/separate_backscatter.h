@@ -19,7 +19,7 @@ struct SeparateBackscatter {
           "light = scene exp(-a z) + veil (1 - exp(-(a + backscatter_difference_per_m) z)), of each colour\n"
           "backscatter_attenuation_per_m = a + backscatter_difference_per_m",
       .source = "Akkaynak & Treibitz 2018, eq. 20",
-      .confused_with = {"gamma", "dark-offset", "slant-range", "lamp"},
+      .confused_with = {"gamma", "dark-offset", "slant-range"},
       .told_apart = "White and black side by side at many ranges: their difference has no veil in it"};
   static constexpr std::array parameters{
       Parameter{.name = "backscatter_difference_per_m",

@@ -19,7 +19,7 @@ struct SlantRange {
           "both exponents a z become a (z + slant_share (r - z)), r the range along the line of sight\n"
           "slant_share = 1: a r; attenuation_per_m: a",
       .source = "Beer's law along the ray, e.g. Jaffe 1990; the base model's z is the paper's (DexROV 2018)",
-      .confused_with = {"vignetting", "separate-backscatter", "lamp"},
+      .confused_with = {"vignetting", "separate-backscatter"},
       .told_apart =
           "The same surface in the image's middle and in its corners, near and far: r / z is a "
           "matter of the image radius, what it does grows with range"};

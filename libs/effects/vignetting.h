@@ -20,7 +20,7 @@ struct Vignetting {
           "radius: tangent of the line of sight's angle to the optical axis",
       .source =
           "Even polynomial in the radius, e.g. Goldman 2010, normalized to the corner of 640 x 480 at 555 px",
-      .confused_with = {"slant-range", "lamp", "gamma"},
+      .confused_with = {"slant-range", "gamma"},
       .told_apart =
           "The same surface in the middle and in the corners, at more than one range: the lens takes "
           "the same share of signal and veil at any range"};
