@@ -33,23 +33,31 @@ DetectionSettings settingsFor(const std::vector<PanelMap>& panels) {
   return settings;
 }
 
+/// The images of a recording, and the markers in them.
+struct FoundMarkers {
+  std::vector<ImageEntry> entries;
+  Detections detections;
+};
+
 /// Remarks: also what of the recording is lost, now that it was read to its end.
-Detections findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& panels,
-                       std::vector<std::string>& remarks) {
+FoundMarkers findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& panels,
+                         std::vector<std::string>& remarks) {
   RecordingSource source(rawlog);
-  const std::vector<CameraImage> images = imagesOf(imageEntries(source));
+  FoundMarkers found{imageEntries(source), {}};
   if (source.loss()) remarks.push_back("The recording is damaged: " + describe(*source.loss()));
-  if (panels.empty()) return {};
+  if (panels.empty()) return found;
+  Detections& detections = found.detections;
   if (const auto given = givenCornersOf(rawlog)) {
     remarks.push_back("Corners are those of " + given->filename().string() + ": images are not searched.");
-    return readGivenCorners(*given, source.imageFolder());
+    detections = readGivenCorners(*given, source.imageFolder());
+    return found;
   }
-  Detections detections = detectImages(images, settingsFor(panels), keepBeside(rawlog));
+  detections = detectImages(imagesOf(found.entries), settingsFor(panels), keepBeside(rawlog));
   if (!detections.not_kept_why.empty())
     remarks.push_back("detections are not kept: " + detections.not_kept_why);
   for (const UnreadableImage& image : detections.unreadable)
     remarks.push_back(image.file.string() + ": " + image.why);
-  return detections;
+  return found;
 }
 
 /// Points that both eyes of a pair see, where a table beside the recording has them.
@@ -61,12 +69,14 @@ TiePoints tiePointsOf(const fs::path& rawlog, std::vector<std::string>& remarks)
 }
 
 /// The images where they show panels, reduced to patches.
-void addPatches(const fs::path& rawlog, const Vehicle& vehicle, const std::vector<PanelMap>& panels,
-                const EffectParameters<double>& calibration, BatchRecording& recording) {
+void addPatches(const FoundMarkers& found, const EffectParameters<double>& effects,
+                BatchRecording& recording) {
   BatchData& data = recording.input.data;
-  if (panels.empty() || !vehicle.camera || data.markers.empty() || givenCornersOf(rawlog)) return;
-  const DetectionSettings settings = settingsFor(panels);
-  const PosedImages images = posedImages(rawlog, panels, settings, calibration);
+  const std::vector<PanelMap>& panels = data.panels;
+  if (!data.vehicle.camera || data.markers.empty()) return;
+  const LandmarkCalibration calibration{effects, data.time_zero};
+  const Sightings sightings = solveSightings(found.entries, found.detections, panels, calibration);
+  const PosedImages images = posedImages(found.entries, found.detections, sightings, panels, calibration);
   if (images.posed.empty()) return;
   if (const auto quality = jpegQuality(images.posed.front().image.file)) {
     // Its blocks err alike, by several times the noise of a patch.
@@ -74,7 +84,7 @@ void addPatches(const fs::path& rawlog, const Vehicle& vehicle, const std::vecto
         print("images are JPEG of quality %d: their pixels are not compared", *quality));
     return;
   }
-  const PairMaker maker({vehicle, panels, {}, calibration, {}}, {}, settings);
+  const PairMaker maker({data.vehicle, panels, {}, effects, {}}, {}, settingsFor(panels));
   ImagePatches patches = imagePatches(images.posed, maker, data.time_zero);
   if (!patches.rejected.empty())
     recording.remarks.push_back(print("pixels of %zu images are not compared; %s: %s",
@@ -123,11 +133,11 @@ BatchRecording readBatchRecording(const BatchRecordingOptions& options,
       recording.map ? readPanelMaps(*recording.map) : std::vector<PanelMap>{};
   const Vehicle vehicle = readVehicle(recording.vehicle);
   const auto start = startPose(options.start, options.rawlog, {});
-  const Detections detections = findMarkers(options.rawlog, panels, recording.remarks);
+  const FoundMarkers found = findMarkers(options.rawlog, panels, recording.remarks);
   BatchDataOptions beside;
   beside.tie_points = tiePointsOf(options.rawlog, recording.remarks);
-  recording.input = batchInput(open, detections, vehicle, panels, calibration, start, beside);
-  if (options.pixels) addPatches(options.rawlog, vehicle, panels, calibration, recording);
+  recording.input = batchInput(open, found.detections, vehicle, panels, calibration, start, beside);
+  if (options.pixels && !givenCornersOf(options.rawlog)) addPatches(found, calibration, recording);
   return recording;
 }
 

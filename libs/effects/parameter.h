@@ -32,8 +32,7 @@ struct Parameter {
 /// What people know an effect by, where that is its parameters and the water's: results have it, calibration
 /// files do not.
 struct DerivedParameter {
-  std::string_view name{}, unit{};
-  int size = 1;
+  std::string_view name{}, unit{};  ///< red, green, blue
 };
 
 }  // namespace fathom

@@ -28,8 +28,7 @@ struct SeparateBackscatter {
                 .prior_sigma = 0.1,
                 .limit = 10,
                 .usual = "red, green, blue: the veil's attenuation minus the scene's, within 0.3"}};
-  static constexpr DerivedParameter derived{
-      .name = "backscatter_attenuation_per_m", .unit = "1/m", .size = 3};
+  static constexpr DerivedParameter derived{.name = "backscatter_attenuation_per_m", .unit = "1/m"};
   /// Red, green, blue.
   static Vector3d derive(const double* p, const Vector3d& attenuation_per_m) {
     return attenuation_per_m + Vector3d(p[0], p[1], p[2]);

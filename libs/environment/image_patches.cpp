@@ -1,6 +1,7 @@
 #include "environment/image_patches.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -20,8 +21,10 @@ class Places {
  public:
   Places(const PanelMap& panel, int first) : panel_(panel), first_(first) {
     Vector3d high = Vector3d::Zero();
-    for (const Marker& marker : panel.markers)
+    for (const Marker& marker : panel.markers) {
+      T_marker_panel_.push_back(marker.T_panel_marker.inverse());
       for (const Vector3d& corner : marker.corners_panel()) reach(corner, high);
+    }
     for (const auto& vertex : panel.body.vertices) reach(vertex.position.cast<double>(), high);
     for (int axis = 0; axis < 2; ++axis)
       cells_[axis] = static_cast<int>(std::floor((high[axis] - low_[axis]) / kBodyCell_m)) + 1;
@@ -36,9 +39,8 @@ class Places {
       if ((point_panel - handle.position_panel).head<2>().norm() < reach_m) return -1;
     }
     for (std::size_t i = 0; i < panel_.markers.size(); ++i) {
-      const Marker& marker = panel_.markers[i];
-      const Vector3d point = marker.T_panel_marker.inverse() * point_panel;
-      if (point.head<2>().cwiseAbs().maxCoeff() > 0.5 * marker.size_m) continue;
+      const Vector3d point = T_marker_panel_[i] * point_panel;
+      if (point.head<2>().cwiseAbs().maxCoeff() > 0.5 * panel_.markers[i].size_m) continue;
       const bool white = albedo > 0.5 * (panel_.white_albedo + panel_.black_albedo);
       return first_ + 2 * static_cast<int>(i) + (white ? 1 : 0);
     }
@@ -57,6 +59,7 @@ class Places {
 
   const PanelMap& panel_;
   int first_;
+  std::vector<Pose> T_marker_panel_;
   Vector3d low_ = Vector3d::Zero();
   std::array<int, 2> cells_{};
 };

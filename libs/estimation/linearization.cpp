@@ -37,8 +37,8 @@ void setPatch(RowInfo& info, const ImagePatch& seen, const Motion& motion, const
   info.eye = static_cast<std::ptrdiff_t>(seen.eye);
   info.pixel = seen.pixel;
   info.image_radius = seen.image_radius;
-  const Pose T_camera_panel = (motion.T_odom_robot * seen.T_robot_camera * seen.T_left_right).inverse() *
-                              state.T_odom_panel[seen.panel];
+  const Pose T_camera_panel =
+      (motion.T_odom_robot * seen.T_robot_camera).inverse() * state.T_odom_panel[seen.panel];
   const Vector3d point_camera = T_camera_panel * seen.point_panel;
   info.range_m = point_camera.norm();
   info.incidence_rad =

@@ -25,7 +25,7 @@ struct ImagePatch {
   Vector3d radiance = Vector3d::Zero();     ///< mean, as the camera read it
   /// Of that mean. Infinite for a colour that does not count: saturated, or black up to its noise.
   Vector3d sigma = Vector3d::Constant(std::numeric_limits<double>::infinity());
-  Pose T_robot_camera, T_left_right;  ///< nominal mounting of the left eye; this eye in its frame
+  Pose T_robot_camera;  ///< nominal mounting of this very eye
 
   /// Those that count: 0 red, 1 green, 2 blue.
   std::vector<int> colours() const {
@@ -43,7 +43,7 @@ template <class T>
 Vector3<T> predictPatch(const KinematicState<T>& state, PanelPlacement<T> panel, const ImagePatch& patch,
                         const Vector9<T>& water, const EffectParameters<T>& effects, double t_s) {
   using std::pow;
-  const auto mount = cameraMounting(patch.T_robot_camera, effects, t_s, patch.T_left_right);
+  const auto mount = cameraMounting(patch.T_robot_camera, effects, t_s);
   applyEffects(effects, t_s, panel);
   const Vector3<T> point_odom = panel.position_odom + panel.R_odom_panel * patch.point_panel.cast<T>();
   const Vector3<T> camera_odom = state.position_odom + state.R_odom_robot * mount.position_robot;

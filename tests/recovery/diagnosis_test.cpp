@@ -28,12 +28,6 @@ const test::Excitation& excitation() {
   return excitation;
 }
 
-std::string told(const test::Answer& answer) {
-  std::string text = nameOf(answer.outcome) + ": ";
-  for (const std::string& name : answer.named) text += name + "; ";
-  return text + answer.why;
-}
-
 // Independent of the linearization that sizes are set by: what the estimate without the effect cannot fit,
 // against that with it. A tenth for the second order, and for what priors and the spline leave of nothing.
 TEST(DiagnosisRuns, SizeIsTheLikelihoodThatAnEffectIsWorth) {
@@ -57,7 +51,7 @@ TEST_P(HiddenEffect, IsNamed) {
   if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   const auto hidden = test::effectOfSize(dive(), excitation(), *findEffect(GetParam()), 16.0, 1);
   const test::Answer answer = test::answerOf(hidden, excitation());
-  EXPECT_TRUE(test::namesTheEffect(answer)) << told(answer);
+  EXPECT_TRUE(test::namesTheEffect(answer)) << test::told(answer);
 }
 #ifdef FATHOM_SANITIZE
 INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenEffect, testing::Values("dvl-misalignment"));
@@ -70,7 +64,7 @@ TEST(Diagnosis, SaysThatNothingIsMissing) {
   if (kFew) GTEST_SKIP() << "takes minutes under sanitizers; DiagnoseCommand takes the same way there";
   for (const auto& run : {test::plainNull(dive(), 1), test::richNull(dive(), 1)}) {
     const test::Answer answer = test::answerOf(run, excitation());
-    EXPECT_EQ(nameOf(answer.outcome), "none") << run.name << ", " << told(answer);
+    EXPECT_EQ(nameOf(answer.outcome), "none") << run.name << ", " << test::told(answer);
     if (kFew) break;
   }
 }
@@ -80,7 +74,7 @@ TEST_P(OutsideCatalogue, IsNotTakenForAnEffect) {
   if (kFew) GTEST_SKIP() << "takes minutes under sanitizers; DiagnoseCommand takes the same way there";
   const auto run = test::outsideCatalogue(dive(), GetParam(), 1);
   const test::Answer answer = test::answerOf(run, excitation());
-  EXPECT_TRUE(test::ownsUp(answer)) << run.name << ", " << told(answer);
+  EXPECT_TRUE(test::ownsUp(answer)) << run.name << ", " << test::told(answer);
 }
 #ifdef FATHOM_SANITIZE
 INSTANTIATE_TEST_SUITE_P(Diagnosis, OutsideCatalogue, testing::Values(8));
@@ -92,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(Diagnosis, OutsideCatalogue, testing::Values(8, 9));
 TEST(Diagnosis, NamesNothingWithConfidenceFromWrongInput) {
   for (const auto& run : test::wrongInputs(test::richRun(1, 6.0))) {
     const test::Answer answer = test::answerOf(run, excitation());
-    EXPECT_TRUE(test::isCautious(answer)) << run.name << ", " << told(answer);
+    EXPECT_TRUE(test::isCautious(answer)) << run.name << ", " << test::told(answer);
     if (kFew) break;
   }
 }
@@ -105,7 +99,7 @@ TEST(Diagnosis, NamesNothingThatVanishesOnceTheNoiseIsKnown) {
       std::find_if(runs.begin(), runs.end(), [](const auto& run) { return run.name == "constant gyro"; });
   ASSERT_NE(constant_gyro, runs.end());
   const test::Answer answer = test::answerOf(*constant_gyro, excitation());
-  EXPECT_TRUE(test::isCautious(answer)) << told(answer);
+  EXPECT_TRUE(test::isCautious(answer)) << test::told(answer);
 }
 
 /// Where nothing but the difference of two latencies can be seen, the prior would rather have two smaller

@@ -19,12 +19,6 @@ const test::Excitation& lightExcitation() {
   return excitation;
 }
 
-std::string toldOf(const test::Answer& answer) {
-  std::string text = nameOf(answer.outcome) + ": ";
-  for (const std::string& name : answer.named) text += name + "; ";
-  return text + answer.why;
-}
-
 // Its water is found beside path and calibration: within 4 of the sigmas that the linearization states.
 TEST(ImageDiagnosis, TheWaterIsFound) {
   const BatchInput input = lightDive().input();
@@ -47,7 +41,7 @@ TEST(ImageDiagnosis, SaysThatNothingIsMissing) {
   GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
 #endif
   const test::Answer answer = test::answerOf(test::plainNull(lightDive(), 1), lightExcitation());
-  EXPECT_EQ(nameOf(answer.outcome), "none") << toldOf(answer);
+  EXPECT_EQ(nameOf(answer.outcome), "none") << test::told(answer);
 }
 
 class HiddenImageEffect : public testing::TestWithParam<const char*> {};
@@ -57,7 +51,7 @@ TEST_P(HiddenImageEffect, IsNamed) {
 #endif
   const auto hidden = test::effectOfSize(lightDive(), lightExcitation(), *findEffect(GetParam()), 24.0, 1);
   const test::Answer answer = test::answerOf(hidden, lightExcitation());
-  EXPECT_TRUE(test::namesTheEffect(answer)) << toldOf(answer);
+  EXPECT_TRUE(test::namesTheEffect(answer)) << test::told(answer);
 }
 INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenImageEffect,
                          testing::Values("separate-backscatter", "slant-range", "vignetting", "gamma",

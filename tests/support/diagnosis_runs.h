@@ -1,11 +1,10 @@
 #pragma once
 
-#include <Eigen/QR>
 #include <functional>
-#include <numbers>
 
 #include "diagnosis/candidate.h"
 #include "effects/catalogue.h"
+#include "estimation/linearization.h"
 #include "estimation/nuisances.h"
 #include "support/batch_runs.h"
 
@@ -15,27 +14,11 @@ namespace fathom::test {
 
 /// 1.2 to 3.4 m before the panel at x = 6 m, which stays in view: range, heading, roll, pitch and depth all
 /// move, each at its own frequency, none above 0.6 rad/s so that knots 0.2 s apart follow.
-inline Pose richPose(double t) {
-  const Vector3d position(3.4 + 1.1 * std::sin(0.21 * t), 0.9 * std::sin(0.37 * t + 1.0),
-                          -4.0 + 0.5 * std::sin(0.47 * t));
-  const double range_m = 5.9 - position.x();
-  const double yaw = std::atan2(-0.8 * position.y(), range_m) + 0.2 * std::sin(0.43 * t);
-  const double pitch = std::atan2(0.7 * (position.z() + 4.0), range_m) + 0.12 * std::sin(0.59 * t);
-  return {rotationFromYawPitchRoll(yaw, pitch, 0.25 * std::sin(0.53 * t + 0.4)), position};
-}
+Pose richPose(double t);
 
-inline Trajectory pathOf(double duration_s, const std::function<Pose(double)>& poseAt) {
-  const auto times_s = timesBetween(0, duration_s + 10.0, 0.1);
-  std::vector<Pose> poses(times_s.size());
-  std::transform(times_s.begin(), times_s.end(), poses.begin(), poseAt);
-  return {times_s, poses};
-}
+Trajectory pathOf(double duration_s, const std::function<Pose(double)>& poseAt);
 
-inline BatchRun richRun(std::uint64_t seed, double duration_s = 80.0) {
-  BatchRun run(duration_s, pathOf(duration_s, richPose));
-  run.seed = seed;
-  return run;
-}
+BatchRun richRun(std::uint64_t seed, double duration_s = 80.0);
 
 class Excitation;
 
@@ -51,118 +34,43 @@ struct DiagnosisRun {
   BatchInput input() const {
     std::vector<Sample> all = run.samples();
     if (change) change(run, all);
-    BatchInput input =
-        batchInput([&]() -> std::unique_ptr<SampleSource> { return std::make_unique<ListSource>(all); },
-                   run.detections(), run.vehicle, {run.panel});
-    run.addPatches(input);
-    return input;
+    return run.input(all);
   }
 };
 
 /// What a path lets its recording resolve: residuals and derivatives where nothing is missing, without noise.
 class Excitation {
  public:
-  explicit Excitation(BatchRun run) {
-    run.noise = false;
-    run.effects = {};
-    input_ = run.input();
-    estimate_ = estimateBatch(input_.data, input_.start, {});
-    const auto problem = problemAt(input_.data, estimate_, {});
-    linear_ = linearize(input_.data, *problem);
-    nuisances_.emplace(linear_.J);
-    nominal_ = residualsWith({});
-  }
+  explicit Excitation(BatchRun run);
 
   const Linearization& linear() const { return linear_; }
   const BatchEstimate& estimate() const { return estimate_; }
 
   /// By how many sigma the effects change each reading, all orders, less what the nuisances take over.
-  Eigen::VectorXd signal(const EffectParameters<double>& effects) const {
-    return project(residualsWith(effects) - nominal_);
-  }
+  Eigen::VectorXd signal(const EffectParameters<double>& effects) const;
   /// sqrt(phi^T A phi) of small effects: the length of their signal.
   double sqrtLambda(const EffectParameters<double>& effects) const { return signal(effects).norm(); }
 
   /// |c|: the cosine between a signal and the nearest one that a rival's parameters can make, to first order.
-  double alignment(const Eigen::VectorXd& signal, const Candidate& rival) const {
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(project(columns(rival)));
-    const Eigen::VectorXd along = (qr.householderQ().transpose() * signal).head(qr.rank());
-    return along.norm() / signal.norm();
-  }
+  double alignment(const Eigen::VectorXd& signal, const Candidate& rival) const;
   /// lambda (1 - |c|): below 5.4 a rival cannot be told apart at 5 %.
-  double separability(const Eigen::VectorXd& signal, const Candidate& rival) const {
-    return signal.squaredNorm() * (1.0 - alignment(signal, rival));
-  }
+  double separability(const Eigen::VectorXd& signal, const Candidate& rival) const;
 
   /// Whether any reading depends on it.
-  bool canShow(const EffectInfo& effect) const {
-    for (std::size_t c = 0; c < linear_.columns.size(); ++c)
-      if (linear_.columns[c].effect == effect.index && !linear_.C.col(static_cast<Eigen::Index>(c)).isZero(0))
-        return true;
-    return false;
-  }
+  bool canShow(const EffectInfo& effect) const;
 
   /// How much of an effect's columns the nuisances leave.
-  double kept(const Candidate& candidate) const {
-    const Eigen::MatrixXd C = columns(candidate);
-    return project(C).norm() / C.norm();
-  }
+  double kept(const Candidate& candidate) const;
 
   /// Every effect, for good; a marker's for each marker, a step's at every tenth of the recording.
-  std::vector<Candidate> candidates() const {
-    std::vector<Candidate> all;
-    for (const EffectInfo& effect : allEffects()) {
-      if (!canShow(effect)) continue;
-      Candidate candidate;
-      candidate.effect = effect.index;
-      const ParameterKind kind = effect.parameters[0].kind;
-      if (kind == ParameterKind::continuous) all.push_back(candidate);
-      if (kind == ParameterKind::marker_id)
-        for (const Marker& marker : input_.data.panels[0].markers) {
-          candidate.marker_id = marker.id;
-          all.push_back(candidate);
-        }
-      if (kind == ParameterKind::time)
-        for (int k = 1; k < 10; ++k) {
-          candidate.time_s = 0.1 * k * input_.data.last_s;
-          all.push_back(candidate);
-        }
-    }
-    return all;
-  }
+  std::vector<Candidate> candidates() const;
 
  private:
   Eigen::MatrixXd project(const Eigen::MatrixXd& C) const { return nuisances_->project(C); }
 
-  Eigen::VectorXd residualsWith(const EffectParameters<double>& effects) const {
-    BatchEstimate moved = estimate_;
-    moved.state.effects = effects;
-    const auto problem = problemAt(input_.data, moved, {});
-    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem->unknowns());
-    Eigen::VectorXd all(linear_.residual.size()), residual;
-    Eigen::Index row = 0;
-    for (const auto& cost : problem->costs()) {
-      cost->compute(zero, residual, nullptr);
-      all.segment(row, residual.size()) = residual;
-      row += residual.size();
-    }
-    return all;
-  }
+  Eigen::VectorXd residualsWith(const EffectParameters<double>& effects) const;
 
-  Eigen::MatrixXd columns(const Candidate& candidate) const {
-    std::vector<Eigen::Index> of;
-    for (std::size_t c = 0; c < linear_.columns.size(); ++c)
-      if (linear_.columns[c].effect == candidate.effect) of.push_back(static_cast<Eigen::Index>(c));
-    Eigen::MatrixXd C = linear_.C(Eigen::all, of);
-    for (std::size_t i = 0; i < linear_.rows.size(); ++i) {
-      const RowInfo& row = linear_.rows[i];
-      const bool acts = candidate.active_s.contains(row.t_s) &&
-                        (!candidate.marker_id || *candidate.marker_id == row.marker_id) &&
-                        (!candidate.time_s || row.t_s >= *candidate.time_s);
-      if (!acts) C.row(static_cast<Eigen::Index>(i)).setZero();
-    }
-    return C;
-  }
+  Eigen::MatrixXd columns(const Candidate& candidate) const;
 
   BatchInput input_;
   BatchEstimate estimate_;
@@ -171,277 +79,44 @@ class Excitation {
   Eigen::VectorXd nominal_;
 };
 
-namespace detail {
-
-/// As physics has it: distances are not negative, the intrinsics are those of a calibration under water, and
-/// there is water all the way.
-inline void makePossible(EffectParameters<double>& effects) {
-  double* port = effects.of<FlatPortRefraction>();
-  port[0] = std::abs(port[0]);
-  port[1] = std::abs(port[1]);
-  port[4] = 0;
-  port[5] = 0;
-}
-
-inline EffectParameters<double> scaled(EffectParameters<double> effects, double factor) {
-  for (const EffectInfo& effect : allEffects())
-    if (effects.on[effect.index])
-      for (const std::size_t scalar : continuousScalars(effect.index)) effects.values[scalar] *= factor;
-  return effects;
-}
-
-/// The Earth turns as fast as it does: sqrt(lambda) is as asked because the gyro is as good as that takes.
-inline DiagnosisRun earthRotationOfSize(const BatchRun& nominal, double sqrt_lambda, std::uint64_t seed) {
-  constexpr double kEarthRate_rad_s = 7.292e-5;
-  Random random = Random::stream(seed, 1000 + kEffectIndex<EarthRotation>);
-  DiagnosisRun hidden{"earth-rotation", nominal, {}, Candidate{.effect = kEffectIndex<EarthRotation>}, 0,
-                      nullptr};
-  hidden.run.seed = random.bits();
-  const double latitude = std::asin(random.uniform(-1, 1)), north = random.uniform(0, 2 * std::numbers::pi);
-  const Vector3d axis(std::cos(latitude) * std::cos(north), std::cos(latitude) * std::sin(north),
-                      std::sin(latitude));
-  EffectParameters<double> effects;
-  effects.on.set(kEffectIndex<EarthRotation>);
-  for (int i = 0; i < 3; ++i) effects.of<EarthRotation>()[i] = kEarthRate_rad_s * axis[i];
-  for (int i = 0; i < 6 && std::abs(hidden.sqrt_lambda - sqrt_lambda) > 0.01 * sqrt_lambda; ++i) {
-    const double factor = i == 0 ? 1 : hidden.sqrt_lambda / sqrt_lambda;
-    hidden.run.vehicle.ins->gyro_sigma_rad_s *= factor;
-    hidden.run.vehicle.ins->gyro_bias_sigma_rad_s *= factor;
-    hidden.excitation = std::make_shared<const Excitation>(hidden.run);
-    hidden.sqrt_lambda = hidden.excitation->sqrtLambda(effects);
-  }
-  hidden.run.effects = effects;
-  return hidden;
-}
-
-inline bool withinLimits(const EffectParameters<double>& effects) {
-  for (const EffectInfo& effect : allEffects()) {
-    std::size_t scalar = effect.first_scalar;
-    for (const Parameter& parameter : effect.parameters)
-      for (int i = 0; i < parameter.size; ++i, ++scalar)
-        if (effects.on[effect.index] && std::abs(effects.values[scalar]) > parameter.limit) return false;
-  }
-  return true;
-}
-
-}  // namespace detail
-
 /// An effect hidden in a recording: its direction at random in units of the priors, its marker, its step's
 /// time, of a current every other time its interval too; its size such that sqrt(lambda) is as asked, or the
 /// largest that the registry's limits allow.
-inline DiagnosisRun effectOfSize(const BatchRun& nominal, const Excitation& excitation,
-                                 const EffectInfo& effect, double sqrt_lambda, std::uint64_t seed) {
-  if (effect.index == kEffectIndex<EarthRotation>)
-    return detail::earthRotationOfSize(nominal, sqrt_lambda, seed);
-  Random random = Random::stream(seed, 1000 + effect.index);
-  DiagnosisRun hidden{std::string(effect.id), nominal, {}, Candidate{}, 0, nullptr};
-  hidden.run.seed = random.bits();
-  Candidate& truth = *hidden.truth;
-  truth.effect = effect.index;
-  EffectParameters<double> direction;
-  direction.on.set(effect.index);
-  std::size_t scalar = effect.first_scalar;
-  for (const Parameter& parameter : effect.parameters)
-    for (int i = 0; i < parameter.size; ++i, ++scalar) {
-      double& value = direction.values[scalar];
-      if (parameter.kind == ParameterKind::continuous) value = parameter.prior_sigma * random.normal();
-      if (parameter.kind == ParameterKind::marker_id)
-        value = *(truth.marker_id = nominal.panel.markers[random.bits() % nominal.panel.markers.size()].id);
-      if (parameter.kind == ParameterKind::time)
-        value = *(truth.time_s = nominal.duration_s * random.uniform(0.25, 0.75));
-    }
-  if (effect.index == kEffectIndex<WaterCurrent> && seed % 2 == 0) {
-    truth.active_s.from_s = nominal.duration_s * random.uniform(0.1, 0.4);
-    truth.active_s.to_s = truth.active_s.from_s + nominal.duration_s * random.uniform(0.3, 0.5);
-    direction.active_s[effect.index] = truth.active_s;
-  }
-  detail::makePossible(direction);
-  double factor = sqrt_lambda / excitation.sqrtLambda(detail::scaled(direction, 1e-3)) * 1e-3;
-  for (int i = 0; i < 8; ++i) {
-    while (!detail::withinLimits(detail::scaled(direction, factor))) factor *= 0.9;
-    hidden.sqrt_lambda = excitation.sqrtLambda(detail::scaled(direction, factor));
-    factor *=
-        std::pow(std::clamp(sqrt_lambda / hidden.sqrt_lambda, 0.2, 5.0), 0.7);  // signals of order 1 to 2
-  }
-  while (!detail::withinLimits(detail::scaled(direction, factor))) factor *= 0.9;
-  hidden.run.effects = detail::scaled(direction, factor);
-  hidden.sqrt_lambda = excitation.sqrtLambda(hidden.run.effects);
-  return hidden;
-}
+DiagnosisRun effectOfSize(const BatchRun& nominal, const Excitation& excitation, const EffectInfo& effect,
+                          double sqrt_lambda, std::uint64_t seed);
 
 // Nothing left out.
 
-inline DiagnosisRun plainNull(const BatchRun& nominal, std::uint64_t seed) {
-  DiagnosisRun run{"nothing", nominal, {}, {}, 0, nullptr};
-  run.run.seed = Random::stream(seed, 2000).bits();
-  return run;
-}
+DiagnosisRun plainNull(const BatchRun& nominal, std::uint64_t seed);
 
 /// The map's markers moved out of its plane by a wave, about a period across the panel, at most by so much.
 /// What of it is a plane is taken out: that would be a panel which is elsewhere than the map says.
-inline PanelMap rippled(PanelMap panel, double largest_m, Random& random) {
-  const double angle = random.uniform(0, std::numbers::pi), phase = random.uniform(0, 2 * std::numbers::pi);
-  const Vector2d wave = 2 * std::numbers::pi / 1.6 * Vector2d(std::cos(angle), std::sin(angle));
-  const auto count = std::ssize(panel.markers);
-  Eigen::MatrixX3d plane(count, 3);
-  Eigen::VectorXd height(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Vector3d& position = panel.markers[static_cast<std::size_t>(i)].T_panel_marker.position;
-    plane.row(i) << position.x(), position.y(), 1;
-    height[i] = std::sin(wave.dot(position.head<2>()) + phase);
-  }
-  const Vector3d fitted = plane.colPivHouseholderQr().solve(height);
-  height -= plane * fitted;
-  const double scale_m = largest_m / height.cwiseAbs().maxCoeff();
-  for (Eigen::Index i = 0; i < count; ++i) {
-    Pose& T = panel.markers[static_cast<std::size_t>(i)].T_panel_marker;
-    const Vector2d slope =
-        scale_m * (std::cos(wave.dot(T.position.head<2>()) + phase) * wave - fitted.head<2>());
-    T.position.z() += scale_m * height[i];
-    T.rotation = expSO3<double>(Vector3d(slope.y(), -slope.x(), 0)) * T.rotation;
-  }
-  return panel;
-}
+PanelMap rippled(PanelMap panel, double largest_m, Random& random);
 
 /// The DVL's noise as a first-order autoregression of the same variance.
-inline void correlateDvl(const BatchRun& run, std::vector<Sample>& samples, double correlation,
-                         Random& random) {
-  BatchRun quiet = run;
-  quiet.noise = false;
-  const std::vector<Sample> exact = quiet.samples();
-  const DvlSheet& sheet = *run.vehicle.dvl;
-  const Vector3d sigma(sheet.velocity_sigma_xy_m_s, sheet.velocity_sigma_xy_m_s, sheet.velocity_sigma_z_m_s);
-  Vector3d error = random.normal3();
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    auto* dvl = std::get_if<DvlSample>(&samples[i].reading);
-    if (dvl == nullptr || !dvl->velocity_dvl) continue;
-    dvl->velocity_dvl = *std::get<DvlSample>(exact[i].reading).velocity_dvl + sigma.cwiseProduct(error);
-    error = correlation * error + std::sqrt(1 - correlation * correlation) * random.normal3();
-  }
-}
+void correlateDvl(const BatchRun& run, std::vector<Sample>& samples, double correlation, Random& random);
 
 /// Nothing left out by a world a little richer than the model: 1 mm of panel ripple, corners of heavier
 /// tails (Student's t of 4), correlated DVL noise (0.6), the three together.
-inline DiagnosisRun richNull(const BatchRun& nominal, std::uint64_t seed) {
-  DiagnosisRun run{"nothing, richer", nominal, {}, {}, 0, nullptr};
-  Random random = Random::stream(seed, 3000);
-  run.run.seed = random.bits();
-  run.run.true_panel = rippled(nominal.panel, 0.001, random);
-  run.run.corner_tail_dof = 4;
-  run.change = [seed](const BatchRun& r, std::vector<Sample>& samples) {
-    Random noise = Random::stream(seed, 3001);
-    correlateDvl(r, samples, 0.6, noise);
-  };
-  return run;
-}
+DiagnosisRun richNull(const BatchRun& nominal, std::uint64_t seed);
 
 // Outside the catalogue.
 
 /// A crease along the panel's y axis, and all beyond it turned about it.
-inline PanelMap folded(PanelMap panel, double angle_rad) {
-  const Pose fold{expSO3<double>(Vector3d(0, angle_rad, 0)), Vector3d::Zero()};
-  for (Marker& marker : panel.markers)
-    if (marker.T_panel_marker.position.x() > 0) marker.T_panel_marker = fold * marker.T_panel_marker;
-  return panel;
-}
+PanelMap folded(PanelMap panel, double angle_rad);
 
 /// DVL that reads v (1 + k |v|).
-inline void makeDvlQuadratic(std::vector<Sample>& samples, double k_s_m) {
-  for (Sample& sample : samples)
-    if (auto* dvl = std::get_if<DvlSample>(&sample.reading); dvl != nullptr && dvl->velocity_dvl)
-      *dvl->velocity_dvl *= 1.0 + k_s_m * dvl->velocity_dvl->norm();
-}
+void makeDvlQuadratic(std::vector<Sample>& samples, double k_s_m);
 
 /// Gyro that reads rate + G f.
-inline void makeGyroSensitive(std::vector<Sample>& samples, const Matrix3d& G) {
-  for (Sample& sample : samples)
-    if (auto* ins = std::get_if<InsSample>(&sample.reading);
-        ins != nullptr && ins->angular_velocity_ins && ins->specific_force_ins)
-      *ins->angular_velocity_ins += G * *ins->specific_force_ins;
-}
+void makeGyroSensitive(std::vector<Sample>& samples, const Matrix3d& G);
 
 /// Four kinds in turn, each in three sizes.
-inline DiagnosisRun outsideCatalogue(const BatchRun& nominal, std::size_t number, std::uint64_t seed) {
-  DiagnosisRun run{"", nominal, {}, {}, 0, nullptr};
-  Random random = Random::stream(seed, 4000 + number);
-  run.run.seed = random.bits();
-  const std::size_t size = number / 4 % 3;
-  const auto named = [&](const char* what, double amount, const char* unit) {
-    run.name = std::string(what) + " " + std::to_string(amount).substr(0, 7) + " " + unit;
-  };
-  if (number % 4 == 0) {
-    const double angle_deg = std::array{0.02, 0.05, 0.2}[size];
-    named("camera mount shakes", angle_deg, "deg");
-    run.run.camera_shake_rad = radians(angle_deg);
-  } else if (number % 4 == 1) {
-    const double angle_deg = std::array{0.5, 1.0, 2.0}[size];
-    named("panel folded", angle_deg, "deg");
-    run.run.true_panel = folded(nominal.panel, radians(angle_deg));
-  } else if (number % 4 == 2) {
-    const double k_s_m = std::array{0.1, 0.2, 0.4}[size];
-    named("DVL quadratic", k_s_m, "s/m");
-    run.change = [k_s_m](const BatchRun&, std::vector<Sample>& samples) { makeDvlQuadratic(samples, k_s_m); };
-  } else {
-    const double amount = std::array{1e-4, 3e-4, 1e-3}[size];
-    named("gyro sensitive to acceleration", amount, "rad/s per m/s2");
-    Matrix3d G;
-    for (double& g : G.reshaped()) g = amount * random.normal();
-    run.change = [G](const BatchRun&, std::vector<Sample>& samples) { makeGyroSensitive(samples, G); };
-  }
-  return run;
-}
+DiagnosisRun outsideCatalogue(const BatchRun& nominal, std::size_t number, std::uint64_t seed);
 
 // What nothing can be learnt from.
 
-/// As `stuck` finds it in the first sample that has it, in all.
-template <class Reading, class Keep>
-void makeConstant(std::vector<Sample>& samples, const Keep& keep) {
-  const Reading* first = nullptr;
-  for (Sample& sample : samples)
-    if (auto* reading = std::get_if<Reading>(&sample.reading)) {
-      if (first == nullptr) first = reading;
-      keep(*reading, *first);
-    }
-}
-
 /// No excitation, two samples, constant sensors, files that contradict each other.
-inline std::vector<DiagnosisRun> wrongInputs(const BatchRun& nominal) {
-  using Samples = std::vector<Sample>;
-  std::vector<DiagnosisRun> runs;
-  const auto add = [&](const char* name, const BatchRun& run,
-                       std::function<void(const BatchRun&, Samples&)> change = {}) {
-    runs.push_back({name, run, std::move(change), {}, 0, nullptr});
-  };
-  const double duration_s = nominal.duration_s;
-
-  BatchRun still(duration_s, pathOf(duration_s, [](double) { return richPose(0); }));
-  still.seed = nominal.seed;
-  add("no motion", still);
-  add("two samples", nominal, [](const BatchRun&, Samples& samples) { samples.resize(2); });
-
-  add("constant DVL", nominal, [](const BatchRun&, Samples& samples) {
-    makeConstant<DvlSample>(samples, [](DvlSample& all, const DvlSample& first) { all = first; });
-  });
-  add("constant gyro", nominal, [](const BatchRun&, Samples& samples) {
-    makeConstant<InsSample>(samples, [](InsSample& all, const InsSample& first) {
-      all.angular_velocity_ins = first.angular_velocity_ins;
-    });
-  });
-  add("constant pressure", nominal, [](const BatchRun&, Samples& samples) {
-    makeConstant<DepthSample>(samples, [](DepthSample& all, const DepthSample& first) { all = first; });
-  });
-
-  add("DVL of another dive", nominal, [](const BatchRun& run, Samples& samples) {
-    BatchRun other(run.duration_s, pathOf(run.duration_s, [](double t) { return richPose(t + 137.0); }));
-    const Samples others = other.samples();
-    for (std::size_t i = 0; i < samples.size(); ++i)
-      if (std::holds_alternative<DvlSample>(samples[i].reading)) samples[i].reading = others[i].reading;
-  });
-  BatchRun other_map = nominal;
-  other_map.true_panel = nominal.panel;
-  for (Marker& marker : other_map.panel.markers) marker.id = (marker.id + 5) % 12;
-  add("map of another panel", other_map);
-  return runs;
-}
+std::vector<DiagnosisRun> wrongInputs(const BatchRun& nominal);
 
 }  // namespace fathom::test

@@ -87,9 +87,10 @@ struct LinearRun {
   BatchOptions options;
   BatchEstimate estimate;
 
-  LinearRun() {
+  explicit LinearRun(bool pixels = false) {
     run.panel.position_sigma_m = 0.05;
     run.panel.angle_sigma_rad = 0.01;
+    run.pixels = pixels;
     input = run.input();
     options.calibration.on.set(kEffectIndex<DvlScale>).set(kEffectIndex<CameraLatency>);
     options.problem.estimate = options.calibration.on;
@@ -131,7 +132,7 @@ TEST(Linearization, NuisancesDerivativeIsThatOfDifferences) {
 
 // A column of C is the change of all residuals where its effect acts: seen by switching the effect on.
 TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
-  const LinearRun linear_run;
+  const LinearRun linear_run(true);
   const BatchData& data = linear_run.input.data;
   const auto problem = problemAt(data, linear_run.estimate, linear_run.options);
   const Linearization linear = linearize(data, *problem);
@@ -141,6 +142,7 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
   for (std::size_t c = 0; c < linear.columns.size(); ++c) {
     const EffectColumn& column = linear.columns[c];
     const bool of_marker = column.effect == kEffectIndex<MarkerMoved>;
+    const bool of_light = allEffects()[column.effect].text.channel == EffectChannel::image;
     const double h = 1e-3 * column.prior_sigma;
     Eigen::VectorXd ends[2];
     for (const int sign : {0, 1}) {
@@ -158,6 +160,8 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
       const auto at = static_cast<Eigen::Index>(i);
       if (of_marker && linear.rows[i].marker_id != marker_id) expected[at] = 0;
       if (linear.rows[i].channel == BatchChannel::prior) found[at] = 0;  // its own prior, where estimated
+      // Light tells of water and camera, not of where things are.
+      if (linear.rows[i].channel == BatchChannel::pixels && !of_light) found[at] = 0;
     }
     // A latency's derivative at a new base is the motion elsewhere: the spline's next derivative times h. A
     // port's tilt changes nothing where it has no thickness: differences of rounding.
