@@ -26,19 +26,6 @@ std::optional<fs::path> givenCornersOf(const fs::path& rawlog) {
   return fs::exists(file) ? std::optional(file) : std::nullopt;
 }
 
-DetectionSettings settingsFor(const std::vector<PanelMap>& panels) {
-  DetectionSettings settings;
-  settings.families = familiesOf(panels);
-  settings.backend = Backend::apriltag;
-  return settings;
-}
-
-/// The images of a recording, and the markers in them.
-struct FoundMarkers {
-  std::vector<ImageEntry> entries;
-  Detections detections;
-};
-
 /// Remarks: also what of the recording is lost, now that it was read to its end.
 FoundMarkers findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& panels,
                          std::vector<std::string>& remarks) {
@@ -52,7 +39,7 @@ FoundMarkers findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& pa
     detections = readGivenCorners(*given, source.imageFolder());
     return found;
   }
-  detections = detectImages(imagesOf(found.entries), settingsFor(panels), keepBeside(rawlog));
+  detections = detectImages(imagesOf(found.entries), detectionSettings(panels), keepBeside(rawlog));
   if (!detections.not_kept_why.empty())
     remarks.push_back("detections are not kept: " + detections.not_kept_why);
   for (const UnreadableImage& image : detections.unreadable)
@@ -69,8 +56,8 @@ TiePoints tiePointsOf(const fs::path& rawlog, std::vector<std::string>& remarks)
 }
 
 /// The images where they show panels, reduced to patches.
-void addPatches(const FoundMarkers& found, const EffectParameters<double>& effects,
-                BatchRecording& recording) {
+void addPatches(const EffectParameters<double>& effects, BatchRecording& recording) {
+  const FoundMarkers& found = recording.found;
   BatchData& data = recording.input.data;
   const std::vector<PanelMap>& panels = data.panels;
   if (!data.vehicle.camera || data.markers.empty()) return;
@@ -84,7 +71,7 @@ void addPatches(const FoundMarkers& found, const EffectParameters<double>& effec
         print("images are JPEG of quality %d: their pixels are not compared", *quality));
     return;
   }
-  const PairMaker maker({data.vehicle, panels, {}, effects, {}}, {}, settingsFor(panels));
+  const PairMaker maker({data.vehicle, panels, {}, effects, {}}, {}, detectionSettings(panels));
   ImagePatches patches = imagePatches(images.posed, maker, data.time_zero);
   if (!patches.rejected.empty())
     recording.remarks.push_back(print("pixels of %zu images are not compared; %s: %s",
@@ -105,6 +92,13 @@ std::vector<InputFile> filesOf(const BatchRecordingOptions& options, const Batch
 }
 
 }  // namespace
+
+DetectionSettings detectionSettings(const std::vector<PanelMap>& panels) {
+  DetectionSettings settings;
+  settings.families = familiesOf(panels);
+  settings.backend = Backend::apriltag;
+  return settings;
+}
 
 void addBatchRecordingOptions(CLI::App& command, BatchRecordingOptions& options) {
   command.add_option("RECORDING", options.rawlog, "The recording")->required()->type_name(values::kRawlog);
@@ -133,11 +127,11 @@ BatchRecording readBatchRecording(const BatchRecordingOptions& options,
       recording.map ? readPanelMaps(*recording.map) : std::vector<PanelMap>{};
   const Vehicle vehicle = readVehicle(recording.vehicle);
   const auto start = startPose(options.start, options.rawlog, {});
-  const FoundMarkers found = findMarkers(options.rawlog, panels, recording.remarks);
+  recording.found = findMarkers(options.rawlog, panels, recording.remarks);
   BatchDataOptions beside;
   beside.tie_points = tiePointsOf(options.rawlog, recording.remarks);
-  recording.input = batchInput(open, found.detections, vehicle, panels, calibration, start, beside);
-  if (options.pixels && !givenCornersOf(options.rawlog)) addPatches(found, calibration, recording);
+  recording.input = batchInput(open, recording.found.detections, vehicle, panels, calibration, start, beside);
+  if (options.pixels && !givenCornersOf(options.rawlog)) addPatches(calibration, recording);
   return recording;
 }
 

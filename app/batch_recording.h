@@ -30,8 +30,17 @@ struct InputFile {
 /// Throws Error where it cannot be read.
 InputFile inputFile(const std::filesystem::path& file);
 
+/// The images of a recording, and the markers in them.
+struct FoundMarkers {
+  std::vector<ImageEntry> entries;
+  Detections detections;
+};
+/// With which images are searched for the markers of panels.
+DetectionSettings detectionSettings(const std::vector<PanelMap>& panels);
+
 struct BatchRecording {
   BatchInput input;
+  FoundMarkers found;
   std::filesystem::path vehicle;
   std::optional<std::filesystem::path> map;
   std::vector<InputFile> files;  ///< rawlog, vehicle file, panel maps

@@ -80,6 +80,7 @@ void runDiagnosis(DiagnoseOptions options, const RunContext& context) {
 
   story.diagnosis = diagnose(story.read.input, options.diagnosis);
   judgeOthers(options, others, story);
+  story.images = compareImages(story.read, story.diagnosis, options.diagnosis.calibration);
   if (again && story.diagnosis.verdict == Verdict::explained) {
     writeTextFile(options.recording.folder / "calibration.yaml",
                   formatCalibration(story.diagnosis.calibration));

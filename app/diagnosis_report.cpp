@@ -231,6 +231,39 @@ void addElsewhere(const DiagnosisStory& story, HtmlReport& report) {
   report.table(elsewhereTable(story));
 }
 
+std::string likeness(const SimulatedImage& image) {
+  std::string text;
+  if (image.fsim) text += print(", FSIM %.4f", *image.fsim);
+  if (image.rmse_dn) text += print(", root mean square %.2f DN", *image.rmse_dn);
+  return text;
+}
+
+void addImages(const DiagnosisStory& story, HtmlReport& report) {
+  if (story.images.empty()) return;
+  report.heading("Recorded and simulated");
+  report.paragraph(
+      "From where each image was taken, with the water estimated; around the panels nothing is known, and "
+      "nothing is "
+      "compared. Left of the slider is the recorded image, right of it the simulated one. The maps show "
+      "recorded less "
+      "simulated, red where the recorded image is brighter, on the same scale without and with what was "
+      "found.");
+  for (const ComparedImage& image : story.images) {
+    report.subheading(print("%s, %.1f m from the panel", image.name.c_str(), image.range_m));
+    const auto show = [&](const SimulatedImage& simulated, const std::string& which) {
+      report.slider(image.recorded_png, simulated.png, "Recorded | " + which + likeness(simulated));
+    };
+    show(image.before, "simulated with the nominal model");
+    if (image.after) show(*image.after, "simulated with what was found");
+    const std::string scale = print("Recorded less simulated, full colour at %.1f DN", image.scale_dn);
+    if (image.after)
+      report.slider(image.before.difference_png, image.after->difference_png,
+                    scale + ": nominal model | what was found");
+    else
+      report.picture(image.before.difference_png, scale);
+  }
+}
+
 /// The worst first; where nothing stands out, a few that show so.
 std::vector<const Mismatch*> worthPlotting(const DiagnosisStory& story) {
   constexpr std::size_t kMost = 12, kFew = 3;
@@ -340,6 +373,7 @@ HtmlReport reportOf(const DiagnosisStory& story) {
   addCandidates(story, report);
   addHeldOut(story, report);
   addElsewhere(story, report);
+  addImages(story, report);
   addResiduals(story, report);
   addNoise(story, report);
   addRerun(story, report);

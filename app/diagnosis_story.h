@@ -6,6 +6,7 @@
 
 #include "batch_recording.h"
 #include "diagnosis/elsewhere.h"
+#include "image_comparison.h"
 #include "report/run_info.h"
 #include "report/table.h"
 
@@ -32,6 +33,7 @@ struct DiagnosisStory {
   Diagnosis diagnosis;
   std::vector<JudgedRecording> elsewhere;
   std::optional<DiagnosisRerun> rerun;
+  std::vector<ComparedImage> images;
 };
 
 // ---- what the terminal, result.json and report.html say alike

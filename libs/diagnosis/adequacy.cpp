@@ -33,12 +33,7 @@ std::map<std::string, Covariate> covariatesOf(const Linearization& linear, const
 
 std::vector<InteractionTest> interactionTests(const Refit& fit, const Candidate& effect) {
   const Linearization& linear = fit.model->linear();
-  const Eigen::SparseMatrix<double> own = columnsOf(linear, {effect});
-  Eigen::VectorXd value(own.cols());
-  Eigen::Index k = 0;
-  for (const EffectEstimate& estimate : fit.estimates)
-    if (estimate.effect == effect.effect) value[k++] = estimate.value;
-  const Eigen::VectorXd change = own * value;
+  const Eigen::VectorXd change = changeBy(fit, effect, linear);
   const auto covariates = covariatesOf(linear, change);
   std::vector<std::string> names;
   std::vector<Eigen::Triplet<double>> entries;

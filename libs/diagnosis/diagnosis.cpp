@@ -88,6 +88,7 @@ class Course {
   Refit without(const Refit& from, std::vector<Candidate> effects, std::size_t one);
   Refit without(const Refit& from, std::size_t one) { return without(from, from.effects, one); }
   Refit onlyNeeded(Refit fit);
+  bool isNeeded(const Refit& fit, const Refit& less, const Candidate& effect) const;
   bool isBelieved(const Refit& fit, double looks);
   bool leaveOutUnconfirmed(const Refit& fit);
   void accept(Refit better);
@@ -216,13 +217,18 @@ Refit Course::without(const Refit& from, std::vector<Candidate> effects, std::si
   return effects.empty() ? nominal_ : fit(from, effects);
 }
 
-/// Effects that the others make superfluous, or too small to be named, are dropped. So are those that the
-/// readings do not ask for, only the prior of another one, which is far larger than expected.
+/// Not where the others make it superfluous, where it is too small to be named, where the readings do not ask
+/// for it, only the prior of another one, which is far larger than expected, or where it moves readings by
+/// less than their own bias may be.
+bool Course::isNeeded(const Refit& fit, const Refit& less, const Candidate& effect) const {
+  return sqrtLambda(fit, effect.effect) >= kDiscovery && isLarge(fit, less) && worth(less) < worth(fit) &&
+         isBeyondBias(fit, less, effect);
+}
+
 Refit Course::onlyNeeded(Refit fit) {
   for (std::size_t i = 0; fit.effects.size() > 1 && i < fit.effects.size();) {
     Refit less = without(fit, i);
-    const bool shows = sqrtLambda(fit, fit.effects[i].effect) >= kDiscovery;
-    if (!less.succeeded || (shows && isLarge(fit, less) && worth(less) < worth(fit))) {
+    if (!less.succeeded || isNeeded(fit, less, fit.effects[i])) {
       ++i;
       continue;
     }
@@ -270,7 +276,11 @@ void Course::attribute() {
 /// What has raised the alarm may be another than what is best supported, or explain less once refitted.
 bool Course::isBelieved(const Refit& fit, double looks) {
   const double alarm = alarmOf(-supportOver(fit, final_), looks);
-  if (isLarge(fit, final_) && alarm <= options_.false_alarm) return true;
+  if (isLarge(fit, final_) && alarm <= options_.false_alarm) {
+    if (fit.effects.size() > 1 || isBeyondBias(fit, nominal_, fit.effects.front())) return true;
+    diagnosis_.is_within_bias = true;
+    return false;
+  }
   if (final_.effects.empty()) {
     diagnosis_.alarm_p = std::max(diagnosis_.alarm_p, alarm);
     diagnosis_.most_improbable = nameOf(fit.effects.front());

@@ -50,6 +50,8 @@ struct Diagnosis {
   /// Of the most improbable of all that were believed possible, having looked at all.
   double alarm_p = 1;
   std::string most_improbable;
+  /// It is no chance, but moves readings by less than they may be off anyway (isBeyondBias).
+  bool is_within_bias = false;
   std::vector<Mismatch> mismatch;   ///< of the nominal model, worst first
   std::vector<Mismatch> remaining;  ///< of the final one
   std::vector<FoundEffect> effects;

@@ -18,7 +18,6 @@ constexpr double kClearSigmas = 4;       // from which on a correlation is more 
 constexpr double kLargestCorrelation = 0.95;
 constexpr std::size_t kFewestMarkers = 4;
 constexpr double kLargestTolerance_m = 1.0;
-constexpr double kCornerBias_px = 0.005;  // what the pixels' lattice leaves however often a corner is seen
 
 /// The estimate with all lasting effects among its unknowns, each held by its prior.
 struct Saturated {
@@ -98,7 +97,7 @@ double cornerBias_m(const Linearization& linear) {
         count += 0.5;  // each coordinate has its share of either axis
       }
   }
-  return square > 0 ? kCornerBias_px / std::sqrt(square / count) : 0;
+  return square > 0 ? lastingBias(BatchChannel::markers) / std::sqrt(square / count) : 0;
 }
 
 /// What an axis of the markers' places scatters by beyond their own uncertainty. The one marker that is most
@@ -137,6 +136,8 @@ double panelTolerance(const Saturated& saturated, const Linearization& linear) {
 }
 
 }  // namespace
+
+double lastingBias(BatchChannel channel) { return channel == BatchChannel::markers ? 0.005 : 0; }
 
 double ChannelNoise::independentScale() const {
   return scale * std::sqrt((1 + correlation) / (1 - correlation));

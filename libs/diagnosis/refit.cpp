@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/chi_square.h"
+#include "effects/catalogue.h"
 
 namespace fathom {
 namespace {
@@ -94,6 +95,32 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
 double supportOver(const Refit& fit, const Refit& fewer) {
   const double freedom = fit.freedom - fewer.freedom;
   return freedom > 1e-6 ? -chiSquareLogTail(freedom, 2 * (fewer.cost - fit.cost)) : 0;
+}
+
+Eigen::VectorXd changeBy(const Refit& fit, const Candidate& effect, const Linearization& at) {
+  const Eigen::SparseMatrix<double> own = columnsOf(at, {effect});
+  Eigen::VectorXd value(own.cols());
+  Eigen::Index k = 0;
+  for (const EffectEstimate& estimate : fit.estimates)
+    if (estimate.effect == effect.effect) value[k++] = estimate.value;
+  return own * value;
+}
+
+bool isBeyondBias(const Refit& fit, const Refit& fewer, const Candidate& effect) {
+  const Linearization& linear = fewer.model->linear();
+  const Eigen::VectorXd change = changeBy(fit, effect, linear);
+  const Eigen::VectorXd remaining = fewer.model->remaining(change);
+  for (const BatchChannel channel : kBatchChannels) {
+    double square = 0, count = 0;
+    for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(i);
+      if (linear.rows[i].channel != channel || change[at] == 0) continue;
+      square += std::pow(remaining[at] / linear.rows[i].per_unit, 2);
+      ++count;
+    }
+    if (count > 0 && std::sqrt(square / count) > lastingBias(channel)) return true;
+  }
+  return false;
 }
 
 double sqrtLambda(const Refit& fit, std::size_t effect) {

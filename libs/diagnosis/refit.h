@@ -28,6 +28,15 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
 /// -ln of the probability that a fit's likelihood exceeds that of one with fewer effects so much by chance.
 double supportOver(const Refit& fit, const Refit& fewer);
 
+/// What an effect, as large as the fit found it, changes in the readings at a linearization: over its rows,
+/// in units of each reading's sigma.
+Eigen::VectorXd changeBy(const Refit& fit, const Candidate& effect, const Linearization& at);
+
+/// Whether an effect moves any kind of reading by more than that kind can be off for no reason of its own,
+/// however often it is taken (lastingBias()): what remains of its change once all that `fewer`, the fit
+/// without it, estimates has made up for it, root mean square over the readings that it changes.
+bool isBeyondBias(const Refit& fit, const Refit& fewer, const Candidate& effect);
+
 /// Sizes of each effect in units of what the recording can resolve: sqrt(value^T information value).
 double sqrtLambda(const Refit& fit, std::size_t effect);
 

@@ -115,10 +115,11 @@ void judgeNothingFound(Diagnosis& diagnosis, const Linearization& nominal) {
     return;
   }
   diagnosis.verdict = Verdict::none;
-  diagnosis.why = print(
-      "Nothing material is missing: of %zu things tried the most telling, %s, would be seen by "
-      "chance with probability %.2g.",
-      diagnosis.tested.size(), diagnosis.most_improbable.c_str(), diagnosis.alarm_p);
+  diagnosis.why = print("Nothing material is missing: of %zu things tried the most telling, %s, would ",
+                        diagnosis.tested.size(), diagnosis.most_improbable.c_str());
+  diagnosis.why += diagnosis.is_within_bias
+                       ? "move readings by less than they are off in any recording."
+                       : print("be seen by chance with probability %.2g.", diagnosis.alarm_p);
 }
 
 }  // namespace

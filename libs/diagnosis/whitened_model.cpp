@@ -1,5 +1,6 @@
 #include "diagnosis/whitened_model.h"
 
+#include <Eigen/SparseLU>
 #include <cmath>
 #include <map>
 
@@ -56,6 +57,13 @@ Eigen::SparseMatrix<double> WhitenedModel::whitener(const Linearization& linear,
   Eigen::SparseMatrix<double> W(diagonal.size(), diagonal.size());
   W.setFromTriplets(entries.begin(), entries.end());
   return W;
+}
+
+Eigen::VectorXd WhitenedModel::remaining(const Eigen::VectorXd& changes) const {
+  Eigen::VectorXd whitened = Eigen::VectorXd::Zero(nuisances_.J().rows());
+  whitened.head(W_.rows()) = W_ * changes;
+  return Eigen::SparseLU<Eigen::SparseMatrix<double>>(W_).solve(
+      nuisances_.project(whitened).col(0).head(W_.rows()));
 }
 
 Eigen::SparseMatrix<double> WhitenedModel::nuisanceColumns(const NoiseModel& noise,

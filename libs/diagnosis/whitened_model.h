@@ -18,6 +18,9 @@ class WhitenedModel {
   const Eigen::VectorXd& residual() const { return residual_; }
   /// Columns over the linearization's rows.
   Eigen::SparseMatrix<double> whitened(const Eigen::SparseMatrix<double>& columns) const;
+  /// What is left of changes of the readings where the unknowns make up for them as well as they can: over
+  /// the linearization's rows, in units of each reading's own sigma, as the changes are.
+  Eigen::VectorXd remaining(const Eigen::VectorXd& changes) const;
   Reduced reduce(const std::vector<Candidate>& candidates) const;
   Reduced reduce(const Eigen::SparseMatrix<double>& columns) const {
     return nuisances_.reduce(whitened(columns), residual_);

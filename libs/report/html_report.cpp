@@ -37,6 +37,8 @@ td.n, th.n { text-align: right; white-space: nowrap; }
 figure { margin: 1rem 0; }
 figure svg, figure img { display: block; width: 100%; height: auto; }
 figure.square svg { max-width: 48rem; }
+.slider { --at: 50%; max-width: 42rem; } .slider div { position: relative; } .slider input { width: 100%; margin: .4rem 0; }
+.slider img + img { position: absolute; inset: 0; clip-path: inset(0 0 0 var(--at)); }
 figcaption { color: var(--soft); font-size: .92rem; max-width: 46rem; }
 pre { background: var(--card); border: 1px solid var(--line); border-radius: 6px; padding: .7rem .9rem;
       overflow-x: auto; font-size: .87rem; }
@@ -98,6 +100,11 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
+std::string dataUrl(const std::string& image) {
+  const std::string kind = image.starts_with("\x89PNG") ? "png" : "jpeg";
+  return "data:image/" + kind + ";base64," + base64(image);
+}
+
 /// Orange, through which white and dark paper show.
 std::string shadeOf(const std::vector<double>& shades, std::size_t column) {
   if (column >= shades.size() || !(shades[column] > 0)) return "";
@@ -154,11 +161,17 @@ void HtmlReport::plot(const Plot& plot, const std::string& caption) {
 }
 
 void HtmlReport::picture(const std::string& image, const std::string& caption) {
-  const std::string kind = image.starts_with("\x89PNG") ? "png" : "jpeg";
-  body_ += "<figure>\n<img alt=\"" + escaped(caption) + "\" src=\"data:image/" + kind + ";base64," +
-           base64(image) + "\">\n";
+  body_ += "<figure>\n<img alt=\"" + escaped(caption) + "\" src=\"" + dataUrl(image) + "\">\n";
   if (!caption.empty()) body_ += element("figcaption", caption);
   body_ += "</figure>\n";
+}
+
+void HtmlReport::slider(const std::string& left, const std::string& right, const std::string& caption) {
+  body_ += "<figure class=\"slider\"><div>\n<img alt=\"" + escaped(caption) + "\" src=\"" + dataUrl(left) +
+           "\">\n<img alt=\"\" src=\"" + dataUrl(right) +
+           "\">\n</div>\n<input type=\"range\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"" +
+           escaped(caption) + "\" oninput=\"parentNode.style.setProperty('--at', value + '%')\">\n" +
+           element("figcaption", caption) + "</figure>\n";
 }
 
 void HtmlReport::footer(const RunInfo& run) {

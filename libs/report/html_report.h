@@ -11,8 +11,9 @@
 
 namespace fathom {
 
-/// A report for people: one HTML file that needs nothing beside it (CSS and SVG inside, no script), for light
-/// and dark screens and for paper. Parts appear in the order of the calls; all text is escaped.
+/// A report for people: one HTML file that needs nothing beside it (CSS and SVG inside, no script but the
+/// sliders' one line), for light and dark screens and for paper. Parts appear in the order of the calls; all
+/// text is escaped.
 class HtmlReport {
  public:
   explicit HtmlReport(std::string title);
@@ -28,6 +29,8 @@ class HtmlReport {
   void plot(const Plot& plot, const std::string& caption = "");
   /// The bytes of a PNG or JPEG file, kept inside the page.
   void picture(const std::string& image, const std::string& caption = "");
+  /// Two images of one size, one over the other: left of a slider the first, right of it the second.
+  void slider(const std::string& left, const std::string& right, const std::string& caption);
   /// Text as it is, in a fixed-width font: a file's content, a command.
   void preformatted(const std::string& text);
   void footer(const RunInfo& run);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "effects/calibration.h"
+#include "effects/catalogue.h"
 #include "support/run_program.h"
 #include "support/shipped.h"
 #include "support/small_vehicle.h"
@@ -116,6 +117,36 @@ TEST_F(DiagnoseCommand, WrongInputIsOneLine) {
   test::expectBadInput(test::runFathom("diagnose " + out), "RECORDING");
   writeTextFile(folder_ / "bad.yaml", "effects:\n  - {id: dvl-scales, scale_error: 0.1}\n");
   test::expectBadInput(diagnose("--calibration " + (folder_ / "bad.yaml").string() + out), "dvl-scales");
+}
+
+// What ships with its answer sealed, and the quickstart diagnoses: a navigation effect and one of light.
+TEST(SealedRecording, IsReadByDiagnosis) {
+#ifdef FATHOM_SANITIZE
+  GTEST_SKIP() << "takes minutes under sanitizers";
+#endif
+  const fs::path folder = test::scratchFolder(), out = folder / "out";
+  fs::copy(test::kSource / "rawlogs/sealed", folder / "sealed", fs::copy_options::recursive);
+  const auto done =
+      runAtHome("diagnose " + (folder / "sealed/sealed.rawlog").string() + " --out " + out.string());
+  ASSERT_EQ(done.status, 0) << done.err;
+  const auto json = nlohmann::json::parse(readTextFile(out / "result.json"))["diagnosis"];
+  EXPECT_EQ(json["verdict"], "explained") << json["why"];
+  const auto answer = readCalibration(test::kSource / "rawlogs/sealed_answer.yaml");
+  const auto found = readCalibration(out / "calibration.yaml");
+  EXPECT_EQ(found.on, answer.on) << json["why"];
+  for (const auto& effect : json["effects"])
+    for (const auto& [name, sigma] : effect["sigma"].items()) {
+      const auto* info = findEffect(effect["id"].get<std::string>());
+      ASSERT_NE(info, nullptr);
+      const auto values = sigma.is_array() ? sigma : nlohmann::json::array({sigma});
+      for (std::size_t i = 0; i < values.size(); ++i)
+        EXPECT_NEAR(found.values[info->first_scalar + i], answer.values[info->first_scalar + i],
+                    4 * values[i].get<double>())
+            << info->id << " " << name << " " << i;
+    }
+  const std::string report = readTextFile(out / "report.html");
+  EXPECT_NE(report.find("Recorded and simulated"), std::string::npos);
+  EXPECT_NE(report.find("class=\"slider\""), std::string::npos);
 }
 
 }  // namespace

@@ -102,6 +102,25 @@ TEST(Diagnosis, NamesNothingThatVanishesOnceTheNoiseIsKnown) {
   EXPECT_TRUE(test::isCautious(answer)) << test::told(answer);
 }
 
+// Corners are off by what the pixels' lattice leaves, however often they are seen: what moves them by less is
+// not named, whatever its significance.
+TEST(Diagnosis, NamesNothingThatMovesCornersLessThanTheLattice) {
+  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  test::DiagnosisRun run = test::plainNull(test::richRun(1), 1);
+  run.run.corner_sigma_px = 0.02;
+  run.run.effects.on.set(kEffectIndex<MarkerSize>);
+  *run.run.effects.of<MarkerSize>() = 8e-5;
+  const test::Excitation exact(run.run);
+  ASSERT_GT(exact.sqrtLambda(run.run.effects), 6) << "else noise hides it";
+  const test::Answer answer = test::answerOf(run, exact);
+  EXPECT_EQ(nameOf(answer.outcome), "none") << test::told(answer);
+  // A hundred times as much is.
+  *run.run.effects.of<MarkerSize>() = 8e-3;
+  run.truth = Candidate{.effect = kEffectIndex<MarkerSize>};
+  const test::Answer large = test::answerOf(run, exact);
+  EXPECT_TRUE(test::namesTheEffect(large)) << test::told(large);
+}
+
 /// Where nothing but the difference of two latencies can be seen, the prior would rather have two smaller
 /// ones.
 TEST(Diagnosis, NamesOneLatencyThoughItIsFarBeyondWhatIsUsual) {
