@@ -199,37 +199,7 @@ void addAlternatives(const DiagnosisStory& story, HtmlReport& report) {
   }
 }
 
-// ---- does it fit
-
-void addHeldOut(const DiagnosisStory& story, HtmlReport& report) {
-  const HeldOutResult& heldout = story.diagnosis.heldout;
-  if (heldout.channels.empty()) return;
-  report.heading("Does it fit what the fit did not see?");
-  report.paragraph(
-      "Root mean square on stretches that were held out: there only the effects' parameters are carried "
-      "over. "
-      "Black box: splines over the covariates in place of physics.");
-  report.table(heldOutTable(heldout));
-  const HeldOutGain& gain = heldout.gain;
-  report.paragraph(print(
-      "Log likelihood gained there over the nominal model, all channels together: %.1f (95 %%: %.1f to "
-      "%.1f) with the effects, %.1f with the black box (difference, 95 %%: %.1f to %.1f). Where nothing "
-      "is missing, the best of all effects gains at most %.1f in 95 of 100 cases.",
-      gain.physics, gain.physics_ci95[0], gain.physics_ci95[1], gain.black_box, gain.over_black_box_ci95[0],
-      gain.over_black_box_ci95[1], gain.placebo));
-  for (const HeldOut& channel : heldout.channels)
-    if (!channel.blocks.empty()) report.plot(heldOutPlot(channel));
-}
-
-void addElsewhere(const DiagnosisStory& story, HtmlReport& report) {
-  if (story.elsewhere.empty()) return;
-  report.heading("Does it fit other recordings?");
-  report.paragraph(
-      "Root mean square of the channel that changes most, and the log likelihood gained over the nominal "
-      "model, all channels together: nothing of the effects, nor of the black box, was fitted there. Effects "
-      "for a part of the recording are left out.");
-  report.table(elsewhereTable(story));
-}
+// ---- what it looks like
 
 std::string likeness(const SimulatedImage& image) {
   std::string text;
@@ -262,6 +232,38 @@ void addImages(const DiagnosisStory& story, HtmlReport& report) {
     else
       report.picture(image.before.difference_png, scale);
   }
+}
+
+// ---- does it fit
+
+void addHeldOut(const DiagnosisStory& story, HtmlReport& report) {
+  const HeldOutResult& heldout = story.diagnosis.heldout;
+  if (heldout.channels.empty()) return;
+  report.heading("Does it fit what the fit did not see?");
+  report.paragraph(
+      "Root mean square on stretches that were held out: there only the effects' parameters are carried "
+      "over. "
+      "Black box: splines over the covariates in place of physics.");
+  report.table(heldOutTable(heldout));
+  const HeldOutGain& gain = heldout.gain;
+  report.paragraph(print(
+      "Log likelihood gained there over the nominal model, all channels together: %.1f (95 %%: %.1f to "
+      "%.1f) with the effects, %.1f with the black box (difference, 95 %%: %.1f to %.1f). Where nothing "
+      "is missing, the best of all effects gains at most %.1f in 95 of 100 cases.",
+      gain.physics, gain.physics_ci95[0], gain.physics_ci95[1], gain.black_box, gain.over_black_box_ci95[0],
+      gain.over_black_box_ci95[1], gain.placebo));
+  for (const HeldOut& channel : heldout.channels)
+    if (!channel.blocks.empty()) report.plot(heldOutPlot(channel));
+}
+
+void addElsewhere(const DiagnosisStory& story, HtmlReport& report) {
+  if (story.elsewhere.empty()) return;
+  report.heading("Does it fit other recordings?");
+  report.paragraph(
+      "Root mean square of the channel that changes most, and the log likelihood gained over the nominal "
+      "model, all channels together: nothing of the effects, nor of the black box, was fitted there. Effects "
+      "for a part of the recording are left out.");
+  report.table(elsewhereTable(story));
 }
 
 /// The worst first; where nothing stands out, a few that show so.
@@ -369,11 +371,11 @@ HtmlReport reportOf(const DiagnosisStory& story) {
   addEffects(story, report);
   addInteractions(story, report);
   addAlternatives(story, report);
+  addImages(story, report);
   addMismatch(story, report);
   addCandidates(story, report);
   addHeldOut(story, report);
   addElsewhere(story, report);
-  addImages(story, report);
   addResiduals(story, report);
   addNoise(story, report);
   addRerun(story, report);
