@@ -1,5 +1,8 @@
 #include "support/batch_runs.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace fathom::test {
 
 Pose beforePanel(double t) {

@@ -7,8 +7,8 @@
 #include "panel/marker_family.h"
 
 namespace fathom::test {
-
 namespace {
+
 /// A marker with the inverse of its placement, so that a point of its plane finds its cell.
 struct DrawnMarker {
   MarkerPattern pattern;
@@ -44,9 +44,7 @@ cv::Rect boundingBox(const Marker& marker, double cell_m, const CameraModel& cam
       cv::Point(static_cast<int>(std::ceil(high_x)) + 2, static_cast<int>(std::ceil(high_y)) + 2));
   return box & cv::Rect(0, 0, camera.width_px, camera.height_px);
 }
-}  // namespace
 
-namespace {
 /// `count` equally likely offsets from a pixel's centre, px: the pixel's box blurred by a Gaussian. (Blurring
 /// the image instead would make a point spread of steps.)
 std::vector<double> sampleOffsets(double blur_sigma_px, int count) {

@@ -1,5 +1,8 @@
 #include "support/ray_caster.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace fathom::test {
 
 Hit castRay(const Surface& surface, const Vector3d& from_odom, const Vector3d& direction_odom) {
