@@ -7,6 +7,7 @@
 
 #include "sensors/camera_geometry.h"
 #include "sensors/models.h"
+#include "sensors/two_views.h"
 
 namespace fathom {
 namespace {

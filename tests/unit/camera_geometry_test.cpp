@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "sensors/two_views.h"
 
 namespace fathom {
 namespace {
