@@ -35,6 +35,7 @@ nlohmann::ordered_json toJson(const Parameter& parameter) {
   json["prior_sigma"] = nullptr;
   if (parameter.kind == ParameterKind::continuous) json["prior_sigma"] = parameter.prior_sigma;
   json["limit"] = parameter.limit;
+  json["positive"] = parameter.positive;
   json["optional"] = parameter.optional;
   json["usual"] = parameter.usual;
   return json;

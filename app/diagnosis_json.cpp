@@ -53,7 +53,7 @@ Json candidateJson(const Candidate& candidate, const BatchData& data) {
           {"name", nameOf(candidate)},
           {"marker_id", candidate.marker_id ? Json(*candidate.marker_id) : Json(nullptr)},
           {"time_s", optionalJson(candidate.time_s)},
-          {"active_s", intervalJson(within(candidate.active_s, data))}};
+          {"active_s", intervalJson(activeIn(candidate, data))}};
 }
 
 Json mismatchJson(const Mismatch& m, const BatchData& data) {
@@ -103,7 +103,7 @@ Json effectJson(const FoundEffect& effect, const DiagnosisStory& story) {
     if (!parameter.sigma.empty()) json["sigma"][parameter.name] = numbersJson(parameter.sigma);
   }
   if (const auto& id = effect.candidate.marker_id) json["parameters"]["marker_id"] = *id;
-  json["active_s"] = intervalJson(within(effect.candidate.active_s, story.read.input.data));
+  json["active_s"] = intervalJson(activeIn(effect.candidate, story.read.input.data));
   json["sqrt_lambda"] = effect.sqrt_lambda;
   json["evidence"] = {{"heldout_log_likelihood_gain", effect.heldout_log_likelihood_gain},
                       {"bic_gain", effect.bic_gain},

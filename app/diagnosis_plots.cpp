@@ -1,6 +1,7 @@
 #include "diagnosis_plots.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -90,7 +91,94 @@ std::optional<Linearization> residualsOf(const BatchData& data, const BatchEstim
   return linearize(data, *problemAt(data, estimate, options), false);
 }
 
+/// Of the nominal model's estimate and, where they differ, of the final one's.
+struct BeforeAndAfter {
+  std::optional<Linearization> before, after;
+
+  explicit BeforeAndAfter(const DiagnosisStory& story) {
+    const Diagnosis& d = story.diagnosis;
+    before = residualsOf(story.read.input.data, d.before, d.before_options);
+    if (!modelledEffects(d).empty()) after = residualsOf(story.read.input.data, d.after, d.after_options);
+  }
+};
+
+// ---- brightness against range
+
+constexpr int kRangeBins = 24;
+
+bool isOn(const RowInfo& row, const BatchData& data, ImagePatch::Surface surface, int colour) {
+  return row.patch >= 0 && row.component == colour &&
+         data.patches[static_cast<std::size_t>(row.patch)].surface == surface;
+}
+
+Series recordedSeries(const Linearization& linear, const BatchData& data, ImagePatch::Surface surface,
+                      int colour, const std::string& name, const char* color) {
+  Series series{.name = name, .style = Series::Style::kPoints, .color = color};
+  for (const RowInfo& row : linear.rows) {
+    if (!isOn(row, data, surface, colour)) continue;
+    series.x.push_back(row.range_m);
+    series.y.push_back((row.level + row.raw) * unitOf(BatchChannel::pixels).scale);
+  }
+  return series;
+}
+
+/// Means in bins of range: what a patch should read depends on more than its range.
+Series modelSeries(const Linearization& linear, const BatchData& data, ImagePatch::Surface surface,
+                   int colour, const std::string& name, const char* color, Series::Style style) {
+  struct Bin {
+    double range_m = 0, level = 0, rows = 0;
+  };
+  const Series all = recordedSeries(linear, data, surface, colour, "", color);
+  Series series{.name = name, .style = style, .color = color};
+  if (all.x.empty()) return series;
+  const auto [least, most] = std::minmax_element(all.x.begin(), all.x.end());
+  std::array<Bin, kRangeBins> bins{};
+  for (const RowInfo& row : linear.rows) {
+    if (!isOn(row, data, surface, colour)) continue;
+    const double at = (row.range_m - *least) / std::max(*most - *least, 1e-9) * kRangeBins;
+    Bin& bin = bins[static_cast<std::size_t>(std::clamp(static_cast<int>(at), 0, kRangeBins - 1))];
+    bin.range_m += row.range_m;
+    bin.level += row.level * unitOf(BatchChannel::pixels).scale;
+    ++bin.rows;
+  }
+  for (const Bin& bin : bins) {
+    if (bin.rows == 0) continue;
+    series.x.push_back(bin.range_m / bin.rows);
+    series.y.push_back(bin.level / bin.rows);
+  }
+  return series;
+}
+
 }  // namespace
+
+std::vector<Plot> brightnessPlots(const DiagnosisStory& story) {
+  using Surface = ImagePatch::Surface;
+  const BatchData& data = story.read.input.data;
+  if (data.patches.empty()) return {};
+  const auto [before, after] = BeforeAndAfter(story);
+  if (!before) return {};
+  std::vector<Plot> plots;
+  for (int colour = 0; colour < 3; ++colour) {
+    Plot plot{
+        .title = std::string("White and black of the markers, ") + nameOfAxis(BatchChannel::pixels, colour),
+        .x_label = "range [m]",
+        .y_label = "linear brightness [" + unitOf(BatchChannel::pixels).name + "]"};
+    plot.height_px = 320;
+    const auto model = [&](const Linearization& linear, Surface surface, const char* name, const char* color,
+                           Series::Style style) {
+      plot.series.push_back(
+          modelSeries(linear, data, surface, colour, surface == Surface::white ? name : "", color, style));
+    };
+    plot.series.push_back(recordedSeries(*before, data, Surface::white, colour, "white", kPalette[4]));
+    plot.series.push_back(recordedSeries(*before, data, Surface::black, colour, "black", kNoiseColor));
+    for (const Surface surface : {Surface::white, Surface::black}) {
+      model(*before, surface, "nominal model", kBeforeColor, Series::Style::kDashed);
+      if (after) model(*after, surface, "with what was found", kAfterColor, Series::Style::kLine);
+    }
+    plots.push_back(std::move(plot));
+  }
+  return plots;
+}
 
 Plot covariatePlot(const Mismatch& before, const Mismatch* after) {
   Plot plot{.title = sensorOf(before) + ": " + before.statistic + " against " + before.against,
@@ -123,13 +211,10 @@ Plot heldOutPlot(const HeldOut& heldout) {
 }
 
 std::vector<Plot> residualPlots(const DiagnosisStory& story) {
-  const Diagnosis& d = story.diagnosis;
-  const BatchData& data = story.read.input.data;
-  const auto before = residualsOf(data, d.before, d.before_options);
-  const auto after = modelledEffects(d).empty() ? std::nullopt : residualsOf(data, d.after, d.after_options);
+  const auto [before, after] = BeforeAndAfter(story);
   std::vector<Plot> plots;
   if (!before) return plots;
-  for (const auto& [channel, residual] : d.before.residuals) {
+  for (const auto& [channel, residual] : story.diagnosis.before.residuals) {
     if (channel == BatchChannel::prior || residual.rows == 0) continue;
     plots.push_back(cloudPlot(channel, *before, after ? ", before" : ""));
     if (!after) continue;

@@ -15,6 +15,10 @@ Plot covariatePlot(const Mismatch& before, const Mismatch* after);
 /// Held-out stretches one by one: before, after, black box, and what noise alone makes.
 Plot heldOutPlot(const HeldOut& heldout);
 
+/// White and black of the markers against range, as recorded and as the nominal model and the final one have
+/// them: a plot a colour. None without patches.
+std::vector<Plot> brightnessPlots(const DiagnosisStory& story);
+
 /// Raw residuals of each channel over time, of the nominal model's estimate and, where they differ, of the
 /// final one's: two plots of the same scale.
 std::vector<Plot> residualPlots(const DiagnosisStory& story);

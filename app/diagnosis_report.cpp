@@ -234,6 +234,19 @@ void addImages(const DiagnosisStory& story, HtmlReport& report) {
   }
 }
 
+void addBrightness(const DiagnosisStory& story, HtmlReport& report) {
+  const std::vector<Plot> plots = brightnessPlots(story);
+  if (plots.empty()) return;
+  report.heading("Brightness against range");
+  report.paragraph(
+      "Each point is what the camera read of one marker's white or black in one image, its response undone. "
+      "The "
+      "lines are what the models say of the same patches, averaged over pieces of range. White less black "
+      "has no "
+      "veil in it; black alone is the veil, and what the camera adds.");
+  for (const Plot& plot : plots) report.plot(plot);
+}
+
 // ---- does it fit
 
 void addHeldOut(const DiagnosisStory& story, HtmlReport& report) {
@@ -372,6 +385,7 @@ HtmlReport reportOf(const DiagnosisStory& story) {
   addInteractions(story, report);
   addAlternatives(story, report);
   addImages(story, report);
+  addBrightness(story, report);
   addMismatch(story, report);
   addCandidates(story, report);
   addHeldOut(story, report);

@@ -76,6 +76,12 @@ std::string textOf(const FoundParameter& parameter) {
   return parameter.unit == "1" ? text : text + " " + parameter.unit;
 }
 
+std::optional<Interval> activeIn(const Candidate& candidate, const BatchData& data) {
+  if (!candidate.peak) return within(candidate.active_s, data);
+  const auto& [time_s, width_s] = *candidate.peak;
+  return within({time_s - 2 * width_s, time_s + 2 * width_s}, data);
+}
+
 std::optional<Interval> within(const Interval& interval, const BatchData& data) {
   if (interval == Interval{}) return {};
   return Interval{std::max(interval.from_s, data.first_s), std::min(interval.to_s, data.last_s)};
@@ -106,7 +112,7 @@ Table effectTable(const DiagnosisStory& story) {
       if (first)
         table.rows.back().insert(
             table.rows.back().end(),
-            {textOf(within(effect.candidate.active_s, story.read.input.data)), fixed(effect.sqrt_lambda, 1)});
+            {textOf(activeIn(effect.candidate, story.read.input.data)), fixed(effect.sqrt_lambda, 1)});
       first = false;
     }
   }

@@ -51,6 +51,8 @@ std::string textOf(const FoundParameter& parameter);
 
 /// An interval as far as the recording has it, s since its first entry; nothing where it is for good.
 std::optional<Interval> within(const Interval& interval, const BatchData& data);
+/// When a candidate was on, of one that was on for a part only: of a peak two widths to either side.
+std::optional<Interval> activeIn(const Candidate& candidate, const BatchData& data);
 /// "12.0 to 171.0 s", "always".
 std::string textOf(const std::optional<Interval>& interval);
 

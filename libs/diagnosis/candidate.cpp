@@ -1,16 +1,25 @@
 #include "diagnosis/candidate.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/text.h"
-#include "effects/catalogue.h"
 
 namespace fathom {
+namespace {
+
+double shareOfPeak(const Peak& peak, double t_s) {
+  const double away = (t_s - peak.time_s) / peak.width_s;
+  return std::exp(-0.5 * away * away);
+}
+
+}  // namespace
 
 std::string nameOf(const Candidate& candidate) {
   std::string name{allEffects()[candidate.effect].id};
   if (candidate.marker_id) name += print(" %d", *candidate.marker_id);
   if (candidate.time_s) name += print(" at %.1f s", *candidate.time_s);
+  if (candidate.peak) name += print(" around %.1f s", candidate.peak->time_s);
   if (candidate.active_s.from_s > -Interval::kForever_s)
     name += print(" from %.1f s", candidate.active_s.from_s);
   if (candidate.active_s.to_s < Interval::kForever_s) name += print(" to %.1f s", candidate.active_s.to_s);
@@ -25,6 +34,10 @@ void switchOn(EffectParameters<double>& calibration, const Candidate& candidate)
   for (const Parameter& p : effect.parameters) {
     if (p.kind == ParameterKind::marker_id) calibration.values[scalar] = candidate.marker_id.value_or(0);
     if (p.kind == ParameterKind::time) calibration.values[scalar] = candidate.time_s.value_or(0);
+    if (p.kind == ParameterKind::peak_time && candidate.peak)
+      calibration.values[scalar] = candidate.peak->time_s;
+    if (p.kind == ParameterKind::log_width && candidate.peak)
+      calibration.values[scalar] = std::log(candidate.peak->width_s / p.usual_width_s);
     scalar += static_cast<std::size_t>(p.size);
   }
 }
@@ -34,6 +47,18 @@ bool actsOn(const Candidate& candidate, const RowInfo& row) {
   if (candidate.marker_id && row.marker_id != *candidate.marker_id) return false;
   if (candidate.time_s && row.t_s < *candidate.time_s) return false;
   return candidate.active_s.contains(row.t_s);
+}
+
+bool hasPeak(const EffectInfo& effect) { return effect.has(ParameterKind::peak_time); }
+
+Peak peakOf(const EffectParameters<double>& calibration, std::size_t effect) {
+  Peak peak;
+  for (std::size_t s = kEffectOffsets[effect]; s < kEffectOffsets[effect + 1]; ++s) {
+    const Parameter& p = parameterOf(s);
+    if (p.kind == ParameterKind::peak_time) peak.time_s = calibration.values[s];
+    if (p.kind == ParameterKind::log_width) peak.width_s = p.usual_width_s * std::exp(calibration.values[s]);
+  }
+  return peak;
 }
 
 std::vector<std::size_t> columnsOf(const Linearization& linear, std::size_t effect) {
@@ -61,10 +86,12 @@ Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::ve
   int column = 0;
   for (const Candidate& candidate : candidates)
     for (const std::size_t c : columnsOf(linear, candidate.effect)) {
+      const bool at_peak = candidate.peak && !linear.columns[c].on;
       for (std::size_t i = 0; i < linear.rows.size(); ++i) {
         const double value = linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c));
-        if (value != 0 && actsOn(candidate, linear.rows[i]))
-          entries.emplace_back(static_cast<int>(i), column, value);
+        if (value == 0 || !actsOn(candidate, linear.rows[i])) continue;
+        const double share = at_peak ? shareOfPeak(*candidate.peak, linear.rows[i].t_s) : 1;
+        entries.emplace_back(static_cast<int>(i), column, share * value);
       }
       ++column;
     }

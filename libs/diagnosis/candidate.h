@@ -4,18 +4,26 @@
 #include <string>
 #include <vector>
 
+#include "effects/catalogue.h"
 #include "estimation/linearization.h"
 
 namespace fathom {
+
+/// Of an effect that comes and goes.
+struct Peak {
+  double time_s = 0, width_s = 0;  ///< the second: a normal curve's standard deviation
+  friend bool operator==(const Peak&, const Peak&) = default;
+};
 
 /// An effect that may be missing: a registered effect, and what a fit cannot differentiate by.
 struct Candidate {
   std::size_t effect = 0;        ///< in the registry
   std::optional<int> marker_id;  ///< where the effect has one
   std::optional<double> time_s;  ///< of a step, where the effect has one
+  std::optional<Peak> peak;      ///< where to start from, where the effect has one
   Interval active_s;             ///< the default: for good
 
-  bool isForGood() const { return active_s == Interval{}; }
+  bool isForGood() const { return active_s == Interval{} && !time_s && !peak; }
   friend bool operator==(const Candidate&, const Candidate&) = default;
 };
 
@@ -27,6 +35,10 @@ void switchOn(EffectParameters<double>& calibration, const Candidate& candidate)
 
 /// Whether the candidate acts on a reading.
 bool actsOn(const Candidate& candidate, const RowInfo& row);
+/// Whether the effect comes and goes.
+bool hasPeak(const EffectInfo& effect);
+/// When it does, as a calibration has it.
+Peak peakOf(const EffectParameters<double>& calibration, std::size_t effect);
 
 /// Scalars that a fit estimates: so many columns has the candidate.
 std::vector<std::size_t> columnsOf(const Linearization& linear, std::size_t effect);

@@ -114,8 +114,10 @@ class Course {
 Refit Course::fit(const Refit& from, const std::vector<Candidate>& effects) {
   std::set<std::string> names;
   for (const Candidate& effect : effects)
-    names.insert(nameOf(effect) + print(" %.17g %.17g %.17g", effect.time_s.value_or(0),
-                                        effect.active_s.from_s, effect.active_s.to_s));
+    names.insert(nameOf(effect) + print(" %.17g %.17g %.17g %.17g %.17g", effect.time_s.value_or(0),
+                                        effect.active_s.from_s, effect.active_s.to_s,
+                                        effect.peak.value_or(Peak{}).time_s,
+                                        effect.peak.value_or(Peak{}).width_s));
   std::string key;
   for (const std::string& name : names) key += name + "\n";
   const auto [it, is_new] = fitted_.try_emplace(key);
@@ -165,7 +167,7 @@ Refit Course::settled(Refit fit) {
   for (std::size_t i = 0; i < effects.size(); ++i) {
     const Refit rest = without(fit, effects, i);
     if (!rest.succeeded) continue;
-    const bool lasting = effects[i].isForGood() && !effects[i].time_s;
+    const bool lasting = effects[i].isForGood();
     if (lasting && !effects[i].marker_id) continue;  // screened with intervals already
     const Candidate better = lasting ? bestInterval(*rest.model, effects[i], options_.segments / 3)
                                      : refinedInterval(*rest.model, effects[i], segment_s());
@@ -203,7 +205,7 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
   }
   if (isCameraAlone())
     for (const TestedCandidate& tested : screening.candidates())
-      if (tested.candidate.isForGood() && !tested.candidate.marker_id && !tested.candidate.time_s) {
+      if (tested.candidate.isForGood() && !tested.candidate.marker_id) {
         std::vector<Candidate> effects = from.effects;
         effects.push_back(tested.candidate);
         tryOne(effects);
@@ -291,7 +293,7 @@ bool Course::isBelieved(const Refit& fit, double looks) {
 /// An effect for a part of the recording can be made to fit any few images that are a little off: it must
 /// show on stretches that it was not fitted to. One that does not is not tried again.
 bool Course::leaveOutUnconfirmed(const Refit& fit) {
-  const auto isPart = [](const Candidate& effect) { return !effect.isForGood() || effect.time_s; };
+  const auto isPart = [](const Candidate& effect) { return !effect.isForGood(); };
   if (std::none_of(fit.effects.begin(), fit.effects.end(), isPart)) return false;
   const HeldOutResult held = heldOut(fit, false);
   bool any = false;
@@ -421,6 +423,8 @@ FoundEffect Course::describe(std::size_t effect) {
   found.candidate = final_.effects[effect];
   for (const EffectEstimate& estimate : final_.estimates)
     if (estimate.effect == found.candidate.effect) found.estimates.push_back(estimate);
+  if (found.candidate.peak)
+    found.candidate.peak = peakOf(final_.estimate.state.effects, found.candidate.effect);
   found.sqrt_lambda = sqrtLambda(final_, found.candidate.effect);
   const Refit rest = without(final_, effect);
   if (rest.succeeded) {

@@ -56,7 +56,7 @@ double rmsOf(const Eigen::VectorXd& left, const Linearization& linear, BatchChan
 std::vector<Candidate> lastingEffects(const Diagnosis& diagnosis) {
   std::vector<Candidate> lasting;
   for (const FoundEffect& found : diagnosis.effects.empty() ? diagnosis.nearest : diagnosis.effects)
-    if (found.candidate.isForGood() && !found.candidate.time_s) lasting.push_back(found.candidate);
+    if (found.candidate.isForGood()) lasting.push_back(found.candidate);
   return lasting;
 }
 

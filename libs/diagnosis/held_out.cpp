@@ -9,6 +9,7 @@
 #include "core/random.h"
 #include "diagnosis/black_box.h"
 #include "diagnosis/placebo.h"
+#include "effects/catalogue.h"
 
 namespace fathom {
 namespace {
@@ -149,8 +150,10 @@ Eigen::VectorXd valuesOf(const Linearization& linear, const std::vector<Candidat
                          const EffectParameters<double>& all) {
   std::vector<double> values;
   for (const Candidate& effect : effects)
-    for (const std::size_t c : columnsOf(linear, effect.effect))
-      values.push_back(all.values[linear.columns[c].scalar]);
+    for (const std::size_t c : columnsOf(linear, effect.effect)) {
+      const std::size_t scalar = linear.columns[c].scalar;
+      values.push_back(isSize(parameterOf(scalar).kind) ? all.values[scalar] : 0);
+    }
   return Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values));
 }
 

@@ -121,6 +121,7 @@ double separation(const WhitenedModel& model, const SizedEffect& first, const Si
 /// On for good: a manoeuvre is made where and when the effect acts.
 SizedEffect lasting(SizedEffect effect) {
   effect.candidate.active_s = {};
+  effect.candidate.peak = {};
   if (effect.candidate.time_s) effect.candidate.time_s = 0;
   return effect;
 }
@@ -172,7 +173,7 @@ const std::vector<Manoeuvre>& manoeuvres() {
 SizedEffect sized(const Refit& fit, const Candidate& effect) {
   std::vector<double> values;
   for (const EffectEstimate& estimate : fit.estimates)
-    if (estimate.effect == effect.effect) values.push_back(estimate.value);
+    if (estimate.effect == effect.effect) values.push_back(estimate.size());
   return {effect, Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values))};
 }
 

@@ -17,6 +17,7 @@ constexpr std::size_t kFewestRows = 30;  // fewer show no noise of their own
 constexpr double kClearSigmas = 4;       // from which on a correlation is more than chance
 constexpr double kLargestCorrelation = 0.95;
 constexpr std::size_t kFewestMarkers = 4;
+constexpr int kPeaks = 16;  // over the recording: narrower ones are noise until they are found
 constexpr double kLargestTolerance_m = 1.0;
 
 /// The estimate with all lasting effects among its unknowns, each held by its prior.
@@ -26,8 +27,25 @@ struct Saturated {
   Eigen::VectorXd residual;
 };
 
+/// Of an effect that comes and goes, whenever it may be: one peak beside another.
+std::vector<Candidate> peaksOf(const Linearization& linear) {
+  const auto [first_s, last_s] = readingsSpan(linear);
+  const double spacing_s = std::max(1e-9, (last_s - first_s) / kPeaks);
+  std::vector<Candidate> candidates;
+  for (const EffectInfo& effect : allEffects())
+    for (int k = 0; k <= kPeaks && hasPeak(effect) && !isEstimated(linear, effect.index); ++k) {
+      Candidate candidate;
+      candidate.effect = effect.index;
+      candidate.peak = {first_s + k * spacing_s, spacing_s};
+      candidates.push_back(candidate);
+    }
+  return candidates;
+}
+
 Saturated saturate(const Linearization& linear) {
-  const std::vector<Candidate> candidates = lastingCandidates(linear);
+  std::vector<Candidate> candidates = lastingCandidates(linear);
+  const std::vector<Candidate> peaks = peaksOf(linear);
+  candidates.insert(candidates.end(), peaks.begin(), peaks.end());
   const Eigen::SparseMatrix<double> J =
       withHeldColumns(linear.J, columnsOf(linear, candidates), priorSigmas(linear, candidates));
   Eigen::VectorXd residual = Eigen::VectorXd::Zero(J.rows());
@@ -160,8 +178,8 @@ std::vector<Candidate> lastingCandidates(const Linearization& linear) {
   const std::set<int> ids = markersOf(linear);
   std::vector<Candidate> candidates;
   for (const EffectInfo& effect : allEffects()) {
-    if (isEstimated(linear, effect.index) || effect.has(ParameterKind::time)) continue;
-    Candidate candidate{.effect = effect.index, .marker_id = {}, .time_s = {}, .active_s = {}};
+    if (isEstimated(linear, effect.index) || effect.has(ParameterKind::time) || hasPeak(effect)) continue;
+    Candidate candidate{.effect = effect.index, .marker_id = {}, .time_s = {}, .peak = {}, .active_s = {}};
     if (!effect.has(ParameterKind::marker_id)) candidates.push_back(candidate);
     for (const int id : ids)
       if (effect.has(ParameterKind::marker_id)) {

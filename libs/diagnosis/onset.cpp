@@ -30,6 +30,8 @@ std::vector<double> evidences(const WhitenedModel& model, const std::vector<Cand
 std::vector<double*> edgesOf(Candidate& candidate) {
   std::vector<double*> edges;
   if (candidate.time_s) edges.push_back(&*candidate.time_s);
+  if (candidate.peak) edges.push_back(&candidate.peak->time_s);
+  if (candidate.peak) edges.push_back(&candidate.peak->width_s);
   if (candidate.active_s.from_s > -Interval::kForever_s) edges.push_back(&candidate.active_s.from_s);
   if (candidate.active_s.to_s < Interval::kForever_s) edges.push_back(&candidate.active_s.to_s);
   return edges;
@@ -44,7 +46,9 @@ Candidate refinedInterval(const WhitenedModel& model, Candidate candidate, doubl
       for (const int k : {0, -2, -1, 1, 2}) {
         tried.push_back(candidate);
         *edgesOf(tried.back())[edge] += 0.5 * k * step_s;
-        if (tried.back().active_s.from_s >= tried.back().active_s.to_s) tried.pop_back();
+        const Candidate& last = tried.back();
+        if (last.active_s.from_s >= last.active_s.to_s || (last.peak && last.peak->width_s <= 0))
+          tried.pop_back();
       }
       const std::vector<double> evidence = evidences(model, tried);
       candidate = tried[static_cast<std::size_t>(std::max_element(evidence.begin(), evidence.end()) -

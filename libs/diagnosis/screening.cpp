@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "core/chi_square.h"
@@ -67,7 +68,7 @@ Screening::Screening(const WhitenedModel& model, int segments, const std::set<st
       if (one.information.rank > 0) all_.push_back(one);
     }
     for (std::size_t i = 0; i < all.size(); ++i) {
-      const bool for_good = tested[i].candidate.isForGood() && !tested[i].candidate.time_s;
+      const bool for_good = tested[i].candidate.isForGood();
       if (!for_good && tested[i].dof > 0 && (!best || tested[i].support > tested[*best].support)) best = i;
       if (!for_good || tested[i].dof == 0) continue;
       tested_.push_back(tested[i]);
@@ -119,10 +120,12 @@ void Screening::layOut(const Linearization& linear, int segments, const std::set
   Eigen::Index column = 0;
   for (const EffectInfo& effect : allEffects()) {
     const bool lasts = lasting_only.contains(effect.index);
-    if (isEstimated(linear, effect.index) || (lasts && effect.has(ParameterKind::time))) continue;
+    if (isEstimated(linear, effect.index) || (lasts && (effect.has(ParameterKind::time) || hasPeak(effect))))
+      continue;
     Family family;
     family.candidate.effect = effect.index;
     family.is_step = effect.has(ParameterKind::time);
+    family.has_peak = hasPeak(effect);
     for (const std::size_t c : columnsOf(linear, effect.index))
       family.scalars.push_back(linear.columns[c].scalar);
     family.prior_sigma = priorSigmas(linear, {family.candidate});
@@ -172,7 +175,8 @@ std::vector<Screening::Run> Screening::runsOf(std::size_t family) const {
     return runs;
   }
   for (int from = 0; from < f.segments; ++from)
-    for (int to = from + 1; to <= f.segments; ++to) runs.push_back({family, from, to});
+    for (int to = from + 1; to <= f.segments; ++to)
+      if (!f.has_peak || to - from < f.segments) runs.push_back({family, from, to});
   return runs;
 }
 
@@ -182,6 +186,10 @@ Candidate Screening::candidateOf(const Run& run) const {
   const double from_s = first_s_ + run.from * segment_s_, to_s = first_s_ + run.to * segment_s_;
   if (family.is_step) {
     candidate.time_s = from_s;
+    return candidate;
+  }
+  if (family.has_peak) {  // as much, and as high
+    candidate.peak = {0.5 * (from_s + to_s), (to_s - from_s) / std::sqrt(2 * std::numbers::pi)};
     return candidate;
   }
   if (run.from > 0) candidate.active_s.from_s = from_s;
@@ -225,15 +233,20 @@ TestedCandidate Screening::test(const Test& test) const {
   tested.candidate = candidateOf(run);
   tested.dof = information.rank;
   if (tested.dof == 0) return tested;
+  tested.kept = std::sqrt(std::max(0.0, A.trace()) / normsOf(run).squaredNorm());
+  // The residual is reading - prediction to first order in -C: what lowers it is -value.
+  const Eigen::VectorXd value = -information.inverse * g;
+  bool is_possible = true;
+  for (Eigen::Index k = 0; k < family.size; ++k) {
+    const std::size_t scalar = family.scalars[static_cast<std::size_t>(k)];
+    tested.one_step.push_back(
+        {family.candidate.effect, scalar, value[k], std::sqrt(information.inverse(k, k))});
+    is_possible = is_possible && !(parameterOf(scalar).positive && value[k] < 0);
+  }
+  if (!is_possible) return tested;
   tested.statistic = g.dot(information.inverse * g);
   tested.log_p = chiSquareLogTail(tested.dof, tested.statistic);
   tested.support = fathom::support(A, g, family.prior_sigma);
-  tested.kept = std::sqrt(std::max(0.0, A.trace()) / normsOf(run).squaredNorm());
-  const Eigen::VectorXd value = information.inverse * g;
-  for (Eigen::Index k = 0; k < family.size; ++k)
-    // The residual is reading - prediction to first order in -C: what lowers it is -value.
-    tested.one_step.push_back({family.candidate.effect, family.scalars[static_cast<std::size_t>(k)],
-                               -value[k], std::sqrt(information.inverse(k, k))});
   return tested;
 }
 

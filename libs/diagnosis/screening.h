@@ -22,7 +22,9 @@ struct Information {
 /// An effect tested at the model without it, to first order.
 struct TestedCandidate {
   Candidate candidate;
-  double statistic = 0;  ///< score statistic: chi-square of `dof` where the effect is not there
+  /// Score statistic: chi-square of `dof` where the effect is not there; 0 of one that less than nothing
+  /// would have to be there of.
+  double statistic = 0;
   int dof = 0;
   double log_p = 0;    ///< ln of its probability where nothing is missing, for this candidate alone
   double support = 0;  ///< -ln p, prior and looking elsewhere accounted for
@@ -65,7 +67,7 @@ class Screening {
     Eigen::VectorXd prior_sigma;       ///< of each
     Eigen::Index first = 0, size = 0;
     int segments = 1;
-    bool is_step = false;
+    bool is_step = false, has_peak = false;
   };
   /// A run of a family's segments.
   struct Run {

@@ -72,7 +72,7 @@ Eigen::SparseMatrix<double> WhitenedModel::nuisanceColumns(const NoiseModel& noi
   if (noise.panel_tolerance_m == 0) return J;
   const std::map<int, double> half_sizes = halfSizes(data);
   std::vector<Candidate> places;
-  for (const int id : markersOf(linear_)) places.push_back({kEffectIndex<MarkerMoved>, id, {}, {}});
+  for (const int id : markersOf(linear_)) places.push_back({kEffectIndex<MarkerMoved>, id, {}, {}, {}});
   Eigen::VectorXd sigma(4 * std::ssize(places));
   for (std::size_t k = 0; k < places.size(); ++k) {
     const double offset_m = noise.panel_tolerance_m;

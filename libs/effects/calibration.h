@@ -18,7 +18,8 @@
 namespace fathom {
 
 /// Throws Error: unknown effect (lists the known ones), an effect twice, a parameter missing, unknown, of the
-/// wrong size, beyond its limit or, of an id, not a whole number; an interval that ends before it begins.
+/// wrong size, beyond its limit, negative where it must not be or, of an id, not a whole number; an interval
+/// that ends before it begins.
 EffectParameters<double> readCalibration(const std::filesystem::path& file);
 EffectParameters<double> parseCalibration(const YamlMap& map);
 /// The text form of the effects that are on; numbers to the last digit, so that reading it back is exact.

@@ -33,6 +33,17 @@ const std::vector<EffectInfo>& allEffects() {
   return effects;
 }
 
+const Parameter& parameterOf(std::size_t scalar) {
+  static const std::vector<const Parameter*> all = [] {
+    std::vector<const Parameter*> list;
+    for (const EffectInfo& effect : allEffects())
+      for (const Parameter& p : effect.parameters)
+        list.insert(list.end(), static_cast<std::size_t>(p.size), &p);
+    return list;
+  }();
+  return *all.at(scalar);
+}
+
 const EffectInfo* findEffect(std::string_view id) {
   for (const EffectInfo& effect : allEffects())
     if (effect.id == id) return &effect;
@@ -64,9 +75,13 @@ std::string_view nameOf(ParameterKind kind) {
     case ParameterKind::marker_id:
       return "marker id";
     case ParameterKind::time:
+      return "time";
+    case ParameterKind::peak_time:
+      return "peak time";
+    case ParameterKind::log_width:
       break;
   }
-  return "time";
+  return "log width";
 }
 
 }  // namespace fathom

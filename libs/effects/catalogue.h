@@ -30,6 +30,8 @@ struct EffectInfo {
 
 /// In the order of the registry.
 const std::vector<EffectInfo>& allEffects();
+/// Of a scalar by its place in EffectParameters::values.
+const Parameter& parameterOf(std::size_t scalar);
 /// Null: no such effect.
 const EffectInfo* findEffect(std::string_view id);
 /// All ids, separated by commas, for messages.
@@ -37,7 +39,7 @@ std::string knownEffects();
 
 /// "navigation", "marker geometry", "image".
 std::string_view nameOf(EffectChannel channel);
-/// "continuous", "marker id", "time".
+/// "continuous", "marker id", …
 std::string_view nameOf(ParameterKind kind);
 
 }  // namespace fathom

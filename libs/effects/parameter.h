@@ -8,8 +8,17 @@ namespace fathom {
 enum class ParameterKind {
   continuous,  ///< readings depend on it smoothly: a fit may differentiate
   marker_id,   ///< a whole number, one of the panel map's ids: tried one by one
-  time         ///< s since the recording's first entry, of a step: derivatives are zero, so searched
+  time,        ///< s since the recording's first entry, of a step: derivatives are zero, so searched
+  peak_time,   ///< the same of a peak: searched, and then estimated. Neutral is any time
+  log_width    ///< ln of a peak's width over its usual one, likewise
 };
+
+/// Whether a fit estimates it, where it is once known roughly.
+constexpr bool isEstimated(ParameterKind kind) {
+  return kind != ParameterKind::marker_id && kind != ParameterKind::time;
+}
+/// Whether it says how large an effect is; else only where or when it is.
+constexpr bool isSize(ParameterKind kind) { return kind == ParameterKind::continuous; }
 
 /// One named parameter of an effect, a scalar or a list of three. Neutral is always zero: at zero the effect
 /// changes nothing, so every effect's size is also its distance from "not there".
@@ -22,11 +31,13 @@ struct Parameter {
   double prior_sigma = 0;
   double limit = 0;  ///< |value| beyond this is a mistake in a calibration file, same unit
   ParameterKind kind = ParameterKind::continuous;
+  bool positive = false;  ///< less than nothing is impossible: neither read nor believed
   bool optional = false;  ///< a calibration file may leave it out: zero
   /// A value from which a fit finds what it may miss from zero: of a camera by itself, which may stand
   /// anywhere, both are tried. 0: zero will do.
   double other_start = 0;
   std::string_view usual{};  ///< what it stands for and its usual range
+  double usual_width_s = 0;  ///< of a log_width
 };
 
 /// What people know an effect by, where that is its parameters and the water's: results have it, calibration

@@ -32,6 +32,7 @@
 #include "effects/rolling_shutter.h"
 #include "effects/separate_backscatter.h"
 #include "effects/slant_range.h"
+#include "effects/turbidity_plume.h"
 #include "effects/vignetting.h"
 #include "effects/water_current.h"
 
@@ -42,11 +43,12 @@ namespace fathom {
 /// The only registration. Effects at the same stage are applied in this order: a misalignment turns the
 /// mounting before a lever arm moves it, a scale acts on what the sensor would have read, a bias is added to
 /// that; of the veil's own attenuation, too, the line of sight is the way.
-using AllEffects = std::tuple<DvlMisalignment, DvlLeverArm, DvlLatency, WaterCurrent, DvlScale, EarthRotation,
-                              GyroScale, GyroBias, AccelerometerBias, InsMisalignment, InsLatency,
-                              PressureDensity, PressureOffset, FlatPortRefraction, FocalScale, LensDistortion,
-                              CameraMisalignment, CameraLatency, RollingShutter, MarkerMoved, MarkerSize,
-                              PanelMoved, SeparateBackscatter, SlantRange, Vignetting, Gamma, DarkOffset>;
+using AllEffects =
+    std::tuple<DvlMisalignment, DvlLeverArm, DvlLatency, WaterCurrent, DvlScale, EarthRotation, GyroScale,
+               GyroBias, AccelerometerBias, InsMisalignment, InsLatency, PressureDensity, PressureOffset,
+               FlatPortRefraction, FocalScale, LensDistortion, CameraMisalignment, CameraLatency,
+               RollingShutter, MarkerMoved, MarkerSize, PanelMoved, SeparateBackscatter, TurbidityPlume,
+               SlantRange, Vignetting, Gamma, DarkOffset>;
 
 inline constexpr std::size_t kEffectCount = std::tuple_size_v<AllEffects>;
 

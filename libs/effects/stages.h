@@ -111,6 +111,7 @@ struct Shutter {
 /// a colour channel (red, green, blue). Both start as the base model has them, attenuation times z.
 template <class T>
 struct WaterRay {
+  double t_s = 0;                                ///< context: since the recording's first entry
   T z_m = T(0);                                  ///< way along the optical axis
   T range_m = T(0);                              ///< way along the line of sight
   Vector3<T> signal_depth = Vector3<T>::Zero();  ///< through which the scene's light comes

@@ -30,7 +30,17 @@ class Places {
       cells_[axis] = static_cast<int>(std::floor((high[axis] - low_[axis]) / kBodyCell_m)) + 1;
   }
 
-  int end() const { return first_ + 2 * static_cast<int>(panel_.markers.size()) + cells_[0] * cells_[1]; }
+  int end() const {
+    return first_ + kOfMarker * static_cast<int>(panel_.markers.size()) + cells_[0] * cells_[1];
+  }
+
+  static constexpr int kOfMarker = 2;  // black, white
+  /// Of one of its places.
+  ImagePatch::Surface surface(int place) const {
+    const int own = place - first_;
+    if (own >= kOfMarker * static_cast<int>(panel_.markers.size())) return ImagePatch::Surface::body;
+    return own % kOfMarker == 0 ? ImagePatch::Surface::black : ImagePatch::Surface::white;
+  }
 
   /// Of a point of the panel; -1 where a handle may be, whose state is not known.
   int at(const Vector3d& point_panel, double albedo) const {
@@ -42,13 +52,13 @@ class Places {
       const Vector3d point = T_marker_panel_[i] * point_panel;
       if (point.head<2>().cwiseAbs().maxCoeff() > 0.5 * panel_.markers[i].size_m) continue;
       const bool white = albedo > 0.5 * (panel_.white_albedo + panel_.black_albedo);
-      return first_ + 2 * static_cast<int>(i) + (white ? 1 : 0);
+      return first_ + kOfMarker * static_cast<int>(i) + (white ? 1 : 0);
     }
     const auto cell = [&](int axis) {
       return std::clamp(static_cast<int>(std::floor((point_panel[axis] - low_[axis]) / kBodyCell_m)), 0,
                         cells_[axis] - 1);
     };
-    return first_ + 2 * static_cast<int>(panel_.markers.size()) + cell(1) * cells_[0] + cell(0);
+    return first_ + kOfMarker * static_cast<int>(panel_.markers.size()) + cell(1) * cells_[0] + cell(0);
   }
 
  private:
@@ -94,7 +104,7 @@ Vector3d pointOf(const Patch& patch, const CameraModel& camera) {
 }
 
 ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vector<PanelMap>& panels,
-                   const CameraSheet& sheet, Time time_zero) {
+                   const std::vector<Places>& places, const CameraSheet& sheet, Time time_zero) {
   const CameraModel& camera = posed.camera.lens;
   ImagePatch patch;
   patch.t_s = secondsBetween(time_zero, posed.time);
@@ -102,6 +112,7 @@ ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vecto
   patch.eye = posed.eye;
   patch.panel = posed.panel;
   patch.place = plain.label;
+  patch.surface = places[posed.panel].surface(plain.label);
   patch.point_panel = panelFromCamera(posed, panels) * pointOf(plain, camera);
   patch.albedo = plain.albedo;
   patch.pixel = plain.pixel;
@@ -144,7 +155,7 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
   for (const Patch& patch : synchronized.patches)
     if (!patch.sigma.array().isInf().all())
       result.patches.push_back(
-          patchOf(patch, posed[synchronized.images[patch.image]], panels, maker.camera(), time_zero));
+          patchOf(patch, posed[synchronized.images[patch.image]], panels, places, maker.camera(), time_zero));
   WaterFitOptions options;
   options.start.water = {Vector3d::Constant(0.1), Vector3d::Constant(0.1)};
   options.gain = WaterFitOptions::Gain::fixed;

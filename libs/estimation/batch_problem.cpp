@@ -27,10 +27,11 @@ Eigen::MatrixXd whitener(const Eigen::VectorXd& sigma) {
 Eigen::MatrixXd whitener(int size, double sigma) { return Eigen::MatrixXd::Identity(size, size) / sigma; }
 
 /// Marker ids and times are this row's own: what acts here.
-void setDiscrete(ForwardPoint& point, int marker_id) {
+void setDiscrete(ForwardPoint& point, int marker_id, double t_s) {
   for (std::size_t s = 0; s < kEffectScalars; ++s) {
     if (scalars()[s].kind == ParameterKind::marker_id) point.effects[s] = marker_id;
     if (scalars()[s].kind == ParameterKind::time) point.effects[s] = -Interval::kForever_s;
+    if (scalars()[s].kind == ParameterKind::peak_time) point.effects[s] = t_s;
   }
 }
 
@@ -39,7 +40,7 @@ void setDiscrete(ForwardPoint& point, int marker_id) {
 std::vector<std::size_t> continuousScalars(std::size_t effect) {
   std::vector<std::size_t> list;
   for (std::size_t s = kEffectOffsets[effect]; s < kEffectOffsets[effect + 1]; ++s)
-    if (scalars()[s].kind == ParameterKind::continuous) list.push_back(s);
+    if (isEstimated(scalars()[s].kind)) list.push_back(s);
   return list;
 }
 
@@ -195,7 +196,7 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   ForwardPoint& point = cost->at_reference;
 
   // What acts on it.
-  setDiscrete(point, marker == nullptr ? -1 : marker->marker.id);
+  setDiscrete(point, marker == nullptr ? -1 : marker->marker.id, source.t_s);
   cost->acting = actingOn(*model, source);
   for (const EffectInfo& effect : allEffects())
     cost->told[effect.index] =
@@ -203,7 +204,7 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   point.on = cost->acting;
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (cost->acting[e])
-      for (const std::size_t s : continuousScalars(e)) point.effects[s] += reference_.effects.values[s];
+      for (const std::size_t s : continuousScalars(e)) point.effects[s] = reference_.effects.values[s];
   const std::size_t panel = marker != nullptr ? marker->panel : patch != nullptr ? patch->panel : kNone;
   const std::size_t image = marker != nullptr ? marker->image : patch != nullptr ? patch->image : kNone;
   if (panel != kNone) point.T_odom_panel = reference_.T_odom_panel[panel];

@@ -21,10 +21,11 @@ std::vector<EffectColumn> effectColumnsOf(const BatchProblem& problem) {
     std::size_t scalar = effect.first_scalar;
     for (const Parameter& p : effect.parameters)
       for (int i = 0; i < p.size; ++i, ++scalar) {
-        if (p.kind != ParameterKind::continuous) continue;
+        if (!isEstimated(p.kind)) continue;
         const std::string axis = p.size > 1 ? print("[%d]", i) : "";
         columns.push_back({effect.index, scalar, std::string(effect.id) + "." + std::string(p.name) + axis,
-                           p.prior_sigma, problem.find(UnknownBlock::Kind::effect, effect.index) != nullptr});
+                           p.prior_sigma, problem.find(UnknownBlock::Kind::effect, effect.index) != nullptr,
+                           problem.reference().effects.on[effect.index]});
       }
   }
   return columns;

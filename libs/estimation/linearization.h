@@ -51,6 +51,7 @@ struct EffectColumn {
   std::string name;        ///< "dvl-lever-arm.offset_m[0]"
   double prior_sigma = 0;
   bool estimated = false;  ///< its block is among the nuisances too
+  bool on = false;         ///< at the estimate, so that a peak is where it is
 };
 
 /// At an estimate: residual(x, c) = residual + J x + C c to first order. Whitened: a unit of the noise each.
@@ -63,7 +64,8 @@ struct Linearization {
   std::vector<UnknownBlock> blocks;
   /// By every continuous scalar of every registered effect, where it acts at its estimate, else at neutral.
   /// Every row takes an effect's marker_id for its own marker's, time_s for long past and active_s for
-  /// always: a candidate (effect, marker, onset) is its columns with all other rows set to zero.
+  /// always: a candidate (effect, marker, onset) is its columns with all other rows set to zero. Where an
+  /// effect with a peak is not on, every row is taken for at the peak.
   Eigen::MatrixXd C;
   std::vector<EffectColumn> columns;
   /// Rows of one sensor's axis, or of one coordinate of one marker's corner, or one colour of

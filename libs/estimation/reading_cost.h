@@ -130,7 +130,7 @@ class ReadingCost final : public BatchCost {
     columns.setZero();
     std::vector<std::size_t> wanted;
     for (std::size_t s = 0; s < kEffectScalars; ++s)
-      if (scalars()[s].kind == ParameterKind::continuous && told[scalars()[s].effect]) wanted.push_back(s);
+      if (isEstimated(scalars()[s].kind) && told[scalars()[s].effect]) wanted.push_back(s);
     const std::vector<Pose> poses = posesAt(Eigen::VectorXd::Zero(lastColumn()));
     const Eigen::MatrixXd scale = -1.0 / static_cast<double>(nodes.size()) * whitening;
     for (const MotionNode& node : nodes) {

@@ -24,7 +24,7 @@ Vector3<T> predictLight(const Vector3<T>& scene, const T& z_m, const T& range_m,
   using std::exp, std::isfinite;
   if (!isfinite(z_m)) return water.veil;
   const Vector3<T> depth = water.attenuation_per_m * z_m;
-  WaterRay<T> ray{z_m, range_m, depth, depth};
+  WaterRay<T> ray{t_s, z_m, range_m, depth, depth};
   applyEffects(effects, t_s, ray);
   Vector3<T> light;
   for (int c = 0; c < 3; ++c)

@@ -14,9 +14,12 @@ namespace fathom {
 
 /// A few pixels of one surface of a panel, in one image. Colours are linear red, green, blue.
 struct ImagePatch {
+  enum class Surface { black, white, body };  ///< of a marker, or the panel's body
+
   double t_s = 0;  ///< the image's stamp, since the recording's first entry
   std::size_t image = 0, eye = 0, panel = 0;
   int place = 0;  ///< number of its place among all panels' places: the same in all images
+  Surface surface = Surface::body;
   Vector3d point_panel = Vector3d::Zero();  ///< its centre
   Vector3d albedo = Vector3d::Zero();       ///< of what is there, with its shading, under full ambient light
   Vector2d pixel = Vector2d::Zero();        ///< its centre

@@ -33,9 +33,10 @@ void switchOn(const EffectInfo& effect, EffectParameters<double>& parameters) {
   std::size_t i = effect.first_scalar;
   for (const Parameter& p : effect.parameters)
     for (int k = 0; k < p.size; ++k)
-      parameters.values[i++] = p.kind == ParameterKind::marker_id ? kMarkers[0]
-                               : p.kind == ParameterKind::time    ? kNow_s / 2
-                                                                  : p.prior_sigma;
+      parameters.values[i++] = p.kind == ParameterKind::marker_id   ? kMarkers[0]
+                               : p.kind == ParameterKind::time      ? kNow_s / 2
+                               : p.kind == ParameterKind::peak_time ? kNow_s - 5
+                                                                    : p.prior_sigma;
 }
 
 /// All effects at once, a few prior sigmas large.
@@ -46,7 +47,8 @@ EffectParameters<double> randomParameters(Random& random) {
     std::size_t i = effect.first_scalar;
     for (const Parameter& p : effect.parameters)
       for (int k = 0; k < p.size; ++k, ++i)
-        if (p.kind == ParameterKind::continuous) parameters.values[i] *= random.normal();
+        if (p.kind == ParameterKind::continuous || p.kind == ParameterKind::log_width)
+          parameters.values[i] *= p.positive ? std::abs(random.normal()) : random.normal();
   }
   return parameters;
 }
@@ -216,7 +218,8 @@ TEST(EffectRegistry, JetDerivativesEqualNumericOnes) {
   std::vector<double> sigma;
   for (const EffectInfo& effect : allEffects())
     for (const Parameter& p : effect.parameters)
-      sigma.insert(sigma.end(), static_cast<std::size_t>(p.size), p.prior_sigma);
+      sigma.insert(sigma.end(), static_cast<std::size_t>(p.size),
+                   p.kind == ParameterKind::peak_time ? 1.0 : p.prior_sigma);
   ASSERT_EQ(sigma.size(), kScalars);
   constexpr double h = 1e-3;
   for (int round = 0; round < 4; ++round) {
@@ -363,7 +366,7 @@ TEST(EffectRegistry, IdsAreUniqueAndEntriesWhole) {
     for (const Parameter& p : effect.parameters) {
       EXPECT_TRUE(names.insert(p.name).second) << effect.id << " " << p.name;
       EXPECT_TRUE(p.size == 1 || p.size == 3) << p.name;
-      EXPECT_EQ(p.prior_sigma > 0, p.kind == ParameterKind::continuous) << p.name;
+      EXPECT_EQ(p.prior_sigma > 0, isEstimated(p.kind)) << p.name;
       EXPECT_GT(p.limit, p.prior_sigma) << p.name;
       EXPECT_FALSE(p.unit.empty() || p.usual.empty()) << effect.id << " " << p.name;
     }

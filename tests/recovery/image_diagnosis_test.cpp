@@ -55,7 +55,7 @@ TEST_P(HiddenImageEffect, IsNamed) {
 }
 INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenImageEffect,
                          testing::Values("separate-backscatter", "slant-range", "vignetting", "gamma",
-                                         "dark-offset", "dvl-latency"));
+                                         "dark-offset", "turbidity-plume", "dvl-latency"));
 
 }  // namespace
 }  // namespace fathom

@@ -73,6 +73,13 @@ std::vector<Candidate> Excitation::candidates() const {
     Candidate candidate;
     candidate.effect = effect.index;
     const ParameterKind kind = effect.parameters[0].kind;
+    if (hasPeak(effect)) {
+      for (int k = 1; k < 10; ++k) {
+        candidate.peak = {0.1 * k * input_.data.last_s, 0.1 * input_.data.last_s};
+        all.push_back(candidate);
+      }
+      continue;
+    }
     if (kind == ParameterKind::continuous) all.push_back(candidate);
     if (kind == ParameterKind::marker_id)
       for (const Marker& marker : input_.data.panels[0].markers) {
@@ -113,7 +120,10 @@ Eigen::MatrixXd Excitation::columns(const Candidate& candidate) const {
     const bool acts = candidate.active_s.contains(row.t_s) &&
                       (!candidate.marker_id || *candidate.marker_id == row.marker_id) &&
                       (!candidate.time_s || row.t_s >= *candidate.time_s);
-    if (!acts) C.row(static_cast<Eigen::Index>(i)).setZero();
+    const auto at = static_cast<Eigen::Index>(i);
+    if (!acts) C.row(at).setZero();
+    if (const auto& peak = candidate.peak)
+      C.row(at) *= std::exp(-0.5 * std::pow((row.t_s - peak->time_s) / peak->width_s, 2));
   }
   return C;
 }
@@ -128,12 +138,15 @@ void makePossible(EffectParameters<double>& effects) {
   port[1] = std::abs(port[1]);
   port[4] = 0;
   port[5] = 0;
+  double& plume = effects.of<TurbidityPlume>()[0];
+  plume = std::abs(plume);
 }
 
 EffectParameters<double> scaled(EffectParameters<double> effects, double factor) {
   for (const EffectInfo& effect : allEffects())
     if (effects.on[effect.index])
-      for (const std::size_t scalar : continuousScalars(effect.index)) effects.values[scalar] *= factor;
+      for (const std::size_t scalar : continuousScalars(effect.index))
+        if (isSize(parameterOf(scalar).kind)) effects.values[scalar] *= factor;
   return effects;
 }
 
@@ -188,11 +201,15 @@ DiagnosisRun effectOfSize(const BatchRun& nominal, const Excitation& excitation,
     for (int i = 0; i < parameter.size; ++i, ++scalar) {
       double& value = direction.values[scalar];
       if (parameter.kind == ParameterKind::continuous) value = parameter.prior_sigma * random.normal();
+      if (parameter.kind == ParameterKind::peak_time) value = nominal.duration_s * random.uniform(0.25, 0.75);
+      if (parameter.kind == ParameterKind::log_width)
+        value = std::log(nominal.duration_s * random.uniform(0.05, 0.15) / parameter.usual_width_s);
       if (parameter.kind == ParameterKind::marker_id)
         value = *(truth.marker_id = nominal.panel.markers[random.bits() % nominal.panel.markers.size()].id);
       if (parameter.kind == ParameterKind::time)
         value = *(truth.time_s = nominal.duration_s * random.uniform(0.25, 0.75));
     }
+  if (hasPeak(effect)) truth.peak = peakOf(direction, effect.index);
   if (effect.index == kEffectIndex<WaterCurrent> && seed % 2 == 0) {
     truth.active_s.from_s = nominal.duration_s * random.uniform(0.1, 0.4);
     truth.active_s.to_s = truth.active_s.from_s + nominal.duration_s * random.uniform(0.3, 0.5);

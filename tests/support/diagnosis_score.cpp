@@ -43,7 +43,8 @@ bool isIntervalOff(const Candidate& stated, const Candidate& truth, double durat
   };
   return differs(stated.active_s.from_s, truth.active_s.from_s) ||
          differs(stated.active_s.to_s, truth.active_s.to_s) ||
-         differs(stated.time_s.value_or(0), truth.time_s.value_or(0));
+         differs(stated.time_s.value_or(0), truth.time_s.value_or(0)) ||
+         differs(stated.peak.value_or(Peak{}).time_s, truth.peak.value_or(Peak{}).time_s);
 }
 
 void countCovered(const FoundEffect& found, const EffectParameters<double>& truth, Answer& answer) {

@@ -57,7 +57,8 @@ HeldOut heldOutDvl() {
 
 FoundEffect markerMoved() {
   FoundEffect found;
-  found.candidate = {.effect = kEffectIndex<MarkerMoved>, .marker_id = 14, .time_s = {}, .active_s = {}};
+  found.candidate = {
+      .effect = kEffectIndex<MarkerMoved>, .marker_id = 14, .time_s = {}, .peak = {}, .active_s = {}};
   found.estimates = {estimateOf<MarkerMoved>(1, 0.021, 0.0004), estimateOf<MarkerMoved>(2, -0.001, 0.0004),
                      estimateOf<MarkerMoved>(3, 0.0, 0.002), estimateOf<MarkerMoved>(4, 1.5, 0.3)};
   found.sqrt_lambda = 25;
@@ -71,7 +72,7 @@ FoundEffect markerMoved() {
 FoundEffect currentForAWhile() {
   FoundEffect found;
   found.candidate = {
-      .effect = kEffectIndex<WaterCurrent>, .marker_id = {}, .time_s = {}, .active_s = {30, 1e9}};
+      .effect = kEffectIndex<WaterCurrent>, .marker_id = {}, .time_s = {}, .peak = {}, .active_s = {30, 1e9}};
   for (std::size_t i = 0; i < 3; ++i)
     found.estimates.push_back(estimateOf<WaterCurrent>(i, 0.1 * static_cast<double>(i + 1), 0.01));
   found.sqrt_lambda = 9;
@@ -80,7 +81,8 @@ FoundEffect currentForAWhile() {
 
 FoundEffect panelMoved() {
   FoundEffect found;
-  found.candidate = {.effect = kEffectIndex<PanelMoved>, .marker_id = {}, .time_s = 73.25, .active_s = {}};
+  found.candidate = {
+      .effect = kEffectIndex<PanelMoved>, .marker_id = {}, .time_s = 73.25, .peak = {}, .active_s = {}};
   for (std::size_t i = 1; i < 7; ++i) found.estimates.push_back(estimateOf<PanelMoved>(i, 0.05, 0.01));
   return found;
 }
@@ -124,7 +126,7 @@ DiagnosisStory explainedStory() {
   d.mismatch = {dvlAgainstSpeed(9.1, 1e-12), dvlAgainstSpeed(1.2, 0.6)};
   d.remaining = {dvlAgainstSpeed(1.1, 0.7)};
   d.heldout.channels = {heldOutDvl()};
-  d.alternatives = {{.candidates = {d.effects[0].candidate, {kEffectIndex<MarkerSize>, {}, {}, {}}},
+  d.alternatives = {{.candidates = {d.effects[0].candidate, {kEffectIndex<MarkerSize>, {}, {}, {}, {}}},
                      .support = {0, -1},
                      .alignment = {1, 0.99},
                      .advice = {"turn on the spot", 7, 0.5}}};

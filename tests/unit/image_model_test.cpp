@@ -132,6 +132,25 @@ TEST(ImageModel, PerPixelModelIsDifferentiable) {
   EXPECT_NEAR(predictReading(Jet(0.3), response).v[0], std::log(0.3) * std::pow(0.3, 1.2), 1e-15);
 }
 
+// At its peak a plume is water of that much more attenuation; five widths away there is e^-12.5 of it.
+TEST(ImageModel, APlumeIsMoreTurbidWaterForAWhile) {
+  const CameraSheet sheet = sheetOf(16, 12);
+  const Rendered view = randomView(sheet, 5);
+  EffectParameters<double> plume;
+  plume.add<TurbidityPlume>({0.4, 30.0, std::log(0.2)});  // two seconds wide
+  const ImageModel model(sheet, kTurbid, plume);
+  Water peak = kTurbid;
+  peak.attenuation_per_m.array() += 0.4;
+  const auto differs = [&](double t_s, const Water& water) {
+    return cv::norm(model.light(view.radiance, view.range_m, t_s),
+                    ImageModel(sheet, water).light(view.radiance, view.range_m), cv::NORM_INF);
+  };
+  EXPECT_LT(differs(30, peak), 1e-6);
+  EXPECT_LT(differs(20, kTurbid), 1e-5);
+  EXPECT_GT(differs(31, kTurbid), 0.01);
+  EXPECT_GT(differs(31, peak), 0.01);
+}
+
 TEST(ImageModel, NumbersFollowTheResponse) {
   CameraSheet sheet = sheetOf(16, 12);
   const ImageModel linear(sheet, kTurbid);

@@ -56,7 +56,8 @@ TEST(MismatchMaps, SayWhereWithTheUnitUnlessThereIsNone) {
 
 TEST(SizedEffect, HasItsOwnEffectsValues) {
   const WhitenedRun run;
-  const Candidate scale{kEffectIndex<DvlScale>, {}, {}, {}}, latency{kEffectIndex<CameraLatency>, {}, {}, {}};
+  const Candidate scale{kEffectIndex<DvlScale>, {}, {}, {}, {}},
+      latency{kEffectIndex<CameraLatency>, {}, {}, {}, {}};
   const Refit fit = refit(run.input.data, run.estimate, {}, {scale, latency}, {});
   ASSERT_TRUE(fit.succeeded) << fit.estimate.failure;
   for (const Candidate& effect : {scale, latency}) {

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "effects/effect_text.h"
+#include "effects/parameter.h"
+#include "effects/stages.h"
+
+namespace fathom {
+
+struct TurbidityPlume {
+  template <class T>
+  using Stage = WaterRay<T>;
+  static constexpr std::string_view id = "turbidity-plume";
+  static constexpr EffectText text{
+      .channel = EffectChannel::image,
+      .title = "A cloud of sediment passes: for a while the water is more turbid",
+      .equation =
+          "a(t) = a + peak_extra_attenuation_per_m exp(-((t - time_s) / width)^2 / 2), of signal and veil,\n"
+          "of each colour; width = 10 s exp(log_width)",
+      .source =
+          "A puff that diffuses while a current carries it past has a Gaussian concentration, e.g. Fischer "
+          "et "
+          "al. 1979; attenuation goes with concentration",
+      .confused_with = {"slant-range", "separate-backscatter"},
+      .told_apart =
+          "White and black near and far while it lasts: a plume takes more from what is farther away and "
+          "brightens black, a gain takes the same share of all"};
+  static constexpr std::array parameters{
+      Parameter{.name = "peak_extra_attenuation_per_m",
+                .unit = "1/m",
+                .prior_sigma = 0.3,
+                .limit = 10,
+                .positive = true,
+                .usual = "above the water's own attenuation, 0.05 to 1"},
+      Parameter{.name = "time_s",
+                .unit = "s",
+                .prior_sigma = 1000,
+                .limit = 1e9,
+                .kind = ParameterKind::peak_time,
+                .usual = "of the peak, since the recording's first entry"},
+      Parameter{.name = "log_width",
+                .unit = "1",
+                .prior_sigma = 0.7,
+                .limit = 5,
+                .kind = ParameterKind::log_width,
+                .optional = true,
+                .usual = "0: its standard deviation is 10 s; 1: 27 s; -1: 4 s",
+                .usual_width_s = 10}};
+  template <class T>
+  static void apply(const T* p, Stage<T>& ray) {
+    using std::exp;
+    const T away = (ray.t_s - p[1]) / (parameters[2].usual_width_s * exp(p[2]));
+    const T extra = p[0] * exp(-0.5 * away * away);
+    for (int c = 0; c < 3; ++c) {
+      ray.signal_depth[c] += extra * ray.z_m;
+      ray.veil_depth[c] += extra * ray.z_m;
+    }
+  }
+};
+
+}  // namespace fathom
