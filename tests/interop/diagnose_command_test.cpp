@@ -147,6 +147,13 @@ TEST(SealedRecording, IsReadByDiagnosis) {
   const std::string report = readTextFile(out / "report.html");
   EXPECT_NE(report.find("Recorded and simulated"), std::string::npos);
   EXPECT_NE(report.find("class=\"slider\""), std::string::npos);
+  // Desktop and phone: nothing to say on the page's console, and nothing wider than the window.
+  const fs::path script = test::kSource / "tests/interop/open-report";
+  for (const std::string width : {"1280", "400"}) {
+    const auto opened = test::runShell(test::shellQuoted(script.string()) + " " +
+                                       test::shellQuoted((out / "report.html").string()) + " " + width);
+    EXPECT_EQ(opened.status, 0) << width << " px: " << opened.err;
+  }
 }
 
 }  // namespace
