@@ -312,6 +312,9 @@ TEST(EffectRegistry, BadCalibrationIsRefused) {
       EXPECT_EQ(errorOf("effects:" + entry(effect, name, list(beyond))).where, where);
       EXPECT_EQ(errorOf("effects:" + entry(effect, name, list(std::to_string(-1.001 * p.limit)))).where,
                 where);
+      if (p.positive) {
+        EXPECT_EQ(errorOf("effects:" + entry(effect, name, list("-1e-6"))).where, where);
+      }
       EXPECT_EQ(errorOf("effects:" + entry(effect, name, list(".nan"))).where, where);
       EXPECT_EQ(errorOf("effects:" + entry(effect, name, list("1x"))).where, where);
       EXPECT_EQ(errorOf("effects:" + entry(effect, name, "[0, 0]")).where, where);
