@@ -27,18 +27,27 @@ struct Saturated {
   Eigen::VectorXd residual;
 };
 
+bool canShow(const Linearization& linear, std::size_t effect) {
+  const std::vector<std::size_t> columns = columnsOf(linear, effect);
+  return std::any_of(columns.begin(), columns.end(), [&](std::size_t c) {
+    return (linear.C.col(static_cast<Eigen::Index>(c)).array() != 0).any();
+  });
+}
+
 /// Of an effect that comes and goes, whenever it may be: one peak beside another.
 std::vector<Candidate> peaksOf(const Linearization& linear) {
   const auto [first_s, last_s] = readingsSpan(linear);
   const double spacing_s = std::max(1e-9, (last_s - first_s) / kPeaks);
   std::vector<Candidate> candidates;
-  for (const EffectInfo& effect : allEffects())
-    for (int k = 0; k <= kPeaks && hasPeak(effect) && !isEstimated(linear, effect.index); ++k) {
+  for (const EffectInfo& effect : allEffects()) {
+    if (!hasPeak(effect) || isEstimated(linear, effect.index) || !canShow(linear, effect.index)) continue;
+    for (int k = 0; k <= kPeaks; ++k) {
       Candidate candidate;
       candidate.effect = effect.index;
       candidate.peak = {first_s + k * spacing_s, spacing_s};
       candidates.push_back(candidate);
     }
+  }
   return candidates;
 }
 
