@@ -91,17 +91,6 @@ std::optional<Linearization> residualsOf(const BatchData& data, const BatchEstim
   return linearize(data, *problemAt(data, estimate, options), false);
 }
 
-/// Of the nominal model's estimate and, where they differ, of the final one's.
-struct BeforeAndAfter {
-  std::optional<Linearization> before, after;
-
-  explicit BeforeAndAfter(const DiagnosisStory& story) {
-    const Diagnosis& d = story.diagnosis;
-    before = residualsOf(story.read.input.data, d.before, d.before_options);
-    if (!modelledEffects(d).empty()) after = residualsOf(story.read.input.data, d.after, d.after_options);
-  }
-};
-
 // ---- brightness against range
 
 constexpr int kRangeBins = 24;
@@ -151,12 +140,17 @@ Series modelSeries(const Linearization& linear, const BatchData& data, ImagePatc
 
 }  // namespace
 
-std::vector<Plot> brightnessPlots(const DiagnosisStory& story) {
+BeforeAndAfter::BeforeAndAfter(const DiagnosisStory& story) {
+  const Diagnosis& d = story.diagnosis;
+  before = residualsOf(story.read.input.data, d.before, d.before_options);
+  if (!modelledEffects(d).empty()) after = residualsOf(story.read.input.data, d.after, d.after_options);
+}
+
+std::vector<Plot> brightnessPlots(const DiagnosisStory& story, const BeforeAndAfter& residuals) {
   using Surface = ImagePatch::Surface;
   const BatchData& data = story.read.input.data;
-  if (data.patches.empty()) return {};
-  const auto [before, after] = BeforeAndAfter(story);
-  if (!before) return {};
+  const auto& [before, after] = residuals;
+  if (data.patches.empty() || !before) return {};
   std::vector<Plot> plots;
   for (int colour = 0; colour < 3; ++colour) {
     Plot plot{
@@ -210,8 +204,8 @@ Plot heldOutPlot(const HeldOut& heldout) {
   return plot;
 }
 
-std::vector<Plot> residualPlots(const DiagnosisStory& story) {
-  const auto [before, after] = BeforeAndAfter(story);
+std::vector<Plot> residualPlots(const DiagnosisStory& story, const BeforeAndAfter& residuals) {
+  const auto& [before, after] = residuals;
   std::vector<Plot> plots;
   if (!before) return plots;
   for (const auto& [channel, residual] : story.diagnosis.before.residuals) {

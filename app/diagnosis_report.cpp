@@ -234,16 +234,14 @@ void addImages(const DiagnosisStory& story, HtmlReport& report) {
   }
 }
 
-void addBrightness(const DiagnosisStory& story, HtmlReport& report) {
-  const std::vector<Plot> plots = brightnessPlots(story);
+void addBrightness(const DiagnosisStory& story, const BeforeAndAfter& residuals, HtmlReport& report) {
+  const std::vector<Plot> plots = brightnessPlots(story, residuals);
   if (plots.empty()) return;
   report.heading("Brightness against range");
   report.paragraph(
-      "Each point is what the camera read of one marker's white or black in one image, its response undone. "
-      "The "
-      "lines are what the models say of the same patches, averaged over pieces of range. White less black "
-      "has no "
-      "veil in it; black alone is the veil, and what the camera adds.");
+      "Each point is what the camera read of one marker's white or black in one image, its response "
+      "undone. The lines are what the models say of the same patches, averaged over pieces of range. White "
+      "less black has no veil in it; black alone is the veil, and what the camera adds.");
   for (const Plot& plot : plots) report.plot(plot);
 }
 
@@ -291,14 +289,14 @@ std::vector<const Mismatch*> worthPlotting(const DiagnosisStory& story) {
   return chosen;
 }
 
-void addResiduals(const DiagnosisStory& story, HtmlReport& report) {
+void addResiduals(const DiagnosisStory& story, const BeforeAndAfter& residuals, HtmlReport& report) {
   const bool changed = !modelledEffects(story.diagnosis).empty();
   report.heading(changed ? "Residuals before and after" : "Residuals");
   for (const Mismatch* mismatch : worthPlotting(story))
     report.plot(covariatePlot(*mismatch, changed ? find(story.diagnosis.remaining, *mismatch) : nullptr),
                 print("Structure of %.3g %s, %.1f sigma at its worst%s.", mismatch->size_raw,
                       mismatch->raw_unit.c_str(), mismatch->size_sigma, changed ? ", before" : ""));
-  for (const Plot& plot : residualPlots(story)) report.plot(plot);
+  for (const Plot& plot : residualPlots(story, residuals)) report.plot(plot);
 }
 
 void addNoise(const DiagnosisStory& story, HtmlReport& report) {
@@ -379,18 +377,19 @@ void addHeadline(const DiagnosisStory& story, HtmlReport& report) {
 }
 
 HtmlReport reportOf(const DiagnosisStory& story) {
+  const BeforeAndAfter residuals(story);
   HtmlReport report("Diagnosis of " + story.recording.filename().string());
   addHeadline(story, report);
   addEffects(story, report);
   addInteractions(story, report);
   addAlternatives(story, report);
   addImages(story, report);
-  addBrightness(story, report);
+  addBrightness(story, residuals, report);
   addMismatch(story, report);
   addCandidates(story, report);
   addHeldOut(story, report);
   addElsewhere(story, report);
-  addResiduals(story, report);
+  addResiduals(story, residuals, report);
   addNoise(story, report);
   addRerun(story, report);
   addInputs(story, report);

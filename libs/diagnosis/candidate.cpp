@@ -4,16 +4,9 @@
 #include <cmath>
 
 #include "core/text.h"
+#include "effects/peak.h"
 
 namespace fathom {
-namespace {
-
-double shareOfPeak(const Peak& peak, double t_s) {
-  const double away = (t_s - peak.time_s) / peak.width_s;
-  return std::exp(-0.5 * away * away);
-}
-
-}  // namespace
 
 std::string nameOf(const Candidate& candidate) {
   std::string name{allEffects()[candidate.effect].id};
@@ -68,6 +61,13 @@ std::vector<std::size_t> columnsOf(const Linearization& linear, std::size_t effe
   return columns;
 }
 
+bool canShow(const Linearization& linear, std::size_t effect) {
+  const std::vector<std::size_t> columns = columnsOf(linear, effect);
+  return std::any_of(columns.begin(), columns.end(), [&](std::size_t c) {
+    return (linear.C.col(static_cast<Eigen::Index>(c)).array() != 0).any();
+  });
+}
+
 Eigen::VectorXd priorSigmas(const Linearization& linear, const std::vector<Candidate>& candidates) {
   std::vector<double> sigmas;
   for (const Candidate& candidate : candidates)
@@ -90,7 +90,8 @@ Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::ve
       for (std::size_t i = 0; i < linear.rows.size(); ++i) {
         const double value = linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c));
         if (value == 0 || !actsOn(candidate, linear.rows[i])) continue;
-        const double share = at_peak ? shareOfPeak(*candidate.peak, linear.rows[i].t_s) : 1;
+        const double share =
+            at_peak ? shareOfPeak(linear.rows[i].t_s, candidate.peak->time_s, candidate.peak->width_s) : 1;
         entries.emplace_back(static_cast<int>(i), column, share * value);
       }
       ++column;

@@ -43,6 +43,9 @@ Peak peakOf(const EffectParameters<double>& calibration, std::size_t effect);
 /// Scalars that a fit estimates: so many columns has the candidate.
 std::vector<std::size_t> columnsOf(const Linearization& linear, std::size_t effect);
 
+/// Whether any reading depends on the effect.
+bool canShow(const Linearization& linear, std::size_t effect);
+
 /// Prior sigmas of all candidates' columns, one behind the other.
 Eigen::VectorXd priorSigmas(const Linearization& linear, const std::vector<Candidate>& candidates);
 

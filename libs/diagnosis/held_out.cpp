@@ -152,7 +152,7 @@ Eigen::VectorXd valuesOf(const Linearization& linear, const std::vector<Candidat
   for (const Candidate& effect : effects)
     for (const std::size_t c : columnsOf(linear, effect.effect)) {
       const std::size_t scalar = linear.columns[c].scalar;
-      values.push_back(isSize(parameterOf(scalar).kind) ? all.values[scalar] : 0);
+      values.push_back(sizeOf(scalar, all.values[scalar]));
     }
   return Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values));
 }

@@ -173,7 +173,7 @@ const std::vector<Manoeuvre>& manoeuvres() {
 SizedEffect sized(const Refit& fit, const Candidate& effect) {
   std::vector<double> values;
   for (const EffectEstimate& estimate : fit.estimates)
-    if (estimate.effect == effect.effect) values.push_back(estimate.size());
+    if (estimate.effect == effect.effect) values.push_back(sizeOf(estimate.scalar, estimate.value));
   return {effect, Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values))};
 }
 

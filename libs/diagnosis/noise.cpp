@@ -27,13 +27,6 @@ struct Saturated {
   Eigen::VectorXd residual;
 };
 
-bool canShow(const Linearization& linear, std::size_t effect) {
-  const std::vector<std::size_t> columns = columnsOf(linear, effect);
-  return std::any_of(columns.begin(), columns.end(), [&](std::size_t c) {
-    return (linear.C.col(static_cast<Eigen::Index>(c)).array() != 0).any();
-  });
-}
-
 /// Of an effect that comes and goes, whenever it may be: one peak beside another.
 std::vector<Candidate> peaksOf(const Linearization& linear) {
   const auto [first_s, last_s] = readingsSpan(linear);

@@ -30,9 +30,8 @@ void finish(Refit& fit) {
     const std::vector<std::size_t> scalars = continuousScalars(block.index);
     for (std::size_t k = 0; k < scalars.size(); ++k) {
       columns.push_back(block.column + static_cast<Eigen::Index>(k));
-      fit.estimates.push_back({block.index, scalars[k],
-                               fit.estimate.state.effects.values[scalars[k]] + step[columns.back()], 0,
-                               isSize(parameterOf(scalars[k]).kind)});
+      fit.estimates.push_back(
+          {block.index, scalars[k], fit.estimate.state.effects.values[scalars[k]] + step[columns.back()], 0});
     }
   }
   fit.cost = fit.model->cost();
@@ -47,10 +46,9 @@ void finish(Refit& fit) {
   fit.freedom = static_cast<double>(columns.size()) - precision.dot(fit.covariance.diagonal());
 }
 
-/// Whether no parameter is below what it can be.
-bool isPossible(const Refit& fit) {
-  return std::none_of(fit.estimates.begin(), fit.estimates.end(), [](const EffectEstimate& estimate) {
-    return parameterOf(estimate.scalar).positive && estimate.value < 0;
+bool areAllPossible(const Refit& fit) {
+  return std::all_of(fit.estimates.begin(), fit.estimates.end(), [](const EffectEstimate& estimate) {
+    return isPossible(parameterOf(estimate.scalar), estimate.value);
   });
 }
 
@@ -97,7 +95,7 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
     return fit;
   }
   finish(fit);
-  fit.succeeded = isPossible(fit);
+  fit.succeeded = areAllPossible(fit);
   if (!fit.succeeded) fit.estimate.failure = "less than nothing of an effect would have to be there";
   return fit;
 }
@@ -112,7 +110,7 @@ Eigen::VectorXd changeBy(const Refit& fit, const Candidate& effect, const Linear
   Eigen::VectorXd value(own.cols());
   Eigen::Index k = 0;
   for (const EffectEstimate& estimate : fit.estimates)
-    if (estimate.effect == effect.effect) value[k++] = estimate.size();
+    if (estimate.effect == effect.effect) value[k++] = sizeOf(estimate.scalar, estimate.value);
   return own * value;
 }
 
@@ -144,7 +142,8 @@ double sqrtLambda(const Refit& fit, std::size_t effect) {
   Eigen::VectorXd precision(size);
   for (Eigen::Index a = 0; a < size; ++a) {
     const Eigen::Index i = own[static_cast<std::size_t>(a)];
-    value[a] = fit.estimates[static_cast<std::size_t>(i)].size();
+    const EffectEstimate& estimate = fit.estimates[static_cast<std::size_t>(i)];
+    value[a] = sizeOf(estimate.scalar, estimate.value);
     precision[a] = 1 / (prior[i] * prior[i]);
     for (Eigen::Index b = 0; b < size; ++b)
       covariance(a, b) = fit.covariance(i, own[static_cast<std::size_t>(b)]);

@@ -241,7 +241,7 @@ TestedCandidate Screening::test(const Test& test) const {
     const std::size_t scalar = family.scalars[static_cast<std::size_t>(k)];
     tested.one_step.push_back(
         {family.candidate.effect, scalar, value[k], std::sqrt(information.inverse(k, k))});
-    is_possible = is_possible && !(parameterOf(scalar).positive && value[k] < 0);
+    is_possible = is_possible && isPossible(parameterOf(scalar), value[k]);
   }
   if (!is_possible) return tested;
   tested.statistic = g.dot(information.inverse * g);

@@ -17,7 +17,7 @@ void readParameter(const YamlMap& entry, const Parameter& parameter, double* val
   for (const double number : numbers) {
     if (std::abs(number) > parameter.limit)
       throw entry.error(name, "is beyond " + shortest(parameter.limit) + " " + std::string(parameter.unit));
-    if (parameter.positive && number < 0) throw entry.error(name, "must be 0 or more");
+    if (!isPossible(parameter, number)) throw entry.error(name, "must be 0 or more");
     if (parameter.kind == ParameterKind::marker_id && (number < 0 || number != std::floor(number)))
       throw entry.error(name, "must be a whole number, 0 or more");
     *values++ = number;

@@ -44,6 +44,15 @@ const Parameter& parameterOf(std::size_t scalar) {
   return *all.at(scalar);
 }
 
+std::size_t effectOf(std::size_t scalar) {
+  const auto behind = std::upper_bound(kEffectOffsets.begin(), kEffectOffsets.end(), scalar);
+  return static_cast<std::size_t>(behind - kEffectOffsets.begin()) - 1;
+}
+
+double sizeOf(std::size_t scalar, double value) { return isSize(parameterOf(scalar).kind) ? value : 0; }
+
+bool isPossible(const Parameter& parameter, double value) { return !parameter.positive || value >= 0; }
+
 const EffectInfo* findEffect(std::string_view id) {
   for (const EffectInfo& effect : allEffects())
     if (effect.id == id) return &effect;

@@ -30,8 +30,13 @@ struct EffectInfo {
 
 /// In the order of the registry.
 const std::vector<EffectInfo>& allEffects();
-/// Of a scalar by its place in EffectParameters::values.
+/// Of a scalar by its place in EffectParameters::values: what it is, and which effect's.
 const Parameter& parameterOf(std::size_t scalar);
+std::size_t effectOf(std::size_t scalar);
+/// How far from where its effect does nothing a scalar of this value is: 0 where it only says where or when.
+double sizeOf(std::size_t scalar, double value);
+/// Whether a parameter can have this value: not less than nothing of what is positive.
+bool isPossible(const Parameter& parameter, double value);
 /// Null: no such effect.
 const EffectInfo* findEffect(std::string_view id);
 /// All ids, separated by commas, for messages.

@@ -5,6 +5,7 @@
 
 #include "effects/effect_text.h"
 #include "effects/parameter.h"
+#include "effects/peak.h"
 #include "effects/stages.h"
 
 namespace fathom {
@@ -20,9 +21,8 @@ struct TurbidityPlume {
           "a(t) = a + peak_extra_attenuation_per_m exp(-((t - time_s) / width)^2 / 2), of signal and veil,\n"
           "of each colour; width = 10 s exp(log_width)",
       .source =
-          "A puff that diffuses while a current carries it past has a Gaussian concentration, e.g. Fischer "
-          "et "
-          "al. 1979; attenuation goes with concentration",
+          "A puff that diffuses while a current carries it past has a Gaussian concentration, e.g. Fischer\n"
+          "et al. 1979; attenuation goes with concentration",
       .confused_with = {"slant-range", "separate-backscatter"},
       .told_apart =
           "White and black near and far while it lasts: a plume takes more from what is farther away and "
@@ -51,8 +51,8 @@ struct TurbidityPlume {
   template <class T>
   static void apply(const T* p, Stage<T>& ray) {
     using std::exp;
-    const T away = (ray.t_s - p[1]) / (parameters[2].usual_width_s * exp(p[2]));
-    const T extra = p[0] * exp(-0.5 * away * away);
+    const T width_s = parameters[2].usual_width_s * exp(p[2]);
+    const T extra = p[0] * shareOfPeak<T>(ray.t_s, p[1], width_s);
     for (int c = 0; c < 3; ++c) {
       ray.signal_depth[c] += extra * ray.z_m;
       ray.veil_depth[c] += extra * ray.z_m;

@@ -34,10 +34,6 @@ struct EffectEstimate {
   std::size_t effect = 0;  ///< in the registry
   std::size_t scalar = 0;  ///< in EffectParameters::values
   double value = 0.0, sigma = 0.0;
-  bool is_size = true;  ///< see isSize()
-
-  /// How far from where the effect does nothing.
-  double size() const { return is_size ? value : 0; }
 };
 
 /// How large the whitened residuals of a channel are.

@@ -29,9 +29,9 @@ Eigen::MatrixXd whitener(int size, double sigma) { return Eigen::MatrixXd::Ident
 /// Marker ids and times are this row's own: what acts here.
 void setDiscrete(ForwardPoint& point, int marker_id, double t_s) {
   for (std::size_t s = 0; s < kEffectScalars; ++s) {
-    if (scalars()[s].kind == ParameterKind::marker_id) point.effects[s] = marker_id;
-    if (scalars()[s].kind == ParameterKind::time) point.effects[s] = -Interval::kForever_s;
-    if (scalars()[s].kind == ParameterKind::peak_time) point.effects[s] = t_s;
+    if (parameterOf(s).kind == ParameterKind::marker_id) point.effects[s] = marker_id;
+    if (parameterOf(s).kind == ParameterKind::time) point.effects[s] = -Interval::kForever_s;
+    if (parameterOf(s).kind == ParameterKind::peak_time) point.effects[s] = t_s;
   }
 }
 
@@ -40,7 +40,7 @@ void setDiscrete(ForwardPoint& point, int marker_id, double t_s) {
 std::vector<std::size_t> continuousScalars(std::size_t effect) {
   std::vector<std::size_t> list;
   for (std::size_t s = kEffectOffsets[effect]; s < kEffectOffsets[effect + 1]; ++s)
-    if (isEstimated(scalars()[s].kind)) list.push_back(s);
+    if (isEstimated(parameterOf(s).kind)) list.push_back(s);
   return list;
 }
 
@@ -167,11 +167,11 @@ std::bitset<kEffectCount> BatchProblem::actingOn(const ReadingModel& model, cons
     bool acts = true;
     for (std::size_t s = kEffectOffsets[e]; s < kEffectOffsets[e + 1]; ++s) {
       const double value = reference_.effects.values[s];
-      if (scalars()[s].kind == ParameterKind::marker_id)
+      if (parameterOf(s).kind == ParameterKind::marker_id)
         acts = acts && source.marker >= 0 &&
                static_cast<int>(std::lround(value)) ==
                    data_.markers[static_cast<std::size_t>(source.marker)].marker.id;
-      if (scalars()[s].kind == ParameterKind::time) acts = acts && source.t_s >= value;
+      if (parameterOf(s).kind == ParameterKind::time) acts = acts && source.t_s >= value;
     }
     acting[e] = acts;
   }
@@ -436,7 +436,7 @@ void BatchProblem::addPriors() {
       Eigen::VectorXd precision(block.size), value(block.size);
       int i = 0;
       for (const std::size_t s : continuousScalars(block.index)) {
-        precision[i] = 1.0 / scalars()[s].prior_sigma;
+        precision[i] = 1.0 / parameterOf(s).prior_sigma;
         value[i++] = reference_.effects.values[s];
       }
       addLinear(block, precision.cwiseProduct(value), precision.asDiagonal().toDenseMatrix());

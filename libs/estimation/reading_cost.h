@@ -10,24 +10,6 @@
 /// The two kinds of rows that a batch problem is made of: of a reading, and of what is linear.
 namespace fathom {
 
-/// A registered scalar and what it is of.
-struct Scalar {
-  std::size_t effect = 0;
-  ParameterKind kind = ParameterKind::continuous;
-  double prior_sigma = 0;
-};
-
-inline const std::vector<Scalar>& scalars() {
-  static const std::vector<Scalar> all = [] {
-    std::vector<Scalar> list;
-    for (const EffectInfo& effect : allEffects())
-      for (const Parameter& p : effect.parameters)
-        for (int i = 0; i < p.size; ++i) list.push_back({effect.index, p.kind, p.prior_sigma});
-    return list;
-  }();
-  return all;
-}
-
 /// Effects that look at the motion besides the pose, whatever the sensor: latencies and the shutter.
 inline const std::bitset<kEffectCount>& effectsOfMotion() {
   static const std::bitset<kEffectCount> mask = [] {
@@ -129,8 +111,9 @@ class ReadingCost final : public BatchCost {
   void effectColumns(Eigen::Ref<Eigen::MatrixXd> columns) const override {
     columns.setZero();
     std::vector<std::size_t> wanted;
-    for (std::size_t s = 0; s < kEffectScalars; ++s)
-      if (isEstimated(scalars()[s].kind) && told[scalars()[s].effect]) wanted.push_back(s);
+    for (std::size_t e = 0; e < kEffectCount; ++e)
+      for (std::size_t s = kEffectOffsets[e]; told[e] && s < kEffectOffsets[e + 1]; ++s)
+        if (isEstimated(parameterOf(s).kind)) wanted.push_back(s);
     const std::vector<Pose> poses = posesAt(Eigen::VectorXd::Zero(lastColumn()));
     const Eigen::MatrixXd scale = -1.0 / static_cast<double>(nodes.size()) * whitening;
     for (const MotionNode& node : nodes) {
@@ -151,7 +134,7 @@ class ReadingCost final : public BatchCost {
                   Eigen::Ref<Eigen::MatrixXd> columns) const {
     std::vector<int> model_columns;
     for (const std::size_t s : wanted) {
-      point.on.set(scalars()[s].effect);
+      point.on.set(effectOf(s));
       model_columns.push_back(kEffectColumn + static_cast<int>(s));
     }
     Eigen::MatrixXd slope;

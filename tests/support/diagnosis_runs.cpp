@@ -54,12 +54,7 @@ double Excitation::separability(const Eigen::VectorXd& signal, const Candidate& 
   return signal.squaredNorm() * (1.0 - alignment(signal, rival));
 }
 
-bool Excitation::canShow(const EffectInfo& effect) const {
-  for (std::size_t c = 0; c < linear_.columns.size(); ++c)
-    if (linear_.columns[c].effect == effect.index && !linear_.C.col(static_cast<Eigen::Index>(c)).isZero(0))
-      return true;
-  return false;
-}
+bool Excitation::canShow(const EffectInfo& effect) const { return fathom::canShow(linear_, effect.index); }
 
 double Excitation::kept(const Candidate& candidate) const {
   const Eigen::MatrixXd C = columns(candidate);
