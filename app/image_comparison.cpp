@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
+#include "effects/drawn.h"
 #include "sil/pair_maker.h"
 #include "similarity/measures.h"
 
@@ -63,12 +64,13 @@ class Simulated {
  public:
   Simulated(const BatchRecording& recording, const BatchEstimate& estimate,
             const EffectParameters<double>& effects)
-      : maker_({recording.input.data.vehicle,
-                recording.input.data.panels,
-                environmentOf(estimate.state.water),
-                effects,
-                {}},
-               {}, detectionSettings(recording.input.data.panels)) {
+      : world_{recording.input.data.vehicle,
+               recording.input.data.panels,
+               environmentOf(estimate.state.water),
+               withoutDraws(effects),
+               {}},
+        draws_(estimate.state.draws),
+        maker_(world_, {}, detectionSettings(recording.input.data.panels)) {
     const BatchData& data = recording.input.data;
     const LandmarkCalibration calibration{effects, data.time_zero};
     const FoundMarkers& found = recording.found;
@@ -84,7 +86,7 @@ class Simulated {
                                  [&](const PosedImage& image) { return image.number == number; });
     if (at == posed().end()) return {};
     try {
-      return maker_.make(*at);
+      return draws_.empty() ? maker_.make(*at) : makerOf(*at).make(*at);
     } catch (const Error&) {
       return {};
     }
@@ -109,6 +111,16 @@ class Simulated {
   }
 
  private:
+  /// With what was drawn for this image.
+  PairMaker makerOf(const PosedImage& image) const {
+    auto world = world_;
+    for (const auto& [draw, value] : draws_)
+      if (draw.image == image.entry) world.effects.values[draw.scalar] = value;
+    return PairMaker(world, {}, detectionSettings(world.panels));
+  }
+
+  SilWorld world_;
+  std::map<Draw, double> draws_;
   PairMaker maker_;
   PosedImages images_;
 };

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/text.h"
+#include "effects/drawn.h"
 #include "effects/peak.h"
 
 namespace fathom {
@@ -54,26 +56,39 @@ Peak peakOf(const EffectParameters<double>& calibration, std::size_t effect) {
   return peak;
 }
 
-std::vector<std::size_t> columnsOf(const Linearization& linear, std::size_t effect) {
-  std::vector<std::size_t> columns;
-  for (std::size_t c = 0; c < linear.columns.size(); ++c)
-    if (linear.columns[c].effect == effect) columns.push_back(c);
+std::vector<CandidateColumn> columnsOf(const Linearization& linear, std::size_t effect) {
+  std::set<std::ptrdiff_t> images;
+  if (isDrawn(effect))
+    for (const RowInfo& row : linear.rows)
+      if (row.patch >= 0) images.insert(row.image);
+  std::vector<CandidateColumn> columns;
+  for (std::size_t c = 0; c < linear.columns.size(); ++c) {
+    if (linear.columns[c].effect != effect) continue;
+    if (parameterOf(linear.columns[c].scalar).kind != ParameterKind::spread) columns.push_back({c, -1});
+    if (parameterOf(linear.columns[c].scalar).kind == ParameterKind::spread)
+      for (const std::ptrdiff_t image : images) columns.push_back({c, image});
+  }
   return columns;
 }
 
 bool canShow(const Linearization& linear, std::size_t effect) {
-  const std::vector<std::size_t> columns = columnsOf(linear, effect);
-  return std::any_of(columns.begin(), columns.end(), [&](std::size_t c) {
-    return (linear.C.col(static_cast<Eigen::Index>(c)).array() != 0).any();
+  const std::vector<CandidateColumn> columns = columnsOf(linear, effect);
+  return std::any_of(columns.begin(), columns.end(), [&](const CandidateColumn& c) {
+    return (linear.C.col(static_cast<Eigen::Index>(c.column)).array() != 0).any();
   });
 }
 
 Eigen::VectorXd priorSigmas(const Linearization& linear, const std::vector<Candidate>& candidates) {
   std::vector<double> sigmas;
   for (const Candidate& candidate : candidates)
-    for (const std::size_t c : columnsOf(linear, candidate.effect))
-      sigmas.push_back(linear.columns[c].prior_sigma);
+    for (const CandidateColumn& c : columnsOf(linear, candidate.effect))
+      sigmas.push_back(linear.columns[c.column].prior_sigma);
   return Eigen::Map<Eigen::VectorXd>(sigmas.data(), std::ssize(sigmas));
+}
+
+bool canBeFound(std::size_t scalar, double value) {
+  const Parameter& parameter = parameterOf(scalar);
+  return parameter.kind == ParameterKind::spread || isPossible(parameter, value);
 }
 
 bool isEstimated(const Linearization& linear, std::size_t effect) {
@@ -85,11 +100,11 @@ Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::ve
   std::vector<Eigen::Triplet<double>> entries;
   int column = 0;
   for (const Candidate& candidate : candidates)
-    for (const std::size_t c : columnsOf(linear, candidate.effect)) {
-      const bool at_peak = candidate.peak && !linear.columns[c].on;
+    for (const CandidateColumn& own : columnsOf(linear, candidate.effect)) {
+      const bool at_peak = candidate.peak && !linear.columns[own.column].on;
       for (std::size_t i = 0; i < linear.rows.size(); ++i) {
-        const double value = linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c));
-        if (value == 0 || !actsOn(candidate, linear.rows[i])) continue;
+        const double value = linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(own.column));
+        if (value == 0 || !own.has(linear.rows[i]) || !actsOn(candidate, linear.rows[i])) continue;
         const double share =
             at_peak ? shareOfPeak(linear.rows[i].t_s, candidate.peak->time_s, candidate.peak->width_s) : 1;
         entries.emplace_back(static_cast<int>(i), column, share * value);

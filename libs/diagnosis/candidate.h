@@ -40,14 +40,27 @@ bool hasPeak(const EffectInfo& effect);
 /// When it does, as a calibration has it.
 Peak peakOf(const EffectParameters<double>& calibration, std::size_t effect);
 
-/// Scalars that a fit estimates: so many columns has the candidate.
-std::vector<std::size_t> columnsOf(const Linearization& linear, std::size_t effect);
+/// One of a candidate's columns: a column of the linearization, of what is drawn for each image the rows of
+/// one.
+struct CandidateColumn {
+  std::size_t column = 0;
+  std::ptrdiff_t image = -1;  ///< -1: of all
+
+  bool has(const RowInfo& row) const { return image < 0 || row.image == image; }
+};
+
+/// What a fit estimates of the effect: so many columns has the candidate.
+std::vector<CandidateColumn> columnsOf(const Linearization& linear, std::size_t effect);
 
 /// Whether any reading depends on the effect.
 bool canShow(const Linearization& linear, std::size_t effect);
 
 /// Prior sigmas of all candidates' columns, one behind the other.
 Eigen::VectorXd priorSigmas(const Linearization& linear, const std::vector<Candidate>& candidates);
+
+/// Whether a fit can have found this of a scalar: nothing less than nothing. What is drawn of a spread can be
+/// either.
+bool canBeFound(std::size_t scalar, double value);
 
 /// Whether the effect is among what the linearized problem estimates.
 bool isEstimated(const Linearization& linear, std::size_t effect);

@@ -355,7 +355,7 @@ HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {
   options.yardsticks = yardsticks;
   options.seed = options_.seed;
   return holdOut(linearize(data_, *problemAt(data_, fit.estimate, fit.options)), fit.effects,
-                 fit.estimate.state.effects, diagnosis_.noise, data_, options);
+                 fit.estimate.state, diagnosis_.noise, data_, options);
 }
 
 void Course::report() {
@@ -421,7 +421,10 @@ void Course::addAlternatives(std::size_t effect) {
 FoundEffect Course::describe(std::size_t effect) {
   FoundEffect found;
   found.candidate = final_.effects[effect];
+  std::size_t scalars = 0;
   for (const EffectEstimate& estimate : final_.estimates)
+    scalars += estimate.effect == found.candidate.effect;
+  for (const EffectEstimate& estimate : withSpreads(final_.estimates))
     if (estimate.effect == found.candidate.effect) found.estimates.push_back(estimate);
   if (found.candidate.peak)
     found.candidate.peak = peakOf(final_.estimate.state.effects, found.candidate.effect);
@@ -432,8 +435,8 @@ FoundEffect Course::describe(std::size_t effect) {
     found.log_likelihood_gain = rest.cost - final_.cost;
     std::size_t rows = 0;
     for (const RowInfo& row : final_.model->linear().rows) rows += row.channel != BatchChannel::prior;
-    found.bic_gain = 2 * found.log_likelihood_gain -
-                     static_cast<double>(found.estimates.size()) * std::log(static_cast<double>(rows));
+    found.bic_gain =
+        2 * found.log_likelihood_gain - static_cast<double>(scalars) * std::log(static_cast<double>(rows));
   }
   found.interactions = interactionTests(final_, found.candidate);
   return found;

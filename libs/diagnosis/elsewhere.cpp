@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "diagnosis/refit.h"
 #include "diagnosis/rows_alone.h"
+#include "effects/drawn.h"
 
 namespace fathom {
 namespace {
@@ -56,7 +57,8 @@ double rmsOf(const Eigen::VectorXd& left, const Linearization& linear, BatchChan
 std::vector<Candidate> lastingEffects(const Diagnosis& diagnosis) {
   std::vector<Candidate> lasting;
   for (const FoundEffect& found : diagnosis.effects.empty() ? diagnosis.nearest : diagnosis.effects)
-    if (found.candidate.isForGood()) lasting.push_back(found.candidate);
+    // What was drawn for an image was drawn for that one only.
+    if (found.candidate.isForGood() && !isDrawn(found.candidate.effect)) lasting.push_back(found.candidate);
   return lasting;
 }
 

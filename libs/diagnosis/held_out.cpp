@@ -31,6 +31,9 @@ Linearization withoutEffects(const Linearization& linear, const Eigen::SparseMat
   bare.blocks.clear();
   for (UnknownBlock block : linear.blocks) {
     if (block.kind == UnknownBlock::Kind::effect) continue;
+    if (block.kind == UnknownBlock::Kind::draw &&
+        isEstimated(linear, effectOf(linear.draws[block.index].scalar)))
+      continue;
     for (int k = 0; k < block.size; ++k)
       for (Eigen::SparseMatrix<double>::InnerIterator e(linear.J, block.column + k); e; ++e)
         entries.emplace_back(static_cast<int>(e.row()), width + k, e.value());
@@ -107,15 +110,16 @@ Eigen::SparseMatrix<double> sideBySide(const Eigen::SparseMatrix<double>& a,
 /// Fold by fold: the physics and its yardsticks trained on all stretches but its own, and what is left there.
 class HoldOut {
  public:
-  HoldOut(const Linearization& linear, const std::vector<Candidate>& effects,
-          const EffectParameters<double>& values, const NoiseModel& noise, const BatchData& data,
-          const HeldOutOptions& options);
+  HoldOut(const Linearization& linear, const std::vector<Candidate>& effects, const BatchState& found,
+          const NoiseModel& noise, const BatchData& data, const HeldOutOptions& options);
   HeldOutResult run();
 
  private:
   void holdOutFold(int fold);
   /// The model's residual with columns at the values that are best where the reduction is from.
   Eigen::VectorXd residualWith(const Fitted& what, const Reduced& trained) const;
+  /// The same, but what is drawn for each image is found in the held-out images themselves.
+  Eigen::VectorXd residualWithDraws(const Fitted& what, const Reduced& trained, const RowsAlone& test) const;
   void add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& left);
   bool isPrior(Eigen::Index row) const {
     return row >= std::ssize(bare_.rows) ||
@@ -138,6 +142,7 @@ class HoldOut {
   Stretches stretches_;
   Random random_;
   Eigen::SparseMatrix<double> columns_;  // physics, black box
+  std::vector<bool> is_draw_;            // of those of physics
   Fitted box_;
   Eigen::MatrixXd simulated_;
   std::optional<Placebo> placebo_;
@@ -147,25 +152,29 @@ class HoldOut {
 };
 
 Eigen::VectorXd valuesOf(const Linearization& linear, const std::vector<Candidate>& effects,
-                         const EffectParameters<double>& all) {
+                         const BatchState& all) {
   std::vector<double> values;
   for (const Candidate& effect : effects)
-    for (const std::size_t c : columnsOf(linear, effect.effect)) {
-      const std::size_t scalar = linear.columns[c].scalar;
-      values.push_back(sizeOf(scalar, all.values[scalar]));
+    for (const CandidateColumn& c : columnsOf(linear, effect.effect)) {
+      const std::size_t scalar = linear.columns[c.column].scalar;
+      if (c.image >= 0) {
+        const auto drawn = all.draws.find({scalar, static_cast<std::size_t>(c.image)});
+        values.push_back(drawn == all.draws.end() ? 0 : drawn->second);
+      } else {
+        values.push_back(sizeOf(scalar, all.effects.values[scalar]));
+      }
     }
   return Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values));
 }
 
-HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effects,
-                 const EffectParameters<double>& values, const NoiseModel& noise, const BatchData& data,
-                 const HeldOutOptions& options)
+HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effects, const BatchState& found,
+                 const NoiseModel& noise, const BatchData& data, const HeldOutOptions& options)
     : linear_(linear),
       effects_(effects),
       noise_(noise),
       options_(options),
       physics_(columnsOf(linear, effects)),
-      found_(valuesOf(linear, effects, values)),
+      found_(valuesOf(linear, effects, found)),
       model_(withoutEffects(linear, physics_, found_), noise, data),
       bare_(model_.linear()),
       channels_(channelsOf(model_, model_.whitened(physics_) * found_)),
@@ -174,6 +183,8 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
       pieces_(static_cast<std::size_t>(stretches_.count()) * kParts) {
   gain_.by_effect.assign(effects.size(), 0);
   columns_ = model_.whitened(columnsOf(bare_, effects));
+  for (const Candidate& effect : effects)
+    for (const CandidateColumn& c : columnsOf(bare_, effect.effect)) is_draw_.push_back(c.image >= 0);
   simulated_ = random_.normals(model_.residual().size(), options.yardsticks ? kPlacebos : 0);
   if (!options.yardsticks) return;
   placebo_.emplace(model_, simulated_);
@@ -211,11 +222,12 @@ void HoldOut::holdOutFold(int fold) {
   const Eigen::Index floor_draws = placebo_ ? kFloorDraws : 0;
   Eigen::MatrixXd with(model_.residual().size(), kFirstDraw + floor_draws + std::ssize(effects_));
   with.col(kBefore) = model_.residual();
-  with.col(kAfter) = residualWith(physics({}), trained);
+  with.col(kAfter) = residualWithDraws(physics({}), trained, test);
   with.col(kBlackBox) = residualWith(box_, trained);
   with.middleCols(kFirstDraw, floor_draws) = simulated_.leftCols(floor_draws);
   for (std::size_t e = 0; e < effects_.size(); ++e)
-    with.col(kFirstDraw + floor_draws + static_cast<Eigen::Index>(e)) = residualWith(physics(e), trained);
+    with.col(kFirstDraw + floor_draws + static_cast<Eigen::Index>(e)) =
+        residualWithDraws(physics(e), trained, test);
   const Eigen::MatrixXd left = test.project(with);
   for (std::size_t e = 0; e < effects_.size(); ++e)
     gain_.by_effect[e] +=
@@ -230,6 +242,35 @@ Eigen::VectorXd HoldOut::residualWith(const Fitted& what, const Reduced& trained
       fitted(trained.gram(what.columns, what.columns), trained.score(what.columns), what.sigma);
   for (std::size_t k = 0; k < what.columns.size(); ++k)
     residual += columns_.col(what.columns[k]) * value[static_cast<Eigen::Index>(k)];
+  return residual;
+}
+
+Eigen::VectorXd HoldOut::residualWithDraws(const Fitted& what, const Reduced& trained,
+                                           const RowsAlone& test) const {
+  Fitted draws, rest;
+  std::vector<double> sigmas[2];
+  for (std::size_t k = 0; k < what.columns.size(); ++k) {
+    const bool drawn = is_draw_[static_cast<std::size_t>(what.columns[k])];
+    (drawn ? draws : rest).columns.push_back(what.columns[k]);
+    sigmas[drawn].push_back(what.sigma[static_cast<Eigen::Index>(k)]);
+  }
+  if (draws.columns.empty()) return residualWith(what, trained);
+  draws.sigma = Eigen::Map<Eigen::VectorXd>(sigmas[1].data(), std::ssize(sigmas[1]));
+  // Trained with the draws of the images there, of which the held-out ones know nothing.
+  const Eigen::VectorXd all =
+      fitted(trained.gram(what.columns, what.columns), trained.score(what.columns), what.sigma);
+  Eigen::VectorXd residual = model_.residual();
+  for (std::size_t k = 0; k < what.columns.size(); ++k)
+    if (!is_draw_[static_cast<std::size_t>(what.columns[k])])
+      residual += columns_.col(what.columns[k]) * all[static_cast<Eigen::Index>(k)];
+  const Reduced own = test.reduce(columns_);
+  Eigen::VectorXd score = own.score(draws.columns);
+  for (std::size_t k = 0; k < what.columns.size(); ++k)
+    if (!is_draw_[static_cast<std::size_t>(what.columns[k])])
+      score += own.gram(draws.columns, what.columns[k]) * all[static_cast<Eigen::Index>(k)];
+  const Eigen::VectorXd drawn = fitted(own.gram(draws.columns, draws.columns), score, draws.sigma);
+  for (std::size_t k = 0; k < draws.columns.size(); ++k)
+    residual += columns_.col(draws.columns[k]) * drawn[static_cast<Eigen::Index>(k)];
   return residual;
 }
 
@@ -387,9 +428,9 @@ double printedUnit(const Linearization& linear, const NoiseModel& noise, BatchCh
 }
 
 HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>& effects,
-                      const EffectParameters<double>& values, const NoiseModel& noise, const BatchData& data,
+                      const BatchState& found, const NoiseModel& noise, const BatchData& data,
                       const HeldOutOptions& options) {
-  return HoldOut(linear, effects, values, noise, data, options).run();
+  return HoldOut(linear, effects, found, noise, data, options).run();
 }
 
 }  // namespace fathom

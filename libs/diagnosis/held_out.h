@@ -49,7 +49,7 @@ struct HeldOutOptions {
 /// `linear`: at the final estimate, not weighted; `values`: the effects' there. A fold is every so-manyth
 /// stretch of the recording, of a single image so many markers; effects are trained on all others.
 HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>& effects,
-                      const EffectParameters<double>& values, const NoiseModel& noise, const BatchData& data,
+                      const BatchState& found, const NoiseModel& noise, const BatchData& data,
                       const HeldOutOptions& options);
 
 // ---- what is said of residuals, held out or elsewhere

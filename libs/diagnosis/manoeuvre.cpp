@@ -7,6 +7,7 @@
 #include <span>
 
 #include "diagnosis/screening.h"
+#include "effects/drawn.h"
 #include "sensors/camera_geometry.h"
 
 namespace fathom {
@@ -181,6 +182,7 @@ Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, cons
                        const SizedEffect& first, const SizedEffect& second, const NoiseModel& noise) {
   Advice advice;
   advice.separation_now = separation(without, first, second);
+  if (isDrawn(first.candidate.effect) || isDrawn(second.candidate.effect)) return advice;  // needs images
   if (!data.hasMotion()) return advice;  // nothing that could be driven
   const Pose station = stationOf(data, recorded.path);
   for (const Manoeuvre& manoeuvre : manoeuvres()) {

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include "core/chi_square.h"
@@ -25,7 +26,17 @@ Eigen::VectorXd priorsOf(const Refit& fit) {
 void finish(Refit& fit) {
   const Eigen::VectorXd step = fit.model->nuisances().step(fit.model->residual());
   std::vector<Eigen::Index> columns;
-  for (const UnknownBlock& block : fit.model->linear().blocks) {
+  const Linearization& linear = fit.model->linear();
+  BatchState& state = fit.estimate.state;
+  for (const UnknownBlock& block : linear.blocks) {
+    if (block.kind == UnknownBlock::Kind::draw) {
+      const Draw& draw = linear.draws[block.index];
+      const std::size_t effect = effectOf(draw.scalar);
+      if (!fit.options.problem.estimate[effect]) continue;
+      columns.push_back(block.column);
+      fit.estimates.push_back({effect, draw.scalar, state.draws[draw] + step[block.column], 0,
+                               static_cast<std::ptrdiff_t>(draw.image)});
+    }
     if (block.kind != UnknownBlock::Kind::effect) continue;
     const std::vector<std::size_t> scalars = continuousScalars(block.index);
     for (std::size_t k = 0; k < scalars.size(); ++k) {
@@ -40,15 +51,21 @@ void finish(Refit& fit) {
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     fit.estimates[i].sigma = std::sqrt(fit.covariance(k, k));
-    fit.estimate.state.effects.values[fit.estimates[i].scalar] = fit.estimates[i].value;
+    const EffectEstimate& found = fit.estimates[i];
+    if (found.image < 0)
+      state.effects.values[found.scalar] = found.value;
+    else
+      state.draws[{found.scalar, static_cast<std::size_t>(found.image)}] = found.value;
   }
+  for (const EffectEstimate& spread : withSpreads(fit.estimates))
+    state.effects.values[spread.scalar] = spread.value;
   const Eigen::VectorXd precision = priorsOf(fit).array().square().inverse();
   fit.freedom = static_cast<double>(columns.size()) - precision.dot(fit.covariance.diagonal());
 }
 
 bool areAllPossible(const Refit& fit) {
   return std::all_of(fit.estimates.begin(), fit.estimates.end(), [](const EffectEstimate& estimate) {
-    return isPossible(parameterOf(estimate.scalar), estimate.value);
+    return canBeFound(estimate.scalar, estimate.value);
   });
 }
 
@@ -98,6 +115,28 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
   fit.succeeded = areAllPossible(fit);
   if (!fit.succeeded) fit.estimate.failure = "less than nothing of an effect would have to be there";
   return fit;
+}
+
+std::vector<EffectEstimate> withSpreads(const std::vector<EffectEstimate>& estimates) {
+  struct Sums {
+    double square = 0, count = 0;
+  };
+  std::vector<EffectEstimate> all;
+  std::map<std::size_t, Sums> sums;
+  for (const EffectEstimate& estimate : estimates) {
+    if (estimate.image < 0) {
+      all.push_back(estimate);
+      continue;
+    }
+    Sums& own = sums[estimate.scalar];
+    own.square += estimate.value * estimate.value - estimate.sigma * estimate.sigma;
+    ++own.count;
+  }
+  for (const auto& [scalar, own] : sums) {
+    const double spread = std::sqrt(std::max(0.0, own.square / own.count));
+    all.push_back({effectOf(scalar), scalar, spread, spread / std::sqrt(2 * own.count)});
+  }
+  return all;
 }
 
 double supportOver(const Refit& fit, const Refit& fewer) {

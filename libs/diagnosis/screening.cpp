@@ -12,7 +12,7 @@
 
 #include "core/chi_square.h"
 #include "core/random.h"
-#include "effects/catalogue.h"
+#include "effects/drawn.h"
 
 namespace fathom {
 namespace {
@@ -126,8 +126,9 @@ void Screening::layOut(const Linearization& linear, int segments, const std::set
     family.candidate.effect = effect.index;
     family.is_step = effect.has(ParameterKind::time);
     family.has_peak = hasPeak(effect);
-    for (const std::size_t c : columnsOf(linear, effect.index))
-      family.scalars.push_back(linear.columns[c].scalar);
+    for (const CandidateColumn& c : columnsOf(linear, effect.index))
+      family.scalars.push_back(linear.columns[c.column].scalar);
+    if (family.scalars.empty()) continue;  // drawn for each image, and there is none
     family.prior_sigma = priorSigmas(linear, {family.candidate});
     const auto add = [&](std::optional<int> id, int count) {
       family.candidate.marker_id = id;
@@ -137,7 +138,7 @@ void Screening::layOut(const Linearization& linear, int segments, const std::set
       column += family.size * count;
       families_.push_back(family);
     };
-    if (!effect.has(ParameterKind::marker_id)) add({}, lasts ? 1 : segments);
+    if (!effect.has(ParameterKind::marker_id)) add({}, lasts || isDrawn(effect.index) ? 1 : segments);
     if (effect.has(ParameterKind::marker_id))
       for (const int id : markersOf(linear)) add(id, 1);
   }
@@ -148,15 +149,15 @@ Eigen::SparseMatrix<double> Screening::columns(const Linearization& linear) cons
   Eigen::Index count = 0;
   for (const Family& family : families_) {
     count = family.first + family.size * family.segments;
-    const std::vector<std::size_t> own = columnsOf(linear, family.candidate.effect);
+    const std::vector<CandidateColumn> own = columnsOf(linear, family.candidate.effect);
     for (std::size_t i = 0; i < linear.rows.size(); ++i) {
       if (!actsOn(family.candidate, linear.rows[i])) continue;
       const int segment =
           std::clamp(static_cast<int>((linear.rows[i].t_s - first_s_) / segment_s_), 0, family.segments - 1);
       for (Eigen::Index k = 0; k < family.size; ++k) {
-        const double value = linear.C(static_cast<Eigen::Index>(i),
-                                      static_cast<Eigen::Index>(own[static_cast<std::size_t>(k)]));
-        if (value != 0)
+        const CandidateColumn& of = own[static_cast<std::size_t>(k)];
+        const double value = linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(of.column));
+        if (value != 0 && of.has(linear.rows[i]))
           entries.emplace_back(static_cast<int>(i),
                                static_cast<int>(family.first + segment * family.size + k), value);
       }
@@ -241,7 +242,7 @@ TestedCandidate Screening::test(const Test& test) const {
     const std::size_t scalar = family.scalars[static_cast<std::size_t>(k)];
     tested.one_step.push_back(
         {family.candidate.effect, scalar, value[k], std::sqrt(information.inverse(k, k))});
-    is_possible = is_possible && isPossible(parameterOf(scalar), value[k]);
+    is_possible = is_possible && canBeFound(scalar, value[k]);
   }
   if (!is_possible) return tested;
   tested.statistic = g.dot(information.inverse * g);

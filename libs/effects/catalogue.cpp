@@ -88,9 +88,11 @@ std::string_view nameOf(ParameterKind kind) {
     case ParameterKind::peak_time:
       return "peak time";
     case ParameterKind::log_width:
+      return "log width";
+    case ParameterKind::spread:
       break;
   }
-  return "log width";
+  return "spread";
 }
 
 }  // namespace fathom

@@ -10,15 +10,22 @@ enum class ParameterKind {
   marker_id,   ///< a whole number, one of the panel map's ids: tried one by one
   time,        ///< s since the recording's first entry, of a step: derivatives are zero, so searched
   peak_time,   ///< the same of a peak: searched, and then estimated. Neutral is any time
-  log_width    ///< ln of a peak's width over its usual one, likewise
+  log_width,   ///< ln of a peak's width over its usual one, likewise
+  spread       ///< standard deviation of what is drawn anew for each image: a fit estimates each draw
 };
 
-/// Whether a fit estimates it, where it is once known roughly.
-constexpr bool isEstimated(ParameterKind kind) {
+/// Whether readings depend on it, or on what is drawn of it, smoothly.
+constexpr bool isDifferentiated(ParameterKind kind) {
   return kind != ParameterKind::marker_id && kind != ParameterKind::time;
 }
+/// Whether a fit estimates it itself, where it is once known roughly.
+constexpr bool isEstimated(ParameterKind kind) {
+  return isDifferentiated(kind) && kind != ParameterKind::spread;
+}
 /// Whether it says how large an effect is; else only where or when it is.
-constexpr bool isSize(ParameterKind kind) { return kind == ParameterKind::continuous; }
+constexpr bool isSize(ParameterKind kind) {
+  return kind == ParameterKind::continuous || kind == ParameterKind::spread;
+}
 
 /// One named parameter of an effect, a scalar or a list of three. Neutral is always zero: at zero the effect
 /// changes nothing, so every effect's size is also its distance from "not there".

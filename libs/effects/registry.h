@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "effects/accelerometer_bias.h"
+#include "effects/auto_exposure.h"
 #include "effects/camera_latency.h"
 #include "effects/camera_misalignment.h"
 #include "effects/dark_offset.h"
@@ -32,6 +33,7 @@
 #include "effects/rolling_shutter.h"
 #include "effects/separate_backscatter.h"
 #include "effects/slant_range.h"
+#include "effects/sun_flicker.h"
 #include "effects/turbidity_plume.h"
 #include "effects/vignetting.h"
 #include "effects/water_current.h"
@@ -47,8 +49,8 @@ using AllEffects =
     std::tuple<DvlMisalignment, DvlLeverArm, DvlLatency, WaterCurrent, DvlScale, EarthRotation, GyroScale,
                GyroBias, AccelerometerBias, InsMisalignment, InsLatency, PressureDensity, PressureOffset,
                FlatPortRefraction, FocalScale, LensDistortion, CameraMisalignment, CameraLatency,
-               RollingShutter, MarkerMoved, MarkerSize, PanelMoved, SeparateBackscatter, TurbidityPlume,
-               SlantRange, Vignetting, Gamma, DarkOffset>;
+               RollingShutter, MarkerMoved, MarkerSize, PanelMoved, SunFlicker, SeparateBackscatter,
+               TurbidityPlume, SlantRange, Vignetting, AutoExposure, Gamma, DarkOffset>;
 
 inline constexpr std::size_t kEffectCount = std::tuple_size_v<AllEffects>;
 

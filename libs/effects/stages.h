@@ -107,6 +107,12 @@ struct Shutter {
 
 // Image.
 
+/// The light that falls on what is seen.
+template <class T>
+struct SceneLight {
+  T daylight = T(1);  ///< in units of the environment's ambient light
+};
+
 /// One pixel's light on its way from the scene to the camera. A depth is optical: attenuation times way, one
 /// a colour channel (red, green, blue). Both start as the base model has them, attenuation times z.
 template <class T>

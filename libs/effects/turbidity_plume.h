@@ -23,7 +23,7 @@ struct TurbidityPlume {
       .source =
           "A puff that diffuses while a current carries it past has a Gaussian concentration, e.g. Fischer\n"
           "et al. 1979; attenuation goes with concentration",
-      .confused_with = {"slant-range", "separate-backscatter"},
+      .confused_with = {"auto-exposure", "sun-flicker", "slant-range", "separate-backscatter"},
       .told_apart =
           "White and black near and far while it lasts: a plume takes more from what is farther away and "
           "brightens black, a gain takes the same share of all"};

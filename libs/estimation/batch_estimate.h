@@ -34,6 +34,7 @@ struct EffectEstimate {
   std::size_t effect = 0;  ///< in the registry
   std::size_t scalar = 0;  ///< in EffectParameters::values
   double value = 0.0, sigma = 0.0;
+  std::ptrdiff_t image = -1;  ///< of what was drawn for an image
 };
 
 /// How large the whitened residuals of a channel are.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "core/chi_square.h"
 #include "estimation/reading_cost.h"
@@ -109,6 +110,9 @@ void BatchProblem::layOut() {
   if (!data_.tie_points.empty()) blocks_.push_back({Kind::right_camera, 0, 6, 0});
   if (!data_.patches.empty()) blocks_.push_back({Kind::water, 0, 9, 0});
   for (std::size_t e = 0; e < kEffectCount; ++e)
+    if (options_.estimate[e] || reference_.effects.on[e]) addDraws(e);
+  for (std::size_t i = 0; i < draws_.size(); ++i) blocks_.push_back({Kind::draw, i, 1, 0});
+  for (std::size_t e = 0; e < kEffectCount; ++e)
     if (const auto size = std::ssize(continuousScalars(e)); options_.estimate[e] && size > 0)
       blocks_.push_back({Kind::effect, e, static_cast<int>(size), 0});
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
@@ -120,6 +124,15 @@ void BatchProblem::layOut() {
     image_pose_.resize(std::max(image_pose_.size(), reference_.images[i] + 1), kNone);
     image_pose_[reference_.images[i]] = i;
   }
+}
+
+void BatchProblem::addDraws(std::size_t effect) {
+  std::set<std::size_t> images;
+  for (const ImagePatch& patch : data_.patches)
+    if (reference_.effects.active_s[effect].contains(patch.t_s)) images.insert(patch.image);
+  for (std::size_t s = kEffectOffsets[effect]; s < kEffectOffsets[effect + 1]; ++s)
+    for (const std::size_t image : images)
+      if (parameterOf(s).kind == ParameterKind::spread) draws_.push_back({s, image});
 }
 
 const UnknownBlock* BatchProblem::find(Kind kind, std::size_t index) const {
@@ -138,6 +151,10 @@ BatchState BatchProblem::at(const Eigen::VectorXd& x) const {
     if (block.kind == Kind::water) state.water += e;
     if (block.kind == Kind::bias) state.bias[block.index] += e;
     if (block.kind == Kind::pressure_offset) state.pressure_offset_pa += e[0];
+    if (block.kind == Kind::draw) {
+      state.draws[draws_[block.index]] += e[0];
+      state.effects.on.set(effectOf(draws_[block.index].scalar));
+    }
     if (block.kind == Kind::effect) {
       state.effects.on.set(block.index);
       int i = 0;
@@ -263,6 +280,13 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (cost->acting[e] && cost->told[e] && block_of_.contains({Kind::effect, e}))
       link(Kind::effect, e, continuousScalars(e), 0, 1.0);
+  for (std::size_t i = 0; patch != nullptr && i < draws_.size(); ++i) {
+    const auto& [scalar, of_image] = draws_[i];
+    if (of_image != image || !cost->acting[effectOf(scalar)]) continue;
+    if (const auto drawn = reference_.draws.find(draws_[i]); drawn != reference_.draws.end())
+      point.effects[scalar] = drawn->second;
+    link(Kind::draw, i, {scalar}, 0, 1.0);
+  }
 
   cost->model = std::move(model);
   cost->source = source;
@@ -431,6 +455,17 @@ void BatchProblem::addPriors() {
       const Vector9d precision = sigma.cwiseInverse();
       addLinear(block, precision.cwiseProduct(reference_.water - waterParameters(data_.water)),
                 precision.asDiagonal().toDenseMatrix());
+    }
+    if (block.kind == Kind::draw) {
+      // What was found of its spread, or what one would expect.
+      const Draw& draw = draws_[block.index];
+      const double known = reference_.effects.values[draw.scalar];
+      const bool is_known = known > 0 && !options_.estimate[effectOf(draw.scalar)];
+      const double precision = 1 / (is_known ? known : parameterOf(draw.scalar).prior_sigma);
+      const auto drawn = reference_.draws.find(draw);
+      addLinear(block,
+                Eigen::VectorXd::Constant(1, drawn == reference_.draws.end() ? 0 : precision * drawn->second),
+                Eigen::MatrixXd::Constant(1, 1, precision));
     }
     if (block.kind == Kind::effect) {
       Eigen::VectorXd precision(block.size), value(block.size);

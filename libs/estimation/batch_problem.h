@@ -17,6 +17,13 @@
 /// The batch estimate as a least-squares problem: unknowns, and the rows of residuals that they explain.
 namespace fathom {
 
+/// What is drawn of an effect's spread for one image.
+struct Draw {
+  std::size_t scalar = 0;  ///< in EffectParameters::values
+  std::size_t image = 0;   ///< see ImagePatch
+  friend auto operator<=>(const Draw&, const Draw&) = default;
+};
+
 /// What is estimated, as numbers.
 struct BatchState {
   PosePath path;
@@ -30,6 +37,7 @@ struct BatchState {
   Pose T_left_right;                  ///< of a pair of cameras that sees tie points
   Vector9d water = Vector9d::Zero();  ///< waterParameters(), where there are patches
   EffectParameters<double> effects;   ///< all that are on, estimated or not
+  std::map<Draw, double> draws;       ///< of effects that are drawn anew for each image; missing: 0
 };
 
 struct PathPrior {
@@ -60,9 +68,9 @@ struct ProblemOptions {
 
 /// A block of unknowns: coordinates of the error of one part of a reference state.
 struct UnknownBlock {
-  enum class Kind { pose, bias, pressure_offset, panel, right_camera, water, effect };
+  enum class Kind { pose, bias, pressure_offset, panel, right_camera, water, effect, draw };
   Kind kind = Kind::pose;
-  std::size_t index = 0;  ///< in the state's list, of an effect: in the registry
+  std::size_t index = 0;  ///< in the state's list, of an effect: in the registry, of a draw: in draws()
   int size = 6;
   int column = 0;  ///< of its first coordinate
 };
@@ -123,12 +131,16 @@ class BatchProblem {
   const UnknownBlock* find(UnknownBlock::Kind kind, std::size_t index) const;
   int unknowns() const { return unknowns_; }
   const std::vector<std::unique_ptr<BatchCost>>& costs() const { return costs_; }
+  /// Of effects that are on, or estimated: by effect, then by image.
+  const std::vector<Draw>& draws() const { return draws_; }
+  bool estimates(std::size_t effect) const { return options_.estimate[effect]; }
   /// The motion of the reference at a stamp, or on an image.
   Motion motionAt(double t_s, std::size_t image) const;
   std::size_t behindCamera() const { return behind_camera_; }
 
  private:
   void layOut();
+  void addDraws(std::size_t effect);
   void addReadings();
   void addMarkers();
   void addTiePoints();
@@ -149,6 +161,7 @@ class BatchProblem {
   BatchState reference_;
   std::vector<UnknownBlock> blocks_;  ///< in the order of elimination: by time, then what is constant
   std::map<std::pair<UnknownBlock::Kind, std::size_t>, std::size_t> block_of_;
+  std::vector<Draw> draws_;
   std::vector<std::size_t> image_pose_;  ///< of poses by themselves: by image
   int unknowns_ = 0;
   std::size_t behind_camera_ = 0;

@@ -21,10 +21,10 @@ std::vector<EffectColumn> effectColumnsOf(const BatchProblem& problem) {
     std::size_t scalar = effect.first_scalar;
     for (const Parameter& p : effect.parameters)
       for (int i = 0; i < p.size; ++i, ++scalar) {
-        if (!isEstimated(p.kind)) continue;
+        if (!isDifferentiated(p.kind)) continue;
         const std::string axis = p.size > 1 ? print("[%d]", i) : "";
         columns.push_back({effect.index, scalar, std::string(effect.id) + "." + std::string(p.name) + axis,
-                           p.prior_sigma, problem.find(UnknownBlock::Kind::effect, effect.index) != nullptr,
+                           p.prior_sigma, problem.estimates(effect.index),
                            problem.reference().effects.on[effect.index]});
       }
   }
@@ -127,6 +127,7 @@ void findTracks(Linearization& linear) {
 Linearization linearize(const BatchData& data, const BatchProblem& problem, bool effect_columns) {
   Linearization linear;
   linear.blocks = problem.blocks();
+  linear.draws = problem.draws();
   if (effect_columns) linear.columns = effectColumnsOf(problem);
   const auto& costs = problem.costs();
   std::vector<Eigen::Index> first(costs.size() + 1, 0);

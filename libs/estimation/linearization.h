@@ -62,6 +62,7 @@ struct Linearization {
   /// Columns are in an order that J^T J is factorized in without much fill.
   Eigen::SparseMatrix<double> J;
   std::vector<UnknownBlock> blocks;
+  std::vector<Draw> draws;  ///< what blocks of that kind are about
   /// By every continuous scalar of every registered effect, where it acts at its estimate, else at neutral.
   /// Every row takes an effect's marker_id for its own marker's, time_s for long past and active_s for
   /// always: a candidate (effect, marker, onset) is its columns with all other rows set to zero. Where an

@@ -113,7 +113,7 @@ class ReadingCost final : public BatchCost {
     std::vector<std::size_t> wanted;
     for (std::size_t e = 0; e < kEffectCount; ++e)
       for (std::size_t s = kEffectOffsets[e]; told[e] && s < kEffectOffsets[e + 1]; ++s)
-        if (isEstimated(parameterOf(s).kind)) wanted.push_back(s);
+        if (isDifferentiated(parameterOf(s).kind)) wanted.push_back(s);
     const std::vector<Pose> poses = posesAt(Eigen::VectorXd::Zero(lastColumn()));
     const Eigen::MatrixXd scale = -1.0 / static_cast<double>(nodes.size()) * whitening;
     for (const MotionNode& node : nodes) {

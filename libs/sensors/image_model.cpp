@@ -120,7 +120,8 @@ ImageModel::ImageModel(const CameraSheet& sheet, const Water& water, const Effec
 cv::Mat ImageModel::light(const cv::Mat& radiance, const cv::Mat& range_m, double t_s) const {
   require(radiance, CV_32FC3, z_per_range_.size());
   require(range_m, CV_32FC1, z_per_range_.size());
-  if (anyActsAt<WaterRay<double>>(effects_)) return lightWithEffects(radiance, range_m, t_s);
+  if (anyActsAt<WaterRay<double>>(effects_) || anyActsAt<SceneLight<double>>(effects_))
+    return lightWithEffects(radiance, range_m, t_s);
   const std::array<float, 3> a{static_cast<float>(water_.attenuation_per_m[0]),
                                static_cast<float>(water_.attenuation_per_m[1]),
                                static_cast<float>(water_.attenuation_per_m[2])};

@@ -26,9 +26,12 @@ Vector3<T> predictLight(const Vector3<T>& scene, const T& z_m, const T& range_m,
   const Vector3<T> depth = water.attenuation_per_m * z_m;
   WaterRay<T> ray{t_s, z_m, range_m, depth, depth};
   applyEffects(effects, t_s, ray);
+  SceneLight<T> lit;
+  applyEffects(effects, t_s, lit);
   Vector3<T> light;
   for (int c = 0; c < 3; ++c)
-    light[c] = scene[c] * exp(-ray.signal_depth[c]) + (1.0 - exp(-ray.veil_depth[c])) * water.veil[c];
+    light[c] =
+        lit.daylight * scene[c] * exp(-ray.signal_depth[c]) + (1.0 - exp(-ray.veil_depth[c])) * water.veil[c];
   return light;
 }
 
@@ -74,6 +77,13 @@ class ImageModel {
   ImageModel in(const Water& water) const {
     ImageModel other = *this;
     other.water_ = water;
+    return other;
+  }
+
+  /// The same camera with other effects; cheap.
+  ImageModel with(const EffectParameters<double>& effects) const {
+    ImageModel other = *this;
+    other.effects_ = effects;
     return other;
   }
 

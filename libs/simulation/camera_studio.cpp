@@ -95,7 +95,7 @@ cv::Mat CameraStudio::panelMask(const CameraShot& shot, const View& view) const 
 }
 
 cv::Mat CameraStudio::expose(const CameraShot& shot, const View& view, Random* noise) const {
-  const ImageModel& model = eyeOf(shot.camera.lens).model;
+  const ImageModel model = eyeOf(shot.camera.lens).model.with(shot.effects.value_or(effects_));
   return model.expose(model.light(view.radiance, view.range_m, shot.t_s), noise, shot.t_s);
 }
 

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "core/random.h"
@@ -26,6 +27,8 @@ struct CameraShot {
   Pose T_odom_robot;
   TrueCamera camera;
   double t_s = 0;  ///< its stamp, after the recording's first entry
+  /// In this very image, see drawnFor(); absent: the studio's.
+  std::optional<EffectParameters<double>> effects = {};
 
   Pose T_odom_camera() const { return T_odom_robot * camera.T_robot_camera; }
 };

@@ -5,6 +5,7 @@
 
 #include "core/for_each.h"
 #include "effects/calibration.h"
+#include "effects/drawn.h"
 #include "render/scene.h"
 #include "sensors/fingerprints.h"
 #include "sensors/models.h"
@@ -39,7 +40,10 @@ struct Dive {
     const TrueCamera camera = trueCamera(sheet.model, sheet.T_robot_camera, state, options.effects, t_s,
                                          side == 0 ? Pose{} : *sheet.T_left_right);
     Random noise = Random::stream(options.seed, noiseStream(number, side));
-    return studio.image({{state.R_odom_robot, state.position_odom}, camera, t_s},
+    return studio.image({{state.R_odom_robot, state.position_odom},
+                         camera,
+                         t_s,
+                         drawnFor(options.effects, options.seed, t_s)},
                         options.noise ? &noise : nullptr);
   }
 };

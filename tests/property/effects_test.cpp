@@ -369,7 +369,7 @@ TEST(EffectRegistry, IdsAreUniqueAndEntriesWhole) {
     for (const Parameter& p : effect.parameters) {
       EXPECT_TRUE(names.insert(p.name).second) << effect.id << " " << p.name;
       EXPECT_TRUE(p.size == 1 || p.size == 3) << p.name;
-      EXPECT_EQ(p.prior_sigma > 0, isEstimated(p.kind)) << p.name;
+      EXPECT_EQ(p.prior_sigma > 0, isDifferentiated(p.kind)) << p.name;
       EXPECT_GT(p.limit, p.prior_sigma) << p.name;
       EXPECT_FALSE(p.unit.empty() || p.usual.empty()) << effect.id << " " << p.name;
     }

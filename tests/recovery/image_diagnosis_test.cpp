@@ -1,6 +1,7 @@
 // Diagnosis with images: black and white of the markers beside navigation and corners.
 #include <gtest/gtest.h>
 
+#include "effects/drawn.h"
 #include "support/diagnosis_score.h"
 
 namespace fathom {
@@ -56,6 +57,35 @@ TEST_P(HiddenImageEffect, IsNamed) {
 INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenImageEffect,
                          testing::Values("separate-backscatter", "slant-range", "vignetting", "gamma",
                                          "dark-offset", "turbidity-plume", "dvl-latency"));
+
+/// What is drawn anew for each image: by how much it scatters, over some two dozen of them.
+class HiddenDrawnEffect : public testing::TestWithParam<const char*> {};
+TEST_P(HiddenDrawnEffect, IsNamed) {
+#ifdef FATHOM_SANITIZE
+  GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
+#endif
+  constexpr double kSpread = 0.05;
+  const EffectInfo& effect = *findEffect(GetParam());
+  test::DiagnosisRun hidden = test::plainNull(lightDive(), 1);
+  hidden.truth = Candidate{.effect = effect.index};
+  hidden.run.effects.on.set(effect.index);
+  hidden.run.effects.values[effect.first_scalar] = kSpread;
+  const BatchInput input = hidden.input();
+  const Diagnosis diagnosis = diagnose(input);
+  const test::Answer answer = test::score(diagnosis, hidden, lightExcitation());
+  ASSERT_EQ(diagnosis.effects.size(), 1U) << test::told(answer);
+  EXPECT_EQ(diagnosis.effects[0].candidate.effect, effect.index) << test::told(answer);
+  // The truth is what those images were given, which is within a fifth of the spread they were drawn from.
+  ASSERT_EQ(diagnosis.effects[0].estimates.size(), 1U);
+  const EffectEstimate& found = diagnosis.effects[0].estimates[0];
+  EXPECT_NEAR(found.value, kSpread, 4 * found.sigma);
+  for (const ImagePatch& patch : input.data.patches) {
+    const double value = diagnosis.after.state.draws.at({effect.first_scalar, patch.image});
+    const auto truth = drawnFor(hidden.run.effects, hidden.run.seed, patch.t_s);
+    EXPECT_NEAR(value, truth.values[effect.first_scalar], 0.01);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenDrawnEffect, testing::Values("auto-exposure", "sun-flicker"));
 
 }  // namespace
 }  // namespace fathom

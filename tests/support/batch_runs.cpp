@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/drawn.h"
+
 namespace fathom::test {
 
 Pose beforePanel(double t) {
@@ -126,7 +128,7 @@ std::vector<ImagePatch> BatchRun::patches() const {
         patch.place = 2 * marker.id + (white ? 1 : 0);
         patch.albedo.setConstant(white ? panel.white_albedo : panel.black_albedo);
         patch.radiance = predictPatch(state, nominalPlacement<double>(panel.T_odom_panel, patch.t_s), patch,
-                                      coastalWater(), effects, patch.t_s);
+                                      coastalWater(), drawnFor(effects, seed, patch.t_s), patch.t_s);
         if (noise) patch.radiance += kSigma * random.normal3();
         patches.push_back(patch);
       }

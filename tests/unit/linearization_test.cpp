@@ -6,6 +6,7 @@
 
 #include "core/random.h"
 #include "effects/catalogue.h"
+#include "effects/drawn.h"
 #include "estimation/nuisances.h"
 #include "estimation/selected_inverse.h"
 #include "support/batch_runs.h"
@@ -145,6 +146,7 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
     const bool of_marker = column.effect == kEffectIndex<MarkerMoved>;
     const bool of_light = allEffects()[column.effect].text.channel == EffectChannel::image;
     const bool comes_and_goes = column.effect == kEffectIndex<TurbidityPlume>;
+    const bool is_drawn = isDrawn(column.effect);
     const double h = 1e-3 * column.prior_sigma;
     Eigen::VectorXd ends[2];
     for (const int sign : {0, 1}) {
@@ -153,12 +155,15 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
       if (of_marker) *effects.of<MarkerMoved>() = marker_id;
       effects.on.set(column.effect);
       if (comes_and_goes) effects.values[kEffectOffsets[column.effect] + 1] = kPeak_s;
-      effects.values[column.scalar] += sign == 0 ? -h : h;
+      const double step = sign == 0 ? -h : h;
+      if (!is_drawn) effects.values[column.scalar] += step;
+      for (const ImagePatch& patch : data.patches)
+        if (is_drawn) moved.state.draws[{column.scalar, patch.image}] = step;
       const auto there = problemAt(data, moved, linear_run.options);
       ends[sign] = residuals(*there, zero);
     }
     Eigen::VectorXd expected = linear.C.col(static_cast<Eigen::Index>(c)),
-                    found = (ends[1] - ends[0]) / (2 * h);
+                    found = ((ends[1] - ends[0]) / (2 * h)).head(linear.residual.size());
     for (std::size_t i = 0; i < linear.rows.size(); ++i) {
       const auto at = static_cast<Eigen::Index>(i);
       // Of one that comes and goes every row is taken for at the peak.

@@ -1,0 +1,35 @@
+#include "effects/drawn.h"
+
+#include <bit>
+
+#include "core/random.h"
+#include "effects/catalogue.h"
+
+namespace fathom {
+
+bool isDrawn(std::size_t effect) { return allEffects()[effect].has(ParameterKind::spread); }
+
+namespace {
+
+/// Effects that are on, each spread times what `factor` gives for its scalar.
+template <class Factor>
+EffectParameters<double> withSpreadsTimes(EffectParameters<double> effects, Factor factor) {
+  for (std::size_t e = 0; e < kEffectCount; ++e)
+    for (std::size_t s = kEffectOffsets[e]; effects.on[e] && s < kEffectOffsets[e + 1]; ++s)
+      if (parameterOf(s).kind == ParameterKind::spread) effects.values[s] *= factor(s);
+  return effects;
+}
+
+}  // namespace
+
+EffectParameters<double> withoutDraws(EffectParameters<double> effects) {
+  return withSpreadsTimes(std::move(effects), [](std::size_t) { return 0.0; });
+}
+
+EffectParameters<double> drawnFor(EffectParameters<double> effects, std::uint64_t seed, double t_s) {
+  return withSpreadsTimes(std::move(effects), [&](std::size_t scalar) {
+    return Random::stream(seed ^ std::bit_cast<std::uint64_t>(t_s), scalar).normal();
+  });
+}
+
+}  // namespace fathom
