@@ -108,10 +108,10 @@ void BatchProblem::layOut() {
     if (data_.panels[i].position_sigma_m > 0 && data_.panels[i].angle_sigma_rad > 0)
       blocks_.push_back({Kind::panel, i, 6, 0});
   if (!data_.tie_points.empty()) blocks_.push_back({Kind::right_camera, 0, 6, 0});
-  if (!data_.patches.empty()) blocks_.push_back({Kind::water, 0, 9, 0});
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (options_.estimate[e] || reference_.effects.on[e]) addDraws(e);
   for (std::size_t i = 0; i < draws_.size(); ++i) blocks_.push_back({Kind::draw, i, 1, 0});
+  if (!data_.patches.empty()) blocks_.push_back({Kind::water, 0, 9, 0});
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (const auto size = std::ssize(continuousScalars(e)); options_.estimate[e] && size > 0)
       blocks_.push_back({Kind::effect, e, static_cast<int>(size), 0});

@@ -222,8 +222,9 @@ struct TiePointReader {
 
 struct PatchReader {
   static constexpr Sensor kSensor = Sensor::camera;
-  using Stages = StageList<Mounting<double, Sensor::camera>, ValidityOffset<double, Sensor::camera>,
-                           PanelPlacement<double>, WaterRay<double>, PixelResponse<double>>;
+  using Stages =
+      StageList<Mounting<double, Sensor::camera>, ValidityOffset<double, Sensor::camera>,
+                PanelPlacement<double>, SceneLight<double>, WaterRay<double>, PixelResponse<double>>;
   static std::vector<int> motion() { return {}; }
   ImagePatch seen;
   double t_s;
