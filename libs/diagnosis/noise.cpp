@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "core/chi_square.h"
 #include "core/random.h"
@@ -12,20 +13,14 @@ namespace fathom {
 namespace {
 
 constexpr int kNoiseDraws = 16;
-constexpr int kRounds = 5;               // of matching the correlation
+constexpr int kCorrelationRounds = 5;
+constexpr int kWeightRounds = 4;
 constexpr std::size_t kFewestRows = 30;  // fewer show no noise of their own
 constexpr double kClearSigmas = 4;       // from which on a correlation is more than chance
 constexpr double kLargestCorrelation = 0.95;
 constexpr std::size_t kFewestMarkers = 4;
 constexpr int kPeaks = 16;  // over the recording: narrower ones are noise until they are found
 constexpr double kLargestTolerance_m = 1.0;
-
-/// The estimate with all lasting effects among its unknowns, each held by its prior.
-struct Saturated {
-  std::vector<Candidate> candidates;
-  Nuisances nuisances;
-  Eigen::VectorXd residual;
-};
 
 /// Of an effect that comes and goes, whenever it may be: one peak beside another.
 std::vector<Candidate> peaksOf(const Linearization& linear) {
@@ -44,15 +39,35 @@ std::vector<Candidate> peaksOf(const Linearization& linear) {
   return candidates;
 }
 
-Saturated saturate(const Linearization& linear) {
+std::vector<Candidate> lastingOrPeaking(const Linearization& linear) {
   std::vector<Candidate> candidates = lastingCandidates(linear);
   const std::vector<Candidate> peaks = peaksOf(linear);
   candidates.insert(candidates.end(), peaks.begin(), peaks.end());
-  const Eigen::SparseMatrix<double> J =
-      withHeldColumns(linear.J, columnsOf(linear, candidates), priorSigmas(linear, candidates));
-  Eigen::VectorXd residual = Eigen::VectorXd::Zero(J.rows());
-  residual.head(linear.residual.size()) = linear.residual;
-  return {candidates, Nuisances(J), std::move(residual)};
+  return candidates;
+}
+
+/// The estimate with all these effects among its unknowns, each held by its prior.
+struct Saturated {
+  std::vector<Candidate> candidates;
+  Nuisances nuisances;
+  Eigen::VectorXd residual, left;  ///< before and after
+
+  explicit Saturated(const Linearization& linear)
+      : candidates(lastingOrPeaking(linear)),
+        nuisances(withHeldColumns(linear.J, columnsOf(linear, candidates), priorSigmas(linear, candidates))),
+        residual(Eigen::VectorXd::Zero(nuisances.J().rows())) {
+    residual.head(linear.residual.size()) = linear.residual;
+    left = nuisances.project(residual);
+  }
+};
+
+/// What an effect explains is no outlier: a reading counts in full where it does once all may be there. Else
+/// an effect that shows in all readings of a channel would make its noise seem small.
+std::unique_ptr<Saturated> saturate(Linearization& linear) {
+  auto saturated = std::make_unique<Saturated>(linear);
+  for (int round = 0; round < kWeightRounds && applyOtherRobustWeights(linear, saturated->left); ++round)
+    saturated = std::make_unique<Saturated>(linear);
+  return saturated;
 }
 
 /// Sums over a channel of squares and of neighbours' products.
@@ -208,18 +223,18 @@ std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, 
   return pairs;
 }
 
-NoiseModel shownNoise(const Linearization& linear, const NoiseModel& assumed, std::uint64_t seed) {
-  const Saturated saturated = saturate(linear);
+NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint64_t seed) {
+  const std::unique_ptr<Saturated> saturated = saturate(linear);
   const auto rows = rowsByChannel(linear);
-  const Eigen::VectorXd left = saturated.nuisances.project(saturated.residual);
+  const Eigen::VectorXd& left = saturated->left;
   Random random(seed);
-  const Eigen::MatrixXd white = random.normals(saturated.residual.size(), kNoiseDraws);
+  const Eigen::MatrixXd white = random.normals(left.size(), kNoiseDraws);
 
   NoiseModel noise = assumed;
   std::array<double, kBatchChannels.size()> correlation{};
   std::array<bool, kBatchChannels.size()> is_correlated{};
-  for (int round = 0; round < kRounds; ++round) {
-    const Eigen::MatrixXd simulated = saturated.nuisances.project(correlated(white, rows, correlation));
+  for (int round = 0; round < kCorrelationRounds; ++round) {
+    const Eigen::MatrixXd simulated = saturated->nuisances.project(correlated(white, rows, correlation));
     for (std::size_t c = 0; c < rows.size(); ++c) {
       ChannelNoise& channel = noise.channels[c];
       channel.rows = rows[c].rows.size();
@@ -243,7 +258,7 @@ NoiseModel shownNoise(const Linearization& linear, const NoiseModel& assumed, st
         correlation[c] = std::clamp(correlation[c] + difference, -0.5, kLargestCorrelation);
     }
   }
-  noise.panel_tolerance_m = std::max(cornerBias_m(linear), panelTolerance(saturated, linear));
+  noise.panel_tolerance_m = std::max(cornerBias_m(linear), panelTolerance(*saturated, linear));
   return noise;
 }
 

@@ -53,9 +53,8 @@ void BatchCost::finishSetup(const std::vector<UnknownBlock>& unknowns, int rows)
   }
 }
 
-double BatchCost::robustWeight(const Eigen::VectorXd& residual) const {
-  const double size = residual.norm();
-  return robust_threshold > 0.0 && size > robust_threshold ? robust_threshold / size : 1.0;
+double huberWeight(double norm, double threshold) {
+  return threshold > 0.0 && norm > threshold ? threshold / norm : 1.0;
 }
 
 void BatchCost::prepare(const Eigen::VectorXd& x, bool with_derivative) {

@@ -84,6 +84,9 @@ struct RowSource {
   std::ptrdiff_t patch = -1;
 };
 
+/// Huber's weight on the square of a residual of this norm; threshold 0: 1.
+double huberWeight(double norm, double threshold);
+
 /// A few rows of residuals, whitened: r = W (reading - prediction).
 class BatchCost : public ceres::CostFunction {
  public:
@@ -100,8 +103,6 @@ class BatchCost : public ceres::CostFunction {
 
   /// The residual in the reading's unit: reading - prediction.
   virtual Eigen::VectorXd raw(const Eigen::VectorXd& residual) const { return residual; }
-  /// Huber's weight on the squared residual.
-  double robustWeight(const Eigen::VectorXd& residual) const;
 
   /// Computes what Evaluate() then hands out. May run beside others'.
   void prepare(const Eigen::VectorXd& x, bool with_derivative);

@@ -159,7 +159,8 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
     }
     RowInfo info = commonInfo(data, problem, cost.source);
     info.reading = i;
-    info.robust_weight = cost.robustWeight(r);
+    info.robust_weight = huberWeight(r.norm(), cost.robust_threshold);
+    info.robust_threshold = cost.robust_threshold;
     const Eigen::VectorXd raw = cost.raw(r);
     Eigen::VectorXd sigma = Eigen::VectorXd::Zero(r.size());  // of what has been whitened
     for (Eigen::Index k = 0; k < r.size(); ++k)
@@ -207,13 +208,39 @@ Interval readingsSpan(const Linearization& linear) {
   return span;
 }
 
+namespace {
+
+void multiplyRows(Linearization& linear, const Eigen::VectorXd& factor) {
+  linear.residual.array() *= factor.array();
+  linear.C.array().colwise() *= factor.array();
+  linear.J = (factor.asDiagonal() * linear.J).eval();
+}
+
+}  // namespace
+
 void applyRobustWeights(Linearization& linear) {
   Eigen::VectorXd root(linear.residual.size());
   for (Eigen::Index i = 0; i < root.size(); ++i)
     root[i] = std::sqrt(linear.rows[static_cast<std::size_t>(i)].robust_weight);
-  linear.residual.array() *= root.array();
-  linear.C.array().colwise() *= root.array();
-  linear.J = (root.asDiagonal() * linear.J).eval();
+  multiplyRows(linear, root);
+}
+
+bool applyOtherRobustWeights(Linearization& linear, const Eigen::VectorXd& left) {
+  constexpr double kDiffers = 0.01;
+  bool differs = false;
+  Eigen::VectorXd factor = Eigen::VectorXd::Ones(linear.residual.size());
+  for (std::size_t first = 0, behind = 0; first < linear.rows.size(); first = behind) {
+    while (behind < linear.rows.size() && linear.rows[behind].reading == linear.rows[first].reading) ++behind;
+    const double before = linear.rows[first].robust_weight;
+    const auto begin = static_cast<Eigen::Index>(first), count = static_cast<Eigen::Index>(behind - first);
+    const double norm = left.segment(begin, count).norm() / std::sqrt(before);
+    const double weight = huberWeight(norm, linear.rows[first].robust_threshold);
+    differs = differs || std::abs(weight - before) > kDiffers * before;
+    factor.segment(begin, count).setConstant(std::sqrt(weight / before));
+    for (std::size_t i = first; i < behind; ++i) linear.rows[i].robust_weight = weight;
+  }
+  multiplyRows(linear, factor);
+  return differs;
 }
 
 }  // namespace fathom

@@ -14,11 +14,12 @@ struct RowInfo {
   BatchChannel channel = BatchChannel::prior;
   int component = 0;  ///< axis x y z; colour red green blue; of a marker x0 y0 x1 y1 …; of a prior, its row
   double t_s = 0;     ///< stamp
-  std::size_t reading = 0;   ///< rows of one reading have this in common
-  int track = -1;            ///< index in Linearization::tracks; -1: a prior
-  double raw = 0;            ///< reading - prediction in the reading's unit
-  double per_unit = 0;       ///< residual by raw: one over the sigma
-  double robust_weight = 1;  ///< Huber's weight of its reading, on the squared residual
+  std::size_t reading = 0;      ///< rows of one reading have this in common
+  int track = -1;               ///< index in Linearization::tracks; -1: a prior
+  double raw = 0;               ///< reading - prediction in the reading's unit
+  double per_unit = 0;          ///< residual by raw: one over the sigma
+  double robust_weight = 1;     ///< Huber's weight of its reading, on the squared residual
+  double robust_threshold = 0;  ///< on the norm of its reading's residual; 0: none
 
   // The motion of the robot then.
   double speed_m_s = 0, turn_rate_rad_s = 0, depth_m = 0;
@@ -79,6 +80,10 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
 
 /// Multiplies each row by the root of its robust weight: what the estimate has minimized, to first order.
 void applyRobustWeights(Linearization& linear);
+
+/// Other robust weights instead of those that have been applied: the ones where `left` is what is left of the
+/// weighted residual. Returns whether any differs by more than a percent.
+bool applyOtherRobustWeights(Linearization& linear, const Eigen::VectorXd& left);
 
 /// Which column of C is an effect's scalar, counted from the effect's first. Throws std::out_of_range.
 Eigen::Index columnOf(const Linearization& linear, std::size_t effect, std::size_t scalar);
