@@ -24,6 +24,7 @@
 #include "effects/gyro_scale.h"
 #include "effects/ins_latency.h"
 #include "effects/ins_misalignment.h"
+#include "effects/lamp.h"
 #include "effects/lens_distortion.h"
 #include "effects/marker_moved.h"
 #include "effects/marker_size.h"
@@ -49,7 +50,7 @@ using AllEffects =
     std::tuple<DvlMisalignment, DvlLeverArm, DvlLatency, WaterCurrent, DvlScale, EarthRotation, GyroScale,
                GyroBias, AccelerometerBias, InsMisalignment, InsLatency, PressureDensity, PressureOffset,
                FlatPortRefraction, FocalScale, LensDistortion, CameraMisalignment, CameraLatency,
-               RollingShutter, MarkerMoved, MarkerSize, PanelMoved, SunFlicker, SeparateBackscatter,
+               RollingShutter, MarkerMoved, MarkerSize, PanelMoved, SunFlicker, Lamp, SeparateBackscatter,
                TurbidityPlume, SlantRange, Vignetting, AutoExposure, Gamma, DarkOffset>;
 
 inline constexpr std::size_t kEffectCount = std::tuple_size_v<AllEffects>;

@@ -111,6 +111,7 @@ struct Shutter {
 template <class T>
 struct SceneLight {
   T daylight = T(1);  ///< in units of the environment's ambient light
+  T lamps = T(0);     ///< irradiance of each of the vehicle's on its axis at 1 m, see sensors/lamps.h
 };
 
 /// One pixel's light on its way from the scene to the camera. A depth is optical: attenuation times way, one

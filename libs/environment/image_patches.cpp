@@ -1,9 +1,11 @@
 #include "environment/image_patches.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "sensors/fingerprints.h"
@@ -80,17 +82,6 @@ std::vector<Places> placesOf(const std::vector<PanelMap>& panels) {
   return places;
 }
 
-/// Each pixel's line of sight, unit length, camera frame: CV_32FC3.
-cv::Mat raysOf(const CameraModel& camera) {
-  cv::Mat rays(camera.height_px, camera.width_px, CV_32FC3);
-  for (int v = 0; v < rays.rows; ++v)
-    for (int u = 0; u < rays.cols; ++u) {
-      const Vector3d ray = camera.rayAt({u, v});
-      rays.at<cv::Vec3f>(v, u) = cv::Vec3d(ray[0], ray[1], ray[2]);
-    }
-  return rays;
-}
-
 Pose panelFromCamera(const PosedImage& posed, const std::vector<PanelMap>& panels) {
   return panels[posed.panel].T_odom_panel.inverse() * posed.T_odom_camera();
 }
@@ -103,6 +94,27 @@ Vector3d pointOf(const Patch& patch, const CameraModel& camera) {
   return patch.z_m * (stretch * middle).homogeneous();
 }
 
+/// Where the lines of sight of pixels about a patch's middle meet the plane through `point_panel` that faces
+/// as the panel does: two to either side, one standard deviation of its two directions times the root of two.
+std::array<Vector3d, 4> around(const Patch& patch, const CameraModel& camera, const Pose& T_panel_camera,
+                               const Vector3d& point_panel) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(patch.pixel_covariance);
+  const Eigen::Matrix2d steps =
+      std::numbers::sqrt2 * spread.eigenvectors() * spread.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  const auto onPanel = [&](const Vector2d& pixel) {
+    const Vector3d ray = T_panel_camera.rotation * camera.rayAt(pixel);
+    const double height = T_panel_camera.position.z() - point_panel.z();
+    return Vector3d(T_panel_camera.position - height / ray.z() * ray);
+  };
+  std::array<Vector3d, 4> points;
+  const Vector3d offset = point_panel - onPanel(patch.pixel);  // see pointOf()
+  for (int axis = 0; axis < 2; ++axis)
+    for (const int side : {-1, 1})
+      points[static_cast<std::size_t>(2 * axis + (side + 1) / 2)] =
+          offset + onPanel(patch.pixel + side * steps.col(axis));
+  return points;
+}
+
 ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vector<PanelMap>& panels,
                    const std::vector<Places>& places, const CameraSheet& sheet, Time time_zero) {
   const CameraModel& camera = posed.camera.lens;
@@ -113,7 +125,9 @@ ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vecto
   patch.panel = posed.panel;
   patch.place = plain.label;
   patch.surface = places[posed.panel].surface(plain.label);
-  patch.point_panel = panelFromCamera(posed, panels) * pointOf(plain, camera);
+  const Pose T_panel_camera = panelFromCamera(posed, panels);
+  patch.point_panel = T_panel_camera * pointOf(plain, camera);
+  patch.around_panel = around(plain, camera, T_panel_camera, patch.point_panel);
   patch.albedo = plain.albedo;
   patch.pixel = plain.pixel;
   patch.image_radius = plain.image_radius;

@@ -33,12 +33,14 @@ struct Sums {
   int pixels = 0;
   double z_m = 0, z_squared = 0, range_m = 0, radius_squared = 0;
   Vector2d pixel = Vector2d::Zero();
+  Eigen::Matrix2d pixel_squares = Eigen::Matrix2d::Zero();
   Vector3d albedo = Vector3d::Zero(), radiance = Vector3d::Zero(), squares = Vector3d::Zero();
   Vector3d largest = Vector3d::Zero();
 
   void add(const Vector2d& where, const cv::Vec3f& light, const cv::Vec3f& surface, double z, double range) {
     ++pixels;
     pixel += where;
+    pixel_squares += where * where.transpose();
     z_m += z;
     z_squared += z * z;
     range_m += range;
@@ -91,6 +93,7 @@ Patch patchFrom(const Sums& sums, const CameraSheet& sheet, PatchSet& set) {
   patch.z_m = mean_m - 0.5 * kUsualAttenuation_per_m * (sums.z_squared / n - mean_m * mean_m);
   patch.range_m = sums.range_m / n;
   patch.pixel = sums.pixel / n;
+  patch.pixel_covariance = sums.pixel_squares / n - patch.pixel * patch.pixel.transpose();
   patch.image_radius = std::sqrt(std::max(0.0, sums.radius_squared / n));
   patch.albedo = sums.albedo / n;
   patch.radiance = sums.radiance / n;

@@ -20,8 +20,9 @@ struct Patch {
   /// What stands for all pixels: light dies away exponentially, so z is a little less than their mean.
   double z_m = 0;
   double range_m = 0;
-  Vector2d pixel = Vector2d::Zero();     ///< its centre
-  double image_radius = 0;               ///< see PixelResponse; root mean square
+  Vector2d pixel = Vector2d::Zero();                           ///< its centre
+  Eigen::Matrix2d pixel_covariance = Eigen::Matrix2d::Zero();  ///< of its pixels about that
+  double image_radius = 0;                                     ///< see PixelResponse; root mean square
   Vector3d albedo = Vector3d::Zero();    ///< of what is there, with its shading, under full ambient light
   Vector3d radiance = Vector3d::Zero();  ///< mean, as the camera read it
   /// Of that mean, by the sensor's noise, rounding, and what varies within the patch. Infinite for a channel

@@ -366,8 +366,9 @@ void BatchProblem::addPatches() {
     if (!hasPose(seen.image)) continue;
     const std::vector<int> colours = seen.colours();
     const Eigen::VectorXd reading = seen.radiance(colours), sigma = seen.sigma(colours);
-    add(patchModel(seen), {BatchChannel::pixels, seen.t_s, -1, -1, static_cast<std::ptrdiff_t>(i)},
-        {seen.t_s}, reading, whitener(sigma));
+    add(patchModel(seen, data_.vehicle),
+        {BatchChannel::pixels, seen.t_s, -1, -1, static_cast<std::ptrdiff_t>(i)}, {seen.t_s}, reading,
+        whitener(sigma));
   }
 }
 

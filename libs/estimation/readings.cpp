@@ -229,9 +229,10 @@ struct PatchReader {
   ImagePatch seen;
   double t_s;
   std::vector<int> colours;
+  std::vector<LampSheet> lamps;
   template <class T>
   Eigen::Matrix<T, Eigen::Dynamic, 1, 0, 3, 1> predict(const Inputs<T>& in) const {
-    const Vector3<T> all = predictPatch(in.state, in.panel, seen, in.water, in.effects, t_s);
+    const Vector3<T> all = predictPatch(in.state, in.panel, seen, lamps, in.water, in.effects, t_s);
     return all(colours);
   }
 };
@@ -366,8 +367,8 @@ std::unique_ptr<ReadingModel> tiePointModel(const BatchTiePoint& reading) {
   const SeenByBoth seen{reading.cameras, reading.point.pixels, reading.point.sigma_px};
   return model(TiePointReader{seen, contradictionSense(seen, reading.T_left_right), reading.t_s});
 }
-std::unique_ptr<ReadingModel> patchModel(const ImagePatch& reading) {
-  return model(PatchReader{reading, reading.t_s, reading.colours()});
+std::unique_ptr<ReadingModel> patchModel(const ImagePatch& reading, const Vehicle& vehicle) {
+  return model(PatchReader{reading, reading.t_s, reading.colours(), vehicle.lamps});
 }
 
 std::unique_ptr<ReadingModel> accelerationModel(double t_s) { return model(AccelerationReader{t_s}); }

@@ -64,7 +64,7 @@ std::unique_ptr<ReadingModel> markerModel(const BatchMarker& reading);
 /// By how much the eyes contradict each other, in units of sigma: contradiction().
 std::unique_ptr<ReadingModel> tiePointModel(const BatchTiePoint& reading);
 /// Of the colours that count.
-std::unique_ptr<ReadingModel> patchModel(const ImagePatch& reading);
+std::unique_ptr<ReadingModel> patchModel(const ImagePatch& reading, const Vehicle& vehicle);
 /// Acceleration in odom and angular acceleration, both in robot axes: what a vehicle does little of.
 std::unique_ptr<ReadingModel> accelerationModel(double t_s);
 /// Position, and the rotation vector from a reference attitude in odom axes, of which z is the heading.

@@ -106,11 +106,19 @@ cv::Mat radianceOf(const cv::Mat& image_bgr, const CameraSheet& sheet) {
   return result;
 }
 
+cv::Mat raysOf(const CameraModel& camera) {
+  cv::Mat rays(camera.height_px, camera.width_px, CV_32FC3);
+  for (int v = 0; v < rays.rows; ++v)
+    for (int u = 0; u < rays.cols; ++u) {
+      const Vector3d ray = camera.rayAt({u, v});
+      rays.at<cv::Vec3f>(v, u) = cv::Vec3d(ray[0], ray[1], ray[2]);
+    }
+  return rays;
+}
+
 cv::Mat cosinesOf(const CameraModel& camera) {
-  cv::Mat cosines(camera.height_px, camera.width_px, CV_32FC1);
-  for (int v = 0; v < cosines.rows; ++v)
-    for (int u = 0; u < cosines.cols; ++u)
-      cosines.at<float>(v, u) = static_cast<float>(camera.rayAt({u, v}).z());
+  cv::Mat cosines;
+  cv::extractChannel(raysOf(camera), cosines, 2);
   return cosines;
 }
 
@@ -120,8 +128,7 @@ ImageModel::ImageModel(const CameraSheet& sheet, const Water& water, const Effec
 cv::Mat ImageModel::light(const cv::Mat& radiance, const cv::Mat& range_m, double t_s) const {
   require(radiance, CV_32FC3, z_per_range_.size());
   require(range_m, CV_32FC1, z_per_range_.size());
-  if (anyActsAt<WaterRay<double>>(effects_) || anyActsAt<SceneLight<double>>(effects_))
-    return lightWithEffects(radiance, range_m, t_s);
+  if (anyActsAt<WaterRay<double>>(effects_)) return lightWithEffects(radiance, range_m, t_s);
   const std::array<float, 3> a{static_cast<float>(water_.attenuation_per_m[0]),
                                static_cast<float>(water_.attenuation_per_m[1]),
                                static_cast<float>(water_.attenuation_per_m[2])};

@@ -26,12 +26,9 @@ Vector3<T> predictLight(const Vector3<T>& scene, const T& z_m, const T& range_m,
   const Vector3<T> depth = water.attenuation_per_m * z_m;
   WaterRay<T> ray{t_s, z_m, range_m, depth, depth};
   applyEffects(effects, t_s, ray);
-  SceneLight<T> lit;
-  applyEffects(effects, t_s, lit);
   Vector3<T> light;
   for (int c = 0; c < 3; ++c)
-    light[c] =
-        lit.daylight * scene[c] * exp(-ray.signal_depth[c]) + (1.0 - exp(-ray.veil_depth[c])) * water.veil[c];
+    light[c] = scene[c] * exp(-ray.signal_depth[c]) + (1.0 - exp(-ray.veil_depth[c])) * water.veil[c];
   return light;
 }
 
@@ -62,8 +59,10 @@ double radianceOf(int number, const CameraSheet& sheet);
 /// The same for an image as cv::imread() gives it (blue, green, red): CV_32FC3, red, green, blue.
 cv::Mat radianceOf(const cv::Mat& image_bgr, const CameraSheet& sheet);
 
-/// Cosine of each pixel's line of sight to the optical axis, by which z follows from range: CV_32FC1. Solves
-/// every pixel's line of sight (0.2 s at 640 x 480).
+/// Each pixel's line of sight, unit length, camera frame: CV_32FC3. Takes 0.2 s at 640 x 480.
+cv::Mat raysOf(const CameraModel& camera);
+
+/// Its cosine to the optical axis, by which z follows from range: CV_32FC1. Takes as long.
 cv::Mat cosinesOf(const CameraModel& camera);
 
 /// The model over whole images. Const and without hidden state, so threads may share one; an image is the

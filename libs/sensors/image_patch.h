@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -7,6 +8,7 @@
 
 #include "sensors/camera_geometry.h"
 #include "sensors/image_model.h"
+#include "sensors/lamps.h"
 
 /// Synchronized pixels: what the camera read where the rendering knows place and albedo. See Algorithm 1 of
 /// the paper.
@@ -21,11 +23,13 @@ struct ImagePatch {
   int place = 0;  ///< number of its place among all panels' places: the same in all images
   Surface surface = Surface::body;
   Vector3d point_panel = Vector3d::Zero();  ///< its centre
-  Vector3d albedo = Vector3d::Zero();       ///< of what is there, with its shading, under full ambient light
-  Vector2d pixel = Vector2d::Zero();        ///< its centre
-  double image_radius = 0;                  ///< see PixelResponse
-  double response_gamma = 1;                ///< by which its radiance was made of the image's numbers
-  Vector3d radiance = Vector3d::Zero();     ///< mean, as the camera read it
+  /// What varies over it has, to second order, the mean that it has over these.
+  std::array<Vector3d, 4> around_panel{};
+  Vector3d albedo = Vector3d::Zero();    ///< of what is there, with its shading, under full ambient light
+  Vector2d pixel = Vector2d::Zero();     ///< its centre
+  double image_radius = 0;               ///< see PixelResponse
+  double response_gamma = 1;             ///< by which its radiance was made of the image's numbers
+  Vector3d radiance = Vector3d::Zero();  ///< mean, as the camera read it
   /// Of that mean. Infinite for a colour that does not count: saturated, or black up to its noise.
   Vector3d sigma = Vector3d::Constant(std::numeric_limits<double>::infinity());
   Pose T_robot_camera;  ///< nominal mounting of this very eye
@@ -39,24 +43,57 @@ struct ImagePatch {
   }
 };
 
+/// What lamps of irradiance 1 add to a patch's light: at its surface, and on the line of sight.
+template <class T>
+struct PatchUnderLamps {
+  Vector3<T> irradiance, in_water;
+};
+
+/// Of its panel on the robot's own axes; panels face the way their z points.
+template <class T>
+PatchUnderLamps<T> underLamps(const ImagePatch& patch, const std::vector<LampSheet>& lamps,
+                              const Vector3<T>& panel_robot, const Matrix3<T>& R_robot_panel,
+                              const LitSight<T>& sight, const T& range_m) {
+  PatchUnderLamps<T> light{Vector3<T>::Zero(), lampsInWater(lamps, sight, range_m)};
+  for (const Vector3d& point_panel : patch.around_panel) {
+    const Vector3<T> point_robot = panel_robot + R_robot_panel * point_panel.cast<T>();
+    light.irradiance +=
+        lampsOnSurface<T>(lamps, point_robot, R_robot_panel.col(2), sight.water.attenuation_per_m) /
+        static_cast<double>(patch.around_panel.size());
+  }
+  return light;
+}
+
 /// What a patch should read. `state` is the robot's motion at t_s + validityOffset<Sensor::camera>(), `panel`
-/// its panel's nominal pose, `water` as waterParameters(). Which pixels it is stays as it was: those of its
-/// own panel's point.
+/// its panel's nominal pose, `lamps` the vehicle's, `water` as waterParameters(). Which pixels it is stays as
+/// it was: those of its own panel's point.
 template <class T>
 Vector3<T> predictPatch(const KinematicState<T>& state, PanelPlacement<T> panel, const ImagePatch& patch,
-                        const Vector9<T>& water, const EffectParameters<T>& effects, double t_s) {
+                        const std::vector<LampSheet>& lamps, const Vector9<T>& water,
+                        const EffectParameters<T>& effects, double t_s) {
   using std::pow;
   const auto mount = cameraMounting(patch.T_robot_camera, effects, t_s);
   applyEffects(effects, t_s, panel);
-  const Vector3<T> point_odom = panel.position_odom + panel.R_odom_panel * patch.point_panel.cast<T>();
-  const Vector3<T> camera_odom = state.position_odom + state.R_odom_robot * mount.position_robot;
-  const Vector3<T> point_camera =
-      (state.R_odom_robot * mount.R_robot_sensor).transpose() * (point_odom - camera_odom);
+  const Matrix3<T> R_robot_panel = state.R_odom_robot.transpose() * panel.R_odom_panel;
+  const Vector3<T> panel_robot = state.R_odom_robot.transpose() * (panel.position_odom - state.position_odom);
+  const Vector3<T> from_camera_robot =
+      panel_robot + R_robot_panel * patch.point_panel.cast<T>() - mount.position_robot;
+  const T z_m = mount.R_robot_sensor.col(2).dot(from_camera_robot), range_m = from_camera_robot.norm();
 
-  const Vector3<T> scene = patch.albedo.cast<T>().cwiseProduct(water.template tail<3>());
   const WaterColumn<T> column{water.template head<3>(), water.template segment<3>(3)};
+  const Vector3<T> ambient = water.template tail<3>(), albedo = patch.albedo.cast<T>();
+  SceneLight<T> shining;
+  applyEffects(effects, t_s, shining);
+  Vector3<T> irradiance = shining.daylight * ambient, in_water = Vector3<T>::Zero();
+  if (effects.isActive(kEffectIndex<Lamp>, t_s)) {
+    const LitSight<T> sight{mount.position_robot, from_camera_robot / range_m, z_m / range_m, column,
+                            ambient};
+    const auto lit = underLamps<T>(patch, lamps, panel_robot, R_robot_panel, sight, range_m);
+    irradiance += shining.lamps * lit.irradiance;
+    in_water = shining.lamps * lit.in_water;
+  }
   const Vector3<T> light =
-      predictLight<T>(scene, point_camera.z(), point_camera.norm(), column, effects, t_s);
+      predictLight<T>(albedo.cwiseProduct(irradiance), z_m, range_m, column, effects, t_s) + in_water;
   PixelResponse<T> response{T(patch.image_radius), T(1), T(patch.response_gamma), T(0)};
   applyEffects(effects, t_s, response);
   Vector3<T> reading;

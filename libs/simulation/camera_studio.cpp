@@ -9,6 +9,7 @@
 #include "render/scene.h"
 #include "sensors/fingerprints.h"
 #include "sensors/image_model.h"
+#include "sensors/lamp_glow.h"
 #include "sensors/true_panel.h"
 #include "simulation/apparent_scene.h"
 
@@ -24,6 +25,7 @@ struct CameraStudio::Eye {
   Renderer renderer;
   std::optional<Renderer> panels_alone;  // made where masks are asked for
   ImageModel model;
+  cv::Mat rays;  // made where lamps shine
 };
 
 struct CameraStudio::Threads {
@@ -49,7 +51,7 @@ CameraStudio::Eye& CameraStudio::eyeOf(const CameraModel& lens) const {
   CameraSheet sheet = sheet_;
   sheet.model = lens;
   eye = std::make_unique<Eye>(
-      Eye{Renderer(lens), std::nullopt, ImageModel(sheet, world_.environment.water, effects_)});
+      Eye{Renderer(lens), std::nullopt, ImageModel(sheet, world_.environment.water, effects_), {}});
   if (!scene_changes_) eye->renderer.setScene(sceneOf(world_.panels, world_.sea_floor_odom));
   return *eye;
 }
@@ -64,8 +66,18 @@ Surface CameraStudio::asSeen(const CameraShot& shot, const Surface& sea_floor_od
   return shot.camera.bends() ? apparentScene(scene, shot.T_odom_camera(), shot.camera.projector) : scene;
 }
 
-Lighting CameraStudio::lighting(const Pose& T_odom_robot) const {
-  Lighting light{world_.environment.ambient.cast<float>(), {}};
+const EffectParameters<double>& CameraStudio::effectsOn(const CameraShot& shot) const {
+  return shot.effects ? *shot.effects : effects_;
+}
+
+SceneLight<double> CameraStudio::sceneLight(const CameraShot& shot) const {
+  SceneLight<double> light;
+  applyEffects(effectsOn(shot), shot.t_s, light);
+  return light;
+}
+
+Lighting CameraStudio::lighting(const Pose& T_odom_robot, double daylight) const {
+  Lighting light{(daylight * world_.environment.ambient).cast<float>(), {}};
   if (const auto& irradiance = world_.environment.lamps_irradiance_1m)
     for (const LampSheet& lamp : lamps_)
       light.spots.push_back(
@@ -79,7 +91,37 @@ View CameraStudio::render(const CameraShot& shot, const Lighting& lighting) cons
   return renderer.render(shot.T_odom_camera(), lighting);
 }
 
-View CameraStudio::render(const CameraShot& shot) const { return render(shot, lighting(shot.T_odom_robot)); }
+/// What a lamp of irradiance 1 sheds on the scene: rendered as one that shines evenly all around, then each
+/// pixel's light on its way through the beam and the water.
+cv::Mat CameraStudio::underLamp(const CameraShot& shot, const LampSheet& lamp) const {
+  Lighting lighting{Eigen::Vector3f::Zero(), {}};
+  lighting.spots.push_back({shot.T_odom_robot * lamp.T_robot_lamp, std::numbers::pi, {1.0F, 1.0F, 1.0F}});
+  View view = render(shot, lighting);
+  cv::Mat& rays = eyeOf(shot.camera.lens).rays;
+  if (rays.empty()) rays = raysOf(shot.camera.lens);
+  for (int v = 0; v < rays.rows; ++v)
+    for (int u = 0; u < rays.cols; ++u) {
+      auto& radiance = view.radiance.at<cv::Vec3f>(v, u);
+      const double range_m = view.range_m.at<float>(v, u);
+      if (!std::isfinite(range_m)) continue;
+      const cv::Vec3f& ray = rays.at<cv::Vec3f>(v, u);
+      const Vector3d point_robot =
+          shot.camera.T_robot_camera * Vector3d(range_m * Vector3d(ray[0], ray[1], ray[2]));
+      const double square = (point_robot - lamp.T_robot_lamp.position).squaredNorm();
+      const Vector3d irradiance =
+          lampIrradiance(lamp, point_robot, world_.environment.water.attenuation_per_m);
+      for (int c = 0; c < 3; ++c) radiance[c] *= static_cast<float>(square * irradiance[c]);
+    }
+  return view.radiance;
+}
+
+View CameraStudio::render(const CameraShot& shot) const {
+  const SceneLight<double> light = sceneLight(shot);
+  View view = render(shot, lighting(shot.T_odom_robot, light.daylight));
+  for (const LampSheet& lamp : lamps_)
+    if (light.lamps > 0) view.radiance += light.lamps * underLamp(shot, lamp);
+  return view;
+}
 
 View CameraStudio::renderAlbedo(const CameraShot& shot) const { return render(shot, Lighting{}); }
 
@@ -95,8 +137,13 @@ cv::Mat CameraStudio::panelMask(const CameraShot& shot, const View& view) const 
 }
 
 cv::Mat CameraStudio::expose(const CameraShot& shot, const View& view, Random* noise) const {
-  const ImageModel model = eyeOf(shot.camera.lens).model.with(shot.effects.value_or(effects_));
-  return model.expose(model.light(view.radiance, view.range_m, shot.t_s), noise, shot.t_s);
+  const ImageModel model = eyeOf(shot.camera.lens).model.with(effectsOn(shot));
+  cv::Mat light = model.light(view.radiance, view.range_m, shot.t_s);
+  if (const double lamps = sceneLight(shot).lamps; lamps > 0)
+    light +=
+        lamps *
+        LampGlow(shot.camera.lens, shot.camera.T_robot_camera, lamps_, world_.environment).upTo(view.range_m);
+  return model.expose(light, noise, shot.t_s);
 }
 
 }  // namespace fathom

@@ -46,7 +46,7 @@ class CameraStudio {
   CameraStudio(const CameraStudio&) = delete;
   CameraStudio& operator=(const CameraStudio&) = delete;
 
-  /// What would be seen without water.
+  /// What would be seen without the water between it and the camera.
   View render(const CameraShot& shot) const;
   /// The same under full ambient light, lamps off: its radiance is the albedo.
   View renderAlbedo(const CameraShot& shot) const;
@@ -62,8 +62,11 @@ class CameraStudio {
 
   Eye& eyeOf(const CameraModel& lens) const;
   Surface asSeen(const CameraShot& shot, const Surface& sea_floor_odom) const;
+  const EffectParameters<double>& effectsOn(const CameraShot& shot) const;
+  SceneLight<double> sceneLight(const CameraShot& shot) const;
   View render(const CameraShot& shot, const Lighting& lighting) const;
-  Lighting lighting(const Pose& T_odom_robot) const;
+  Lighting lighting(const Pose& T_odom_robot, double daylight) const;
+  cv::Mat underLamp(const CameraShot& shot, const LampSheet& lamp) const;
 
   CameraWorld world_;
   CameraSheet sheet_;

@@ -82,6 +82,10 @@ void addPatches(const KinematicState<double>& where, const KinematicState<T>& st
   const Pose T_camera_panel{rotationFromYawPitchRoll(0.1, 0.2, radians(170)), {0.1, -0.2, 1.3}};
   const Pose T_odom_panel =
       Pose{where.R_odom_robot, where.position_odom} * patch.T_robot_camera * T_camera_panel;
+  LampSheet lamp{.name = "port", .half_angle_rad = radians(40), .T_robot_lamp = patch.T_robot_camera};
+  lamp.T_robot_lamp.rotation *= rotationFromYawPitchRoll(0, radians(-85), 0);  // its x along the camera's z
+  lamp.T_robot_lamp.position += Vector3d(0, 0.3, 0.2);
+  const std::vector<LampSheet> lamps{lamp, lamp};
   Vector9<T> water;
   water << T(0.4), T(0.2), T(0.1), T(0.05), T(0.15), T(0.2), T(0.6), T(0.7), T(0.65);
   for (const double albedo : {0.05, 0.8})
@@ -89,7 +93,8 @@ void addPatches(const KinematicState<double>& where, const KinematicState<T>& st
       patch.albedo = Vector3d(albedo, 0.9 * albedo, 0.8 * albedo);
       patch.image_radius = radius;
       patch.point_panel = {radius, 0.2, 0.01};
-      add(predictPatch(state, nominalPlacement<T>(T_odom_panel, t_s), patch, water, effects, t_s));
+      patch.around_panel.fill(patch.point_panel + Vector3d(0.02, 0.01, 0));
+      add(predictPatch(state, nominalPlacement<T>(T_odom_panel, t_s), patch, lamps, water, effects, t_s));
     }
 }
 

@@ -120,6 +120,7 @@ std::vector<ImagePatch> BatchRun::patches() const {
         (Pose{state.R_odom_robot, state.position_odom} * sheet.T_robot_camera).inverse() * panel.T_odom_panel;
     for (const Marker& marker : panel.markers) {
       patch.point_panel = marker.T_panel_marker.position;
+      patch.around_panel.fill(patch.point_panel);
       const Vector3d point = T_camera_panel * patch.point_panel;
       if (point.z() < 0.1 || !sheet.model.contains(sheet.model.project<double>(point))) continue;
       patch.pixel = sheet.model.project<double>(point);
@@ -127,8 +128,9 @@ std::vector<ImagePatch> BatchRun::patches() const {
       for (const bool white : {false, true}) {
         patch.place = 2 * marker.id + (white ? 1 : 0);
         patch.albedo.setConstant(white ? panel.white_albedo : panel.black_albedo);
-        patch.radiance = predictPatch(state, nominalPlacement<double>(panel.T_odom_panel, patch.t_s), patch,
-                                      coastalWater(), drawnFor(effects, seed, patch.t_s), patch.t_s);
+        patch.radiance =
+            predictPatch(state, nominalPlacement<double>(panel.T_odom_panel, patch.t_s), patch, vehicle.lamps,
+                         coastalWater(), drawnFor(effects, seed, patch.t_s), patch.t_s);
         if (noise) patch.radiance += kSigma * random.normal3();
         patches.push_back(patch);
       }
