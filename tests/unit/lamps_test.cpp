@@ -1,0 +1,148 @@
+// The vehicle's lamps: the formulas against themselves written out, the table against direct integration, and
+// patches of an image against the image.
+#include "sensors/lamps.h"
+
+#include <gtest/gtest.h>
+
+#include "environment/image_patches.h"
+#include "sensors/image_patch.h"
+#include "sensors/lamp_glow.h"
+#include "support/sil_recordings.h"
+
+namespace fathom {
+namespace {
+
+const Environment kLitSea{{{0.4, 0.2, 0.15}, {0.05, 0.15, 0.2}}, {0.6, 0.7, 0.65}, {}};
+
+/// To the left of a camera that looks along the robot's x.
+LampSheet lampBeside() {
+  LampSheet lamp;
+  lamp.half_angle_rad = radians(32);
+  lamp.T_robot_lamp = {rotationFromYawPitchRoll(radians(-6), radians(3), 0), {0.33, 0.28, 0.14}};
+  return lamp;
+}
+
+LitSight<double> sightOf(const Vector3d& direction_robot) {
+  const Vector3d ray = direction_robot.normalized();
+  return {{0.35, 0, 0.05}, ray, ray.x(), kLitSea.water, kLitSea.ambient};
+}
+
+TEST(Lamps, FallWithTheSquareOfTheDistanceAndToHalfAtTheHalfAngle) {
+  LampSheet lamp;
+  lamp.half_angle_rad = radians(32);
+  const auto at = [&](double distance_m, double angle_rad, const Vector3d& attenuation_per_m) {
+    return lampIrradiance<double>(lamp, distance_m * Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0),
+                                  attenuation_per_m);
+  };
+  const Vector3d clear = Vector3d::Zero();
+  EXPECT_NEAR(at(1, 0, clear)[0], 1, 1e-12);
+  EXPECT_NEAR(at(3, 0, clear)[1], 1 / 9.0, 1e-12);
+  EXPECT_NEAR(at(1, lamp.half_angle_rad, clear)[2], 0.5, 1e-12);
+  EXPECT_NEAR(at(2, 0, {0, 0.3, 0})[1], 0.25 * std::exp(-0.6), 1e-12);
+}
+
+TEST(Lamps, LightASurfaceByTheCosineAndNotFromBehind) {
+  const std::vector<LampSheet> lamps{LampSheet{.name = "", .half_angle_rad = 1, .T_robot_lamp = {}}};
+  const Vector3d point(2, 0, 0);
+  const auto on = [&](double angle_rad) {
+    return lampsOnSurface<double>(lamps, point, {-std::cos(angle_rad), std::sin(angle_rad), 0},
+                                  Vector3d::Zero())[0];
+  };
+  EXPECT_NEAR(on(0), 0.25, 1e-12);
+  EXPECT_NEAR(on(1), 0.25 * std::cos(1), 1e-12);
+  EXPECT_EQ(on(2), 0);
+}
+
+/// What a camera gains on its way, the sum over many short pieces of the equation written out.
+Vector3d integrated(const std::vector<LampSheet>& lamps, const LitSight<double>& sight, double range_m) {
+  constexpr int kPieces = 200000;
+  Vector3d sum = Vector3d::Zero();
+  for (int i = 0; i < kPieces; ++i) {
+    const double s = (i + 0.5) * range_m / kPieces;
+    for (const LampSheet& lamp : lamps) {
+      const Vector3d way = sight.camera_robot + s * sight.direction_robot - lamp.T_robot_lamp.position;
+      const double d = way.norm(), cosine = lamp.T_robot_lamp.rotation.col(0).dot(way) / d;
+      const double beam = std::pow(0.5, (1 - cosine) / (1 - std::cos(lamp.half_angle_rad))) / (d * d);
+      for (int c = 0; c < 3; ++c) {
+        const double a = kLitSea.water.attenuation_per_m[c];
+        sum[c] += range_m / kPieces * beam * std::exp(-a * d) * a * kLitSea.water.veil[c] /
+                  kLitSea.ambient[c] * std::exp(-a * s * sight.z_per_range);
+      }
+    }
+  }
+  return sum;
+}
+
+// To a tenth of a digital number of 255 for lamps of irradiance 4.
+TEST(Lamps, ScatteringOnTheWayIsTheIntegralOfWhatIsScattered) {
+  const std::vector<LampSheet> lamps{lampBeside()};
+  for (const Vector3d& direction : {Vector3d(1, 0, 0), Vector3d(1, 0.4, -0.2), Vector3d(1, -0.6, 0.3)})
+    for (const double range_m : {0.3, 1.0, 2.5, 8.0, 30.0}) {
+      const LitSight<double> sight = sightOf(direction);
+      const Vector3d direct = integrated(lamps, sight, range_m);
+      EXPECT_LT((lampsInWater(lamps, sight, range_m) - direct).cwiseAbs().maxCoeff(), 1e-4)
+          << direction.transpose() << " " << range_m;
+      EXPECT_GT(direct.maxCoeff(), 2e-4);
+    }
+}
+
+TEST(Lamps, TheTableIsTheIntegralOfEveryPixel) {
+  const CameraModel camera{
+      .width_px = 330, .height_px = 241, .fx_px = 278, .fy_px = 277, .cx_px = 160, .cy_px = 122};
+  const Pose T_robot_camera{rotationFromYawPitchRoll(radians(-90), 0, radians(-92)), {0.35, 0, 0.05}};
+  const std::vector<LampSheet> lamps{lampBeside()};
+  cv::Mat range_m(camera.height_px, camera.width_px, CV_32FC1);
+  for (int v = 0; v < range_m.rows; ++v)
+    for (int u = 0; u < range_m.cols; ++u)
+      range_m.at<float>(v, u) =
+          v < 40 ? std::numeric_limits<float>::infinity() : 0.4F + 0.01F * static_cast<float>(u);
+  const cv::Mat glow = LampGlow(camera, T_robot_camera, lamps, kLitSea).upTo(range_m);
+  for (int v = 0; v < range_m.rows; v += 20)
+    for (int u = 1; u < range_m.cols; u += 47) {
+      const Vector3d ray = camera.rayAt({u, v});
+      const LitSight<double> sight{T_robot_camera.position, T_robot_camera.rotation * ray, ray.z(),
+                                   kLitSea.water, kLitSea.ambient};
+      const double range = range_m.at<float>(v, u);
+      const Vector3d exact = lampsInWater(lamps, sight, std::min(range, 1e6));
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(glow.at<cv::Vec3f>(v, u)[c], exact[c], 1e-4) << u << " " << v;
+    }
+}
+
+// What patches should read is what they do read in an image without noise: to a third of a number, by which
+// rounding and a patch's extent may err.
+TEST(Lamps, PatchesReadWhatTheImageHas) {
+  EffectParameters<double> effects;
+  effects.add<Lamp>({0.8});
+  const auto recording =
+      test::simulateForSil(test::scratchFolder(), {.images = 2, .noise = false, .effects = effects});
+  const auto panels = readPanelMaps(test::kDexrovMap);
+  const PosedImages images =
+      test::atTruth(posedImages(recording.rawlog, panels, test::silDetection()), recording.rawlog);
+  ASSERT_EQ(images.posed.size(), 2U);
+  const SilWorld world = test::silWorld();
+  const PairMaker maker(world, {}, test::silDetection());
+  const auto patches = imagePatches(images.posed, maker, images.posed[0].time).patches;
+  ASSERT_GT(patches.size(), 30U);
+  const Vector9d water = waterParameters(world.environment);
+  double largest = 0, by_lamps = 0;
+  for (const ImagePatch& patch : patches) {
+    const PosedImage& posed = images.posed.at(patch.image);
+    KinematicState<double> state;
+    state.position_odom = posed.T_odom_robot.pose.position;
+    state.R_odom_robot = posed.T_odom_robot.pose.rotation;
+    const auto panel = nominalPlacement<double>(panels[patch.panel].T_odom_panel, patch.t_s);
+    const auto with = [&](const EffectParameters<double>& these) {
+      return predictPatch(state, panel, patch, world.vehicle.lamps, water, these, patch.t_s);
+    };
+    const Vector3d lit = with(effects);
+    for (const int colour : patch.colours()) {
+      largest = std::max(largest, std::abs(lit[colour] - patch.radiance[colour]) * 255);
+      by_lamps = std::max(by_lamps, std::abs(lit[colour] - with({})[colour]) * 255);
+    }
+  }
+  EXPECT_LT(largest, 0.35);
+  EXPECT_GT(by_lamps, 10);
+}
+
+}  // namespace
+}  // namespace fathom
