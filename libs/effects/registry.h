@@ -19,6 +19,7 @@
 #include "effects/earth_rotation.h"
 #include "effects/flat_port_refraction.h"
 #include "effects/focal_scale.h"
+#include "effects/forward_scatter.h"
 #include "effects/gamma.h"
 #include "effects/gyro_bias.h"
 #include "effects/gyro_scale.h"
@@ -51,7 +52,7 @@ using AllEffects =
                GyroBias, AccelerometerBias, InsMisalignment, InsLatency, PressureDensity, PressureOffset,
                FlatPortRefraction, FocalScale, LensDistortion, CameraMisalignment, CameraLatency,
                RollingShutter, MarkerMoved, MarkerSize, PanelMoved, SunFlicker, Lamp, SeparateBackscatter,
-               TurbidityPlume, SlantRange, Vignetting, AutoExposure, Gamma, DarkOffset>;
+               TurbidityPlume, SlantRange, ForwardScatter, Vignetting, AutoExposure, Gamma, DarkOffset>;
 
 inline constexpr std::size_t kEffectCount = std::tuple_size_v<AllEffects>;
 

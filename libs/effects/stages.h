@@ -123,6 +123,7 @@ struct WaterRay {
   T range_m = T(0);                              ///< way along the line of sight
   Vector3<T> signal_depth = Vector3<T>::Zero();  ///< through which the scene's light comes
   Vector3<T> veil_depth = Vector3<T>::Zero();    ///< which builds up the veil
+  Vector3<T> bends = Vector3<T>::Zero();  ///< of signal_depth, what only bends: see sensors/forward_scatter.h
 };
 
 /// How one pixel answers to the light that reaches it: DN = full scale * ((gain * radiance) ^ exponent +

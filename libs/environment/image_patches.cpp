@@ -129,6 +129,7 @@ ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vecto
   patch.point_panel = T_panel_camera * pointOf(plain, camera);
   patch.around_panel = around(plain, camera, T_panel_camera, patch.point_panel);
   patch.albedo = plain.albedo;
+  patch.albedo_around = plain.albedo_around;
   patch.pixel = plain.pixel;
   patch.image_radius = plain.image_radius;
   patch.response_gamma = sheet.response_gamma;

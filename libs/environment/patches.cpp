@@ -36,6 +36,7 @@ struct Sums {
   Eigen::Matrix2d pixel_squares = Eigen::Matrix2d::Zero();
   Vector3d albedo = Vector3d::Zero(), radiance = Vector3d::Zero(), squares = Vector3d::Zero();
   Vector3d largest = Vector3d::Zero();
+  std::array<Vector3d, kBlurs.size()> around{Vector3d::Zero(), Vector3d::Zero()};
 
   void add(const Vector2d& where, const cv::Vec3f& light, const cv::Vec3f& surface, double z, double range) {
     ++pixels;
@@ -52,6 +53,9 @@ struct Sums {
       squares[c] += value * value;
       largest[c] = std::max(largest[c], value);
     }
+  }
+  void addAround(std::size_t blur, const cv::Vec3f& surface) {
+    around[blur] += Vector3d(surface[0], surface[1], surface[2]);
   }
 };
 
@@ -96,6 +100,7 @@ Patch patchFrom(const Sums& sums, const CameraSheet& sheet, PatchSet& set) {
   patch.pixel_covariance = sums.pixel_squares / n - patch.pixel * patch.pixel.transpose();
   patch.image_radius = std::sqrt(std::max(0.0, sums.radius_squared / n));
   patch.albedo = sums.albedo / n;
+  for (std::size_t i = 0; i < kBlurs.size(); ++i) patch.albedo_around[i] = sums.around[i] / n;
   patch.radiance = sums.radiance / n;
   const double full = radianceOf((1 << sheet.bits) - 1, sheet);
   bool saturated = false, dark = false;
@@ -159,14 +164,17 @@ PatchSet patchesOf(const cv::Mat& image, const View& clean, const cv::Mat& mask,
     return set;
   }
   const cv::Mat light = radianceOf(image, sheet), usable = interior(clean, mask, options);
+  const auto soft = blurred(clean.radiance, sheet.model);
   std::map<int, Sums> by_label;
   for (int v = 0; v < image.rows; ++v)
     for (int u = 0; u < image.cols; ++u) {
       const int label = labels.at<int>(v, u);
       if (usable.at<std::uint8_t>(v, u) == 0 || label < 0) continue;
       const double range = clean.range_m.at<float>(v, u);
-      by_label[label].add(Vector2d(u, v), light.at<cv::Vec3f>(v, u), clean.radiance.at<cv::Vec3f>(v, u),
-                          range * z_per_range.at<float>(v, u), range);
+      Sums& sums = by_label[label];
+      sums.add(Vector2d(u, v), light.at<cv::Vec3f>(v, u), clean.radiance.at<cv::Vec3f>(v, u),
+               range * z_per_range.at<float>(v, u), range);
+      for (std::size_t i = 0; i < soft.size(); ++i) sums.addAround(i, soft[i].at<cv::Vec3f>(v, u));
     }
   for (const auto& [label, sums] : by_label)
     if (sums.pixels >= options.least_pixels) {

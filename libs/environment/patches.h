@@ -8,6 +8,7 @@
 
 #include "core/camera_model.h"
 #include "render/renderer.h"
+#include "sensors/forward_scatter.h"
 #include "sensors/vehicle.h"
 
 /// Synchronized pixels: what the camera read where the rendering knows albedo and distance.
@@ -23,8 +24,9 @@ struct Patch {
   Vector2d pixel = Vector2d::Zero();                           ///< its centre
   Eigen::Matrix2d pixel_covariance = Eigen::Matrix2d::Zero();  ///< of its pixels about that
   double image_radius = 0;                                     ///< see PixelResponse; root mean square
-  Vector3d albedo = Vector3d::Zero();    ///< of what is there, with its shading, under full ambient light
-  Vector3d radiance = Vector3d::Zero();  ///< mean, as the camera read it
+  Vector3d albedo = Vector3d::Zero();  ///< of what is there, with its shading, under full ambient light
+  std::array<Vector3d, kBlurs.size()> albedo_around{};  ///< blurred, see sensors/forward_scatter.h
+  Vector3d radiance = Vector3d::Zero();                 ///< mean, as the camera read it
   /// Of that mean, by the sensor's noise, rounding, and what varies within the patch. Infinite for a channel
   /// that does not count: some pixel is saturated, or it is black up to its noise.
   Vector3d sigma = Vector3d::Constant(std::numeric_limits<double>::infinity());

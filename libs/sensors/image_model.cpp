@@ -153,13 +153,18 @@ cv::Mat ImageModel::light(const cv::Mat& radiance, const cv::Mat& range_m, doubl
 
 cv::Mat ImageModel::lightWithEffects(const cv::Mat& radiance, const cv::Mat& range_m, double t_s) const {
   cv::Mat result(radiance.size(), CV_32FC3);
+  const bool bends = effects_.isActive(kEffectIndex<ForwardScatter>, t_s);
+  const auto soft = bends ? blurred(radiance, sheet_.model) : std::array{radiance, radiance};
+  const auto at = [](const cv::Mat& image, int v, int u) {
+    const auto& colour = image.at<cv::Vec3f>(v, u);
+    return Vector3d(colour[0], colour[1], colour[2]);
+  };
   for (int v = 0; v < radiance.rows; ++v)
     for (int u = 0; u < radiance.cols; ++u) {
-      const auto& scene = radiance.at<cv::Vec3f>(v, u);
+      const SceneRadiance<double> scene(at(radiance, v, u), {at(soft[0], v, u), at(soft[1], v, u)});
       const double range = range_m.at<float>(v, u);
       const Vector3d light =
-          predictLight<double>(Vector3d(scene[0], scene[1], scene[2]), range * z_per_range_.at<float>(v, u),
-                               range, water_, effects_, t_s);
+          predictLight<double>(scene, range * z_per_range_.at<float>(v, u), range, water_, effects_, t_s);
       result.at<cv::Vec3f>(v, u) = cv::Vec3d(light[0], light[1], light[2]);
     }
   return result;

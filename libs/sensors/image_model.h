@@ -6,6 +6,7 @@
 
 #include "core/random.h"
 #include "effects/registry.h"
+#include "sensors/forward_scatter.h"
 #include "sensors/vehicle.h"
 #include "sensors/water.h"
 
@@ -19,16 +20,19 @@ namespace fathom {
 /// along the line of sight. Both infinite where nothing is hit: then it is the veil. t_s: the image's time
 /// stamp, since the recording's first entry.
 template <class T>
-Vector3<T> predictLight(const Vector3<T>& scene, const T& z_m, const T& range_m, const WaterColumn<T>& water,
-                        const EffectParameters<T>& effects, double t_s = 0) {
+Vector3<T> predictLight(const SceneRadiance<T>& scene, const T& z_m, const T& range_m,
+                        const WaterColumn<T>& water, const EffectParameters<T>& effects, double t_s = 0) {
   using std::exp, std::isfinite;
   if (!isfinite(z_m)) return water.veil;
   const Vector3<T> depth = water.attenuation_per_m * z_m;
-  WaterRay<T> ray{t_s, z_m, range_m, depth, depth};
+  WaterRay<T> ray{t_s, z_m, range_m, depth, depth, Vector3<T>::Zero()};
   applyEffects(effects, t_s, ray);
   Vector3<T> light;
-  for (int c = 0; c < 3; ++c)
-    light[c] = scene[c] * exp(-ray.signal_depth[c]) + (1.0 - exp(-ray.veil_depth[c])) * water.veil[c];
+  for (int c = 0; c < 3; ++c) {
+    const T straight = exp(-ray.signal_depth[c]), bent = exp(ray.bends[c] - ray.signal_depth[c]) - straight;
+    light[c] = straight * scene.own[c] + bent * scene.bent(c, ray.bends[c]) +
+               (1.0 - exp(-ray.veil_depth[c])) * water.veil[c];
+  }
   return light;
 }
 

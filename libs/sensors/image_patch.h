@@ -25,7 +25,9 @@ struct ImagePatch {
   Vector3d point_panel = Vector3d::Zero();  ///< its centre
   /// What varies over it has, to second order, the mean that it has over these.
   std::array<Vector3d, 4> around_panel{};
-  Vector3d albedo = Vector3d::Zero();    ///< of what is there, with its shading, under full ambient light
+  Vector3d albedo = Vector3d::Zero();  ///< of what is there, with its shading, under full ambient light
+  /// The same blurred, as forward scattering mixes it.
+  std::array<Vector3d, kBlurs.size()> albedo_around{};
   Vector2d pixel = Vector2d::Zero();     ///< its centre
   double image_radius = 0;               ///< see PixelResponse
   double response_gamma = 1;             ///< by which its radiance was made of the image's numbers
@@ -92,8 +94,10 @@ Vector3<T> predictPatch(const KinematicState<T>& state, PanelPlacement<T> panel,
     irradiance += shining.lamps * lit.irradiance;
     in_water = shining.lamps * lit.in_water;
   }
-  const Vector3<T> light =
-      predictLight<T>(albedo.cwiseProduct(irradiance), z_m, range_m, column, effects, t_s) + in_water;
+  SceneRadiance<T> scene(albedo.cwiseProduct(irradiance));
+  for (std::size_t i = 0; i < kBlurs.size(); ++i)
+    scene.around[i] = patch.albedo_around[i].cast<T>().cwiseProduct(irradiance);
+  const Vector3<T> light = predictLight<T>(scene, z_m, range_m, column, effects, t_s) + in_water;
   PixelResponse<T> response{T(patch.image_radius), T(1), T(patch.response_gamma), T(0)};
   applyEffects(effects, t_s, response);
   Vector3<T> reading;

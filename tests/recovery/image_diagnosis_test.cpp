@@ -55,8 +55,9 @@ TEST_P(HiddenImageEffect, IsNamed) {
   EXPECT_TRUE(test::namesTheEffect(answer)) << test::told(answer);
 }
 INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenImageEffect,
-                         testing::Values("separate-backscatter", "slant-range", "lamp", "vignetting", "gamma",
-                                         "dark-offset", "turbidity-plume", "dvl-latency"));
+                         testing::Values("separate-backscatter", "slant-range", "lamp", "forward-scatter",
+                                         "vignetting", "gamma", "dark-offset", "turbidity-plume",
+                                         "dvl-latency"));
 
 /// What is drawn anew for each image: by how much it scatters, over some two dozen of them.
 class HiddenDrawnEffect : public testing::TestWithParam<const char*> {};

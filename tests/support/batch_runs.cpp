@@ -128,6 +128,11 @@ std::vector<ImagePatch> BatchRun::patches() const {
       for (const bool white : {false, true}) {
         patch.place = 2 * marker.id + (white ? 1 : 0);
         patch.albedo.setConstant(white ? panel.white_albedo : panel.black_albedo);
+        // Nearer ones are larger, so that less comes from beside them.
+        const double share = 0.1 * point.z(), other = white ? panel.black_albedo : panel.white_albedo;
+        patch.albedo_around = {
+            Vector3d((1 - share) * patch.albedo + Vector3d::Constant(share * other)),
+            Vector3d((1 - 1.5 * share) * patch.albedo + Vector3d::Constant(1.5 * share * other))};
         patch.radiance =
             predictPatch(state, nominalPlacement<double>(panel.T_odom_panel, patch.t_s), patch, vehicle.lamps,
                          coastalWater(), drawnFor(effects, seed, patch.t_s), patch.t_s);

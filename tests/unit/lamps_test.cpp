@@ -1,13 +1,9 @@
-// The vehicle's lamps: the formulas against themselves written out, the table against direct integration, and
-// patches of an image against the image.
+// The vehicle's lamps: the formulas against themselves written out, the table against direct integration.
 #include "sensors/lamps.h"
 
 #include <gtest/gtest.h>
 
-#include "environment/image_patches.h"
-#include "sensors/image_patch.h"
 #include "sensors/lamp_glow.h"
-#include "support/sil_recordings.h"
 
 namespace fathom {
 namespace {
@@ -106,42 +102,6 @@ TEST(Lamps, TheTableIsTheIntegralOfEveryPixel) {
       const Vector3d exact = lampsInWater(lamps, sight, std::min(range, 1e6));
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(glow.at<cv::Vec3f>(v, u)[c], exact[c], 1e-4) << u << " " << v;
     }
-}
-
-// What patches should read is what they do read in an image without noise: to a third of a number, by which
-// rounding and a patch's extent may err.
-TEST(Lamps, PatchesReadWhatTheImageHas) {
-  EffectParameters<double> effects;
-  effects.add<Lamp>({0.8});
-  const auto recording =
-      test::simulateForSil(test::scratchFolder(), {.images = 2, .noise = false, .effects = effects});
-  const auto panels = readPanelMaps(test::kDexrovMap);
-  const PosedImages images =
-      test::atTruth(posedImages(recording.rawlog, panels, test::silDetection()), recording.rawlog);
-  ASSERT_EQ(images.posed.size(), 2U);
-  const SilWorld world = test::silWorld();
-  const PairMaker maker(world, {}, test::silDetection());
-  const auto patches = imagePatches(images.posed, maker, images.posed[0].time).patches;
-  ASSERT_GT(patches.size(), 30U);
-  const Vector9d water = waterParameters(world.environment);
-  double largest = 0, by_lamps = 0;
-  for (const ImagePatch& patch : patches) {
-    const PosedImage& posed = images.posed.at(patch.image);
-    KinematicState<double> state;
-    state.position_odom = posed.T_odom_robot.pose.position;
-    state.R_odom_robot = posed.T_odom_robot.pose.rotation;
-    const auto panel = nominalPlacement<double>(panels[patch.panel].T_odom_panel, patch.t_s);
-    const auto with = [&](const EffectParameters<double>& these) {
-      return predictPatch(state, panel, patch, world.vehicle.lamps, water, these, patch.t_s);
-    };
-    const Vector3d lit = with(effects);
-    for (const int colour : patch.colours()) {
-      largest = std::max(largest, std::abs(lit[colour] - patch.radiance[colour]) * 255);
-      by_lamps = std::max(by_lamps, std::abs(lit[colour] - with({})[colour]) * 255);
-    }
-  }
-  EXPECT_LT(largest, 0.35);
-  EXPECT_GT(by_lamps, 10);
 }
 
 }  // namespace
