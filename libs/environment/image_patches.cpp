@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
@@ -115,6 +116,14 @@ std::array<Vector3d, 4> around(const Patch& patch, const CameraModel& camera, co
   return points;
 }
 
+/// Where not only is known what is seen, but what forward scattering would mix with it: CV_8UC1, not 0 there.
+cv::Mat alsoAround(const View& clean, const CameraModel& camera) {
+  constexpr double kKnown = 0.99;
+  cv::Mat hit;
+  cv::Mat(clean.range_m < std::numeric_limits<float>::infinity()).convertTo(hit, CV_32F, 1.0 / 255);
+  return cv::Mat(blurred(hit, camera).back() > kKnown) & cv::Mat(hit > 0);
+}
+
 ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vector<PanelMap>& panels,
                    const std::vector<Places>& places, const CameraSheet& sheet, Time time_zero) {
   const CameraModel& camera = posed.camera.lens;
@@ -150,11 +159,12 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
   const auto labelsOf = [&](const PosedImage& image, const View& clean) {
     const cv::Mat& own = rays.at(fingerprintOf(image.camera.lens));
     const Pose T_panel_camera = panelFromCamera(image, panels);
+    const cv::Mat known = alsoAround(clean, image.camera.lens);
     cv::Mat labels(clean.range_m.size(), CV_32SC1, cv::Scalar(-1));
     for (int v = 0; v < labels.rows; ++v)
       for (int u = 0; u < labels.cols; ++u) {
         const float range_m = clean.range_m.at<float>(v, u);
-        if (!std::isfinite(range_m)) continue;
+        if (known.at<std::uint8_t>(v, u) == 0) continue;
         const cv::Vec3f ray = range_m * own.at<cv::Vec3f>(v, u), albedo = clean.radiance.at<cv::Vec3f>(v, u);
         labels.at<int>(v, u) = places[image.panel].at(T_panel_camera * Vector3d(ray[0], ray[1], ray[2]),
                                                       (albedo[0] + albedo[1] + albedo[2]) / 3);

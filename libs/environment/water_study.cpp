@@ -53,6 +53,7 @@ OneImage patchesFrom(const PosedImage& posed, const PairMaker& maker, const cv::
     options.margin_px = margin_px(posed, range_m(posed, maker.world().panels));
     CameraSheet sheet = maker.camera();
     sheet.bits = 8;
+    sheet.model = posed.camera.lens;
     const cv::Mat labels = labelsOf ? labelsOf(posed, pair.clean) : squareLabels(pair.recorded.size());
     one.set = patchesOf(pair.recorded, pair.clean, pair.panel_mask, z_per_range, labels, sheet, options);
     one.why_not = one.set.why_not;

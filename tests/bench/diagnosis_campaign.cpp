@@ -4,6 +4,7 @@
 //     build/release/tests/diagnosis_campaign                  all of it
 //     build/release/tests/diagnosis_campaign --effects dvl-scale,marker-moved --sqrt-lambda 16 --nulls 0
 //     --outside 0
+//     build/release/tests/diagnosis_campaign --images --duration 24 --no-wrong-input
 #include <tbb/task_arena.h>
 
 #include <CLI/CLI.hpp>
@@ -28,7 +29,7 @@ struct CampaignOptions {
   std::string effects = "all";
   std::vector<double> sqrt_lambda{8, 16, 32};
   std::size_t seeds = 5, nulls = 60, outside = 12;
-  bool no_wrong_input = false, verbose = false;
+  bool no_wrong_input = false, images = false, verbose = false;
   std::uint64_t first_seed = 1;
   double duration_s = 80;
   std::string out;
@@ -60,12 +61,13 @@ std::string joined(const std::vector<std::string>& parts, const char* separator)
   return text;
 }
 
-std::vector<std::size_t> chosenEffects(const std::string& list) {
+/// All: of light where there are images, the others where there are only the markers in them.
+std::vector<std::size_t> chosenEffects(const std::string& list, bool images) {
   std::vector<std::size_t> chosen;
   if (list == "none") return chosen;
   for (const EffectInfo& effect : allEffects())
-    // Its recordings have no images, only the markers in them.
-    if (list == "all" && effect.text.channel != EffectChannel::image) chosen.push_back(effect.index);
+    if (list == "all" && (effect.text.channel == EffectChannel::image) == images)
+      chosen.push_back(effect.index);
   if (list == "all") return chosen;
   for (const std::string& id : CLI::detail::split(list, ',')) {
     const EffectInfo* effect = findEffect(id);
@@ -78,10 +80,10 @@ std::vector<std::size_t> chosenEffects(const std::string& list) {
 std::vector<Case> casesOf(const CampaignOptions& options, const test::BatchRun& nominal) {
   std::vector<Case> cases;
   const auto add = [&](Kind kind, std::size_t number, double asked, std::uint64_t seed) {
-    cases.push_back({kind, number, asked, seed, {"", nominal, {}, {}, 0, nullptr}});
+    cases.push_back({kind, number, asked, seed, {"", nominal, {}, {}, 0, nullptr, {}}});
   };
   const std::uint64_t first = options.first_seed;
-  for (const std::size_t effect : chosenEffects(options.effects))
+  for (const std::size_t effect : chosenEffects(options.effects, options.images))
     for (const double size : options.sqrt_lambda)
       for (std::uint64_t s = 0; s < options.seeds; ++s) add(Kind::effect, effect, size, first + s);
   for (std::size_t i = 0; i < options.nulls; ++i)
@@ -101,7 +103,8 @@ test::DiagnosisRun runOf(const Case& c, const test::BatchRun& nominal, const tes
     case Kind::rich_null:
       return test::richNull(nominal, c.seed);
     case Kind::outside:
-      return test::outsideCatalogue(nominal, c.number, c.seed);
+      return nominal.pixels ? test::outsideLight(nominal, c.number, c.seed)
+                            : test::outsideCatalogue(nominal, c.number, c.seed);
     case Kind::wrong_input:
       break;
   }
@@ -260,7 +263,8 @@ nlohmann::json toJson(const Case& c) {
 }
 
 void run(const CampaignOptions& options) {
-  const test::BatchRun nominal = test::richRun(1, options.duration_s);
+  test::BatchRun nominal = test::richRun(1, options.duration_s);
+  nominal.pixels = options.images;
   const test::Excitation excitation(nominal);
   std::vector<Case> cases = casesOf(options, nominal);
   diagnoseAll(cases, nominal, excitation, options.verbose);
@@ -285,6 +289,7 @@ int main(int argc, char** argv) {
   app.add_option("--first-seed", options.first_seed, "")->capture_default_str();
   app.add_option("--nulls", options.nulls, "half of them richer than the model")->capture_default_str();
   app.add_option("--outside", options.outside, "outside the catalogue")->capture_default_str();
+  app.add_flag("--images", options.images, "with the markers' black and white: effects on light");
   app.add_flag("--no-wrong-input", options.no_wrong_input, "leave those out");
   app.add_option("--duration", options.duration_s, "of a recording, s")->capture_default_str();
   app.add_flag("-v,--verbose", options.verbose, "a line for each recording when it is done");

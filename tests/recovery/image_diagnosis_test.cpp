@@ -76,6 +76,9 @@ TEST_P(HiddenDrawnEffect, IsNamed) {
   const test::Answer answer = test::score(diagnosis, hidden, lightExcitation());
   ASSERT_EQ(diagnosis.effects.size(), 1U) << test::told(answer);
   EXPECT_EQ(diagnosis.effects[0].candidate.effect, effect.index) << test::told(answer);
+  // What shows in every image is not what noise is.
+  EXPECT_NEAR(diagnosis.noise.channels[static_cast<std::size_t>(BatchChannel::pixels)].independentScale(), 1,
+              0.15);
   // The truth is what those images were given, which is within a fifth of the spread they were drawn from.
   ASSERT_EQ(diagnosis.effects[0].estimates.size(), 1U);
   const EffectEstimate& found = diagnosis.effects[0].estimates[0];

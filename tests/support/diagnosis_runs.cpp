@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "effects/drawn.h"
+
 namespace fathom::test {
 
 Pose richPose(double t) {
@@ -37,11 +39,11 @@ Excitation::Excitation(BatchRun run) {
   const auto problem = problemAt(input_.data, estimate_, {});
   linear_ = linearize(input_.data, *problem);
   nuisances_.emplace(linear_.J);
-  nominal_ = residualsWith({});
+  nominal_ = residualsWith({}, 0);
 }
 
-Eigen::VectorXd Excitation::signal(const EffectParameters<double>& effects) const {
-  return project(residualsWith(effects) - nominal_);
+Eigen::VectorXd Excitation::signal(const EffectParameters<double>& effects, std::uint64_t seed) const {
+  return project(residualsWith(effects, seed) - nominal_);
 }
 
 double Excitation::alignment(const Eigen::VectorXd& signal, const Candidate& rival) const {
@@ -75,7 +77,7 @@ std::vector<Candidate> Excitation::candidates() const {
       }
       continue;
     }
-    if (kind == ParameterKind::continuous) all.push_back(candidate);
+    if (kind == ParameterKind::continuous || kind == ParameterKind::spread) all.push_back(candidate);
     if (kind == ParameterKind::marker_id)
       for (const Marker& marker : input_.data.panels[0].markers) {
         candidate.marker_id = marker.id;
@@ -90,9 +92,15 @@ std::vector<Candidate> Excitation::candidates() const {
   return all;
 }
 
-Eigen::VectorXd Excitation::residualsWith(const EffectParameters<double>& effects) const {
+Eigen::VectorXd Excitation::residualsWith(const EffectParameters<double>& effects, std::uint64_t seed) const {
   BatchEstimate moved = estimate_;
   moved.state.effects = effects;
+  for (const ImagePatch& patch : input_.data.patches) {
+    const EffectParameters<double> drawn = drawnFor(effects, seed, patch.t_s);
+    for (std::size_t s = 0; s < drawn.values.size(); ++s)
+      if (effects.on[effectOf(s)] && parameterOf(s).kind == ParameterKind::spread)
+        moved.state.draws[{s, patch.image}] = drawn.values[s];
+  }
   const auto problem = problemAt(input_.data, moved, {});
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem->unknowns());
   Eigen::VectorXd all(linear_.residual.size()), residual;
@@ -106,6 +114,7 @@ Eigen::VectorXd Excitation::residualsWith(const EffectParameters<double>& effect
 }
 
 Eigen::MatrixXd Excitation::columns(const Candidate& candidate) const {
+  if (isDrawn(candidate.effect)) return columnsOf(linear_, std::vector{candidate});
   std::vector<Eigen::Index> of;
   for (std::size_t c = 0; c < linear_.columns.size(); ++c)
     if (linear_.columns[c].effect == candidate.effect) of.push_back(static_cast<Eigen::Index>(c));
@@ -125,23 +134,21 @@ Eigen::MatrixXd Excitation::columns(const Candidate& candidate) const {
 
 namespace {
 
-/// As physics has it: distances are not negative, the intrinsics are those of a calibration under water, and
-/// there is water all the way.
+/// As physics has it: nothing is less than nothing, the intrinsics are those of a calibration under water,
+/// and there is water all the way.
 void makePossible(EffectParameters<double>& effects) {
+  for (std::size_t s = 0; s < effects.values.size(); ++s)
+    if (!isPossible(parameterOf(s), effects.values[s])) effects.values[s] = -effects.values[s];
   double* port = effects.of<FlatPortRefraction>();
   port[0] = std::abs(port[0]);
   port[1] = std::abs(port[1]);
   port[4] = 0;
   port[5] = 0;
-  double& plume = effects.of<TurbidityPlume>()[0];
-  plume = std::abs(plume);
 }
 
 EffectParameters<double> scaled(EffectParameters<double> effects, double factor) {
-  for (const EffectInfo& effect : allEffects())
-    if (effects.on[effect.index])
-      for (const std::size_t scalar : continuousScalars(effect.index))
-        if (isSize(parameterOf(scalar).kind)) effects.values[scalar] *= factor;
+  for (std::size_t s = 0; s < effects.values.size(); ++s)
+    if (isSize(parameterOf(s).kind)) effects.values[s] *= factor;
   return effects;
 }
 
@@ -195,7 +202,7 @@ DiagnosisRun effectOfSize(const BatchRun& nominal, const Excitation& excitation,
   for (const Parameter& parameter : effect.parameters)
     for (int i = 0; i < parameter.size; ++i, ++scalar) {
       double& value = direction.values[scalar];
-      if (parameter.kind == ParameterKind::continuous) value = parameter.prior_sigma * random.normal();
+      if (isSize(parameter.kind)) value = parameter.prior_sigma * random.normal();
       if (parameter.kind == ParameterKind::peak_time) value = nominal.duration_s * random.uniform(0.25, 0.75);
       if (parameter.kind == ParameterKind::log_width)
         value = std::log(nominal.duration_s * random.uniform(0.05, 0.15) / parameter.usual_width_s);
@@ -211,16 +218,19 @@ DiagnosisRun effectOfSize(const BatchRun& nominal, const Excitation& excitation,
     direction.active_s[effect.index] = truth.active_s;
   }
   makePossible(direction);
-  double factor = sqrt_lambda / excitation.sqrtLambda(scaled(direction, 1e-3)) * 1e-3;
+  const auto sqrtLambda = [&](const EffectParameters<double>& effects) {
+    return excitation.sqrtLambda(effects, hidden.run.seed);
+  };
+  double factor = sqrt_lambda / sqrtLambda(scaled(direction, 1e-3)) * 1e-3;
   for (int i = 0; i < 8; ++i) {
     while (!withinLimits(scaled(direction, factor))) factor *= 0.9;
-    hidden.sqrt_lambda = excitation.sqrtLambda(scaled(direction, factor));
+    hidden.sqrt_lambda = sqrtLambda(scaled(direction, factor));
     factor *=
         std::pow(std::clamp(sqrt_lambda / hidden.sqrt_lambda, 0.2, 5.0), 0.7);  // signals of order 1 to 2
   }
   while (!withinLimits(scaled(direction, factor))) factor *= 0.9;
   hidden.run.effects = scaled(direction, factor);
-  hidden.sqrt_lambda = excitation.sqrtLambda(hidden.run.effects);
+  hidden.sqrt_lambda = sqrtLambda(hidden.run.effects);
   return hidden;
 }
 
@@ -279,6 +289,11 @@ DiagnosisRun richNull(const BatchRun& nominal, std::uint64_t seed) {
     Random noise = Random::stream(seed, 3001);
     correlateDvl(r, samples, 0.6, noise);
   };
+  run.change_light = [seed](std::vector<ImagePatch>& patches) {
+    constexpr double kShare = 0.001;
+    Random noise = Random::stream(seed, 3002);
+    for (ImagePatch& patch : patches) patch.radiance += kShare * noise.normal3().cwiseProduct(patch.radiance);
+  };
   return run;
 }
 
@@ -328,6 +343,60 @@ DiagnosisRun outsideCatalogue(const BatchRun& nominal, std::size_t number, std::
     Matrix3d G;
     for (double& g : G.reshaped()) g = amount * random.normal();
     run.change = [G](const BatchRun&, std::vector<Sample>& samples) { makeGyroSensitive(samples, G); };
+  }
+  return run;
+}
+
+namespace {
+
+void blotch(std::vector<ImagePatch>& patches, const Vector2d& centre_px, double darkest) {
+  constexpr double kWidth_px = 60;
+  for (ImagePatch& patch : patches)
+    patch.radiance *=
+        1 - darkest * std::exp(-(patch.pixel - centre_px).squaredNorm() / (2 * kWidth_px * kWidth_px));
+}
+
+void bendResponse(std::vector<ImagePatch>& patches, double exponent_error) {
+  for (ImagePatch& patch : patches) {
+    patch.radiance[0] = std::pow(patch.radiance[0], 1 + exponent_error);
+    patch.radiance[2] = std::pow(patch.radiance[2], 1 - exponent_error);
+  }
+}
+
+void addBubbles(std::vector<ImagePatch>& patches, double share, Random& random) {
+  constexpr double kBright = 0.02;
+  for (ImagePatch& patch : patches)
+    if (patch.image % 2 == 0 && random.uniform() < share)
+      patch.radiance += Vector3d::Constant(kBright * random.uniform());
+}
+
+}  // namespace
+
+DiagnosisRun outsideLight(const BatchRun& nominal, std::size_t number, std::uint64_t seed) {
+  DiagnosisRun run{"", nominal, {}, {}, 0, nullptr};
+  Random random = Random::stream(seed, 5000 + number);
+  run.run.seed = random.bits();
+  const std::size_t size = number / 3 % 3;
+  const auto named = [&](const char* what, double amount) {
+    run.name = std::string(what) + " " + std::to_string(amount).substr(0, 5);
+  };
+  if (number % 3 == 0) {
+    const double darkest = std::array{0.02, 0.05, 0.2}[size];
+    const Vector2d centre_px(random.uniform(200, 440), random.uniform(150, 330));
+    named("dark blotch on the port", darkest);
+    run.change_light = [=](std::vector<ImagePatch>& patches) { blotch(patches, centre_px, darkest); };
+  } else if (number % 3 == 1) {
+    const double exponent_error = std::array{0.01, 0.03, 0.1}[size];
+    named("response by colour", exponent_error);
+    run.change_light = [=](std::vector<ImagePatch>& patches) { bendResponse(patches, exponent_error); };
+  } else {
+    const double share = std::array{0.05, 0.1, 0.3}[size];
+    const std::uint64_t stream = random.bits();
+    named("bubbles before patches", share);
+    run.change_light = [=](std::vector<ImagePatch>& patches) {
+      Random places(stream);
+      addBubbles(patches, share, places);
+    };
   }
   return run;
 }

@@ -30,11 +30,14 @@ struct DiagnosisRun {
   std::optional<Candidate> truth;                                     ///< where it hides an effect
   double sqrt_lambda = 0;                                             ///< its size
   std::shared_ptr<const Excitation> excitation;  ///< where sensors are other than the path's usual ones
+  std::function<void(std::vector<ImagePatch>&)> change_light = {};  ///< of the patches, afterwards
 
   BatchInput input() const {
     std::vector<Sample> all = run.samples();
     if (change) change(run, all);
-    return run.input(all);
+    BatchInput input = run.input(all);
+    if (change_light) change_light(input.data.patches);
+    return input;
   }
 };
 
@@ -46,10 +49,13 @@ class Excitation {
   const Linearization& linear() const { return linear_; }
   const BatchEstimate& estimate() const { return estimate_; }
 
-  /// By how many sigma the effects change each reading, all orders, less what the nuisances take over.
-  Eigen::VectorXd signal(const EffectParameters<double>& effects) const;
+  /// By how many sigma the effects change each reading, all orders, less what the nuisances take over. The
+  /// seed: of a recording in which something is drawn anew for each image.
+  Eigen::VectorXd signal(const EffectParameters<double>& effects, std::uint64_t seed = 0) const;
   /// sqrt(phi^T A phi) of small effects: the length of their signal.
-  double sqrtLambda(const EffectParameters<double>& effects) const { return signal(effects).norm(); }
+  double sqrtLambda(const EffectParameters<double>& effects, std::uint64_t seed = 0) const {
+    return signal(effects, seed).norm();
+  }
 
   /// |c|: the cosine between a signal and the nearest one that a rival's parameters can make, to first order.
   double alignment(const Eigen::VectorXd& signal, const Candidate& rival) const;
@@ -68,7 +74,7 @@ class Excitation {
  private:
   Eigen::MatrixXd project(const Eigen::MatrixXd& C) const { return nuisances_->project(C); }
 
-  Eigen::VectorXd residualsWith(const EffectParameters<double>& effects) const;
+  Eigen::VectorXd residualsWith(const EffectParameters<double>& effects, std::uint64_t seed) const;
 
   Eigen::MatrixXd columns(const Candidate& candidate) const;
 
@@ -97,7 +103,8 @@ PanelMap rippled(PanelMap panel, double largest_m, Random& random);
 void correlateDvl(const BatchRun& run, std::vector<Sample>& samples, double correlation, Random& random);
 
 /// Nothing left out by a world a little richer than the model: 1 mm of panel ripple, corners of heavier
-/// tails (Student's t of 4), correlated DVL noise (0.6), the three together.
+/// tails (Student's t of 4), correlated DVL noise (0.6), the three together; of light, noise that goes with
+/// it, a thousandth.
 DiagnosisRun richNull(const BatchRun& nominal, std::uint64_t seed);
 
 // Outside the catalogue.
@@ -113,6 +120,10 @@ void makeGyroSensitive(std::vector<Sample>& samples, const Matrix3d& G);
 
 /// Four kinds in turn, each in three sizes.
 DiagnosisRun outsideCatalogue(const BatchRun& nominal, std::size_t number, std::uint64_t seed);
+
+/// The same of light, three kinds in turn: a dark blotch on the port, a response curve of another exponent
+/// for each colour, bubbles that pass before a few patches of every other image.
+DiagnosisRun outsideLight(const BatchRun& nominal, std::size_t number, std::uint64_t seed);
 
 // What nothing can be learnt from.
 

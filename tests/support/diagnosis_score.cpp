@@ -73,7 +73,7 @@ Outcome ofHidden(const Diagnosis& diagnosis, const DiagnosisRun& run, const Exci
   if (diagnosis.effects.size() > 1) return Outcome::also_others;
   const Alternatives* set = setOf(diagnosis, hit->candidate);
   if (set == nullptr || set->candidates.size() < 2) return Outcome::right;
-  const Eigen::VectorXd signal = own.signal(run.run.effects);
+  const Eigen::VectorXd signal = own.signal(run.run.effects, run.run.seed);
   const bool inseparable =
       std::all_of(set->candidates.begin(), set->candidates.end(), [&](const Candidate& rival) {
         return sameName(rival, truth) || own.separability(signal, rival) < kSeparable;

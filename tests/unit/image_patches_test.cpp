@@ -27,10 +27,10 @@ struct Seen {
   std::vector<PosedImage> posed;
 };
 
-/// Two images of the shipped panel without noise, cut by the nominal model at the true poses.
+/// Images of the shipped panel, cut by the nominal model at the true poses. With the sensor's noise: without,
+/// all of a patch is rounded alike.
 Seen seenWith(const EffectParameters<double>& effects) {
-  const auto recording =
-      test::simulateForSil(test::scratchFolder(), {.images = 2, .noise = false, .effects = effects});
+  const auto recording = test::simulateForSil(test::scratchFolder(), {.images = 3, .effects = effects});
   const PosedImages images = test::atTruth(
       posedImages(recording.rawlog, readPanelMaps(test::kDexrovMap), test::silDetection()), recording.rawlog);
   const PairMaker maker(test::silWorld(), {}, test::silDetection());
@@ -40,7 +40,8 @@ Seen seenWith(const EffectParameters<double>& effects) {
 
 class PatchesWithEffect : public testing::TestWithParam<std::size_t> {};
 
-// Rounding, and that a patch is taken for a point or four, make a fifth of a number; the effect itself, more.
+// In units of the sigma that a patch states, the mean square is at most one: it counts rounding and panels
+// that are not quite flat too, which these are.
 TEST_P(PatchesWithEffect, ReadWhatTheImageHas) {
   const EffectInfo& effect = allEffects()[GetParam()];
   const EffectParameters<double> effects = withOnly(effect);
@@ -60,13 +61,13 @@ TEST_P(PatchesWithEffect, ReadWhatTheImageHas) {
     };
     const Vector3d right = with(drawnFor(effects, SimulationOptions{}.seed, patch.t_s)), nominal = with({});
     for (const int colour : patch.colours()) {
-      error += std::pow(255 * (right[colour] - patch.radiance[colour]), 2);
-      change += std::pow(255 * (nominal[colour] - patch.radiance[colour]), 2);
+      error += std::pow((right[colour] - patch.radiance[colour]) / patch.sigma[colour], 2);
+      change += std::pow((nominal[colour] - patch.radiance[colour]) / patch.sigma[colour], 2);
       ++count;
     }
   }
-  EXPECT_LT(std::sqrt(error / count), 0.2) << effect.id;
-  EXPECT_GT(std::sqrt(change / count), 0.4) << effect.id;
+  EXPECT_LT(error / count, 1) << effect.id;
+  EXPECT_GT(change / count, 3) << effect.id;
 }
 
 std::vector<std::size_t> lightEffects() {

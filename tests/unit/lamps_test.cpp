@@ -82,6 +82,7 @@ TEST(Lamps, ScatteringOnTheWayIsTheIntegralOfWhatIsScattered) {
     }
 }
 
+// To a fifth of a digital number, likewise.
 TEST(Lamps, TheTableIsTheIntegralOfEveryPixel) {
   const CameraModel camera{
       .width_px = 330, .height_px = 241, .fx_px = 278, .fy_px = 277, .cx_px = 160, .cy_px = 122};
@@ -100,7 +101,7 @@ TEST(Lamps, TheTableIsTheIntegralOfEveryPixel) {
                                    kLitSea.water, kLitSea.ambient};
       const double range = range_m.at<float>(v, u);
       const Vector3d exact = lampsInWater(lamps, sight, std::min(range, 1e6));
-      for (int c = 0; c < 3; ++c) EXPECT_NEAR(glow.at<cv::Vec3f>(v, u)[c], exact[c], 1e-4) << u << " " << v;
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(glow.at<cv::Vec3f>(v, u)[c], exact[c], 2e-4) << u << " " << v;
     }
 }
 
