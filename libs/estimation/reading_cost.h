@@ -97,7 +97,7 @@ class ReadingCost final : public BatchCost {
     const double share = 1.0 / static_cast<double>(motions.size());
     residual = whitening * (reading - share * prediction);
     if (derivative == nullptr) return;
-    *derivative = (-share * whitening * *derivative).eval();
+    *derivative = (-share * whitening.lazyProduct(*derivative)).eval();  // small: blocks would only cost
     for (std::size_t b = 0; b < blocks.size(); ++b) turnByRightJacobian(at.x, b, *derivative);
   }
 
@@ -162,9 +162,12 @@ class ReadingCost final : public BatchCost {
   /// Chain rule: columns of the model -> columns of the blocks.
   void accumulate(const Eigen::MatrixXd& slope, const MotionJacobian& motion_slope, const MotionNode& node,
                   Eigen::MatrixXd& derivative) const {
+    // Most of a motion's derivatives are zero: a position moves with positions only, axis by axis.
     auto by_pose = derivative.middleCols(6 * (node.first - first_pose), 6 * node.count);
     for (std::size_t c = 0; c < motion_columns_; ++c)
-      by_pose += slope.col(static_cast<Eigen::Index>(c)) * motion_slope.row(columns_[c]);
+      for (Eigen::Index p = 0; p < by_pose.cols(); ++p)
+        if (const double factor = motion_slope(columns_[c], p); factor != 0.0)
+          by_pose.col(p) += factor * slope.col(static_cast<Eigen::Index>(c));
     auto next = static_cast<Eigen::Index>(motion_columns_);
     for (const Other& other : others) {
       const int size = blockAt(other.block).size;
