@@ -97,8 +97,8 @@ class BatchCost : public ceres::CostFunction {
   /// its interval open.
   virtual void effectColumns(const Motions&, Eigen::Ref<Eigen::MatrixXd> columns) const { columns.setZero(); }
 
-  /// The residual in the reading's unit: reading - prediction.
-  virtual Eigen::VectorXd raw(const Eigen::VectorXd& residual) const { return residual; }
+  /// Residuals, a column each, in the reading's unit: reading - prediction.
+  virtual Eigen::MatrixXd raw(const Eigen::MatrixXd& residuals) const { return residuals; }
   /// Huber's weight on the squared residual.
   double robustWeight(const Eigen::VectorXd& residual) const;
 

@@ -160,9 +160,9 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
     info.reading = i;
     info.robust_weight = cost.robustWeight(r);
     const Eigen::VectorXd raw = cost.raw(r);
+    const Eigen::MatrixXd units = cost.raw(Eigen::MatrixXd::Identity(r.size(), r.size()));
     Eigen::VectorXd sigma = Eigen::VectorXd::Zero(r.size());  // of what has been whitened
-    for (Eigen::Index k = 0; k < r.size(); ++k)
-      sigma += cost.raw(Eigen::VectorXd::Unit(r.size(), k)).cwiseAbs2();
+    for (Eigen::Index k = 0; k < r.size(); ++k) sigma += units.col(k).cwiseAbs2();
     sigma = sigma.cwiseSqrt();
     for (Eigen::Index k = 0; k < r.size(); ++k) {
       info.component = static_cast<int>(k);

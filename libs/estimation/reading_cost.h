@@ -101,8 +101,11 @@ class ReadingCost final : public BatchCost {
     for (std::size_t b = 0; b < blocks.size(); ++b) turnByRightJacobian(at.x, b, *derivative);
   }
 
-  Eigen::VectorXd raw(const Eigen::VectorXd& residual) const override {
-    return whitening.fullPivLu().solve(residual);
+  Eigen::MatrixXd raw(const Eigen::MatrixXd& residuals) const override {
+    const Eigen::FullPivLU<Eigen::MatrixXd> factors(whitening);
+    Eigen::MatrixXd all(residuals.rows(), residuals.cols());
+    for (Eigen::Index k = 0; k < all.cols(); ++k) all.col(k) = factors.solve(residuals.col(k));
+    return all;
   }
 
   void effectColumns(const Motions& at, Eigen::Ref<Eigen::MatrixXd> columns) const override {
