@@ -32,11 +32,8 @@ Pose stationOf(const BatchData& data, const PosePath& path) {
   const auto most = std::max_element(seen.begin(), seen.end(),
                                      [](const auto& a, const auto& b) { return a.second < b.second; });
   const double t_s = most == seen.end() ? data.first_s : most->first;
-  const MotionNode node = path.nodeAt(t_s);
-  const auto own = std::span(path.poses)
-                       .subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
   // A level robot of that heading: nobody holds station tilted.
-  const Pose pose = motionOf(own, node, path.knot_s).T_odom_robot;
+  const Pose pose = motionOf(path, path.nodeAt(t_s)).T_odom_robot;
   const Vector3d forward = pose.rotation.col(0);
   return {rotationFromYawPitchRoll(std::atan2(forward.y(), forward.x()), 0, 0), pose.position};
 }

@@ -320,9 +320,10 @@ double Screening::independentLooks(std::uint64_t seed) const {
   const Eigen::MatrixXd scores = model_.nuisances().scores(columns_, noise);
   std::vector<double> best(kAlarmDraws, 0);
   tbb::parallel_for(0, kAlarmDraws, [&](int draw) {
+    const Eigen::VectorXd score = scores.col(draw);
     std::map<int, double> largest;  // by degrees of freedom
     for (const Test& test : all_) {
-      const Eigen::VectorXd g = scoreOf(test.run, scores.col(draw));
+      const Eigen::VectorXd g = scoreOf(test.run, score);
       double& of_dof = largest[test.information.rank];
       of_dof = std::max(of_dof, g.dot(test.information.inverse * g));
     }

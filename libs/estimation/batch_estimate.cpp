@@ -24,8 +24,9 @@ class Preparation : public ceres::EvaluationCallback {
   Preparation(const BatchProblem& problem, const Eigen::VectorXd& x) : problem_(problem), x_(x) {}
   void PrepareForEvaluation(bool with_jacobians, bool new_point) override {
     if (!new_point && (!with_jacobians || has_jacobians_)) return;
+    const BatchPoint at = problem_.pointAt(x_, with_jacobians);
     tbb::parallel_for(std::size_t{0}, problem_.costs().size(),
-                      [&](std::size_t i) { problem_.costs()[i]->prepare(x_, with_jacobians); });
+                      [&](std::size_t i) { problem_.costs()[i]->prepare(at, with_jacobians); });
     has_jacobians_ = with_jacobians;
   }
 
@@ -102,12 +103,9 @@ class Uncertainty {
   Eigen::MatrixXd of(Kind kind, std::size_t index) const { return of({problem_.find(kind, index)}); }
 
   Matrix6d ofPose(const MotionNode& node) const {
-    const PosePath& path = problem_.reference().path;
     std::vector<const UnknownBlock*> poses;
     for (int k = 0; k < node.count; ++k) poses.push_back(problem_.find(Kind::pose, node.pose(k)));
-    const auto own = std::span(path.poses)
-                         .subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
-    const Eigen::MatrixXd slope = motionJacobian(own, node, path.knot_s).topRows<6>();
+    const Eigen::MatrixXd slope = motionJacobian(problem_.reference().path, node).topRows<6>();
     return slope * of(poses) * slope.transpose();
   }
 
@@ -140,9 +138,7 @@ void addPath(BatchEstimate& estimate, const BatchData& data, const BatchProblem&
              const Uncertainty& uncertainty, double rate_hz) {
   const BatchState& state = problem.reference();
   const auto add = [&](double t_s, const MotionNode& node, std::ptrdiff_t image) {
-    const auto own = std::span(state.path.poses)
-                         .subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
-    const Motion motion = motionOf(own, node, state.path.knot_s);
+    const Motion motion = motionOf(state.path, node);
     estimate.path.push_back({t_s,
                              {motion.T_odom_robot, uncertainty.ofPose(node)},
                              motion.T_odom_robot.rotation.transpose() * motion.velocity_odom,

@@ -57,8 +57,8 @@ double huberWeight(double norm, double threshold) {
   return threshold > 0.0 && norm > threshold ? threshold / norm : 1.0;
 }
 
-void BatchCost::prepare(const Eigen::VectorXd& x, bool with_derivative) {
-  compute(x, residual_, with_derivative ? &derivative_ : nullptr);
+void BatchCost::prepare(const BatchPoint& at, bool with_derivative) {
+  compute(at, residual_, with_derivative ? &derivative_ : nullptr);
 }
 
 bool BatchCost::Evaluate(double const* const*, double* residuals, double** jacobians) const {
@@ -139,11 +139,23 @@ const UnknownBlock* BatchProblem::find(Kind kind, std::size_t index) const {
   return found == block_of_.end() ? nullptr : &blocks_[found->second];
 }
 
+PosePath BatchProblem::pathAt(const Eigen::VectorXd& x) const {
+  PosePath path = reference_.path;
+  for (const UnknownBlock& block : blocks_)
+    if (block.kind == Kind::pose)
+      path.poses[block.index] = retracted(path.poses[block.index], x.segment<6>(block.column));
+  return path;
+}
+
+BatchPoint BatchProblem::pointAt(const Eigen::VectorXd& x, bool with_derivatives) const {
+  return {x, motions_.at(pathAt(x), with_derivatives)};
+}
+
 BatchState BatchProblem::at(const Eigen::VectorXd& x) const {
   BatchState state = reference_;
+  state.path = pathAt(x);
   for (const UnknownBlock& block : blocks_) {
     const auto e = x.segment(block.column, block.size);
-    if (block.kind == Kind::pose) state.path.poses[block.index] = retracted(state.path.poses[block.index], e);
     if (block.kind == Kind::panel)
       state.T_odom_panel[block.index] = retracted(state.T_odom_panel[block.index], e);
     if (block.kind == Kind::right_camera) state.T_left_right = retracted(state.T_left_right, e);
@@ -169,10 +181,7 @@ MotionNode BatchProblem::nodeOf(double t_s, std::size_t image) const {
 }
 
 Motion BatchProblem::motionAt(double t_s, std::size_t image) const {
-  const MotionNode node = nodeOf(t_s, image);
-  return motionOf(std::span(reference_.path.poses)
-                      .subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count)),
-                  node, reference_.path.knot_s);
+  return motionOf(reference_.path, nodeOf(t_s, image));
 }
 
 std::bitset<kEffectCount> BatchProblem::actingOn(const ReadingModel& model, const RowSource& source) const {
@@ -204,7 +213,7 @@ double BatchProblem::thresholdOf(BatchChannel channel, Eigen::Index rows) const 
 
 void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, std::vector<double> node_s,
                        Eigen::VectorXd reading, const Eigen::MatrixXd& whitening) {
-  auto cost = std::make_unique<ReadingCost>(reference_, blocks_);
+  auto cost = std::make_unique<ReadingCost>(motions_, blocks_);
   const BatchMarker* marker =
       source.marker < 0 ? nullptr : &data_.markers[static_cast<std::size_t>(source.marker)];
   const ImagePatch* patch =
@@ -230,11 +239,13 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   // When it was valid, and which poses that makes.
   point.validity_s = model->validity_s(point);
   if (node_s.size() == 2 && node_s[0] == node_s[1]) node_s.pop_back();
-  for (const double t_s : node_s) cost->nodes.push_back(nodeOf(t_s + point.validity_s, image));
-  if (cost->nodes.empty()) cost->nodes.push_back({0, 0, 0.0});  // whatever the robot's pose
+  std::vector<MotionNode> nodes;
+  for (const double t_s : node_s) nodes.push_back(nodeOf(t_s + point.validity_s, image));
+  if (nodes.empty()) nodes.push_back({0, 0, 0.0});  // whatever the robot's pose
+  for (const MotionNode& node : nodes) cost->motions.push_back(motions_.add(node));
   if (patch != nullptr) point.motion = motionAt(source.t_s + point.validity_s, patch->image);
   const auto [first, last] = std::minmax_element(
-      cost->nodes.begin(), cost->nodes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+      nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   cost->first_pose = first->first;
   cost->pose_count = last->first + last->count - first->first;
   for (int k = 0; k < cost->pose_count; ++k)

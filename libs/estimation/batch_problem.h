@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "estimation/batch_data.h"
-#include "estimation/motion.h"
+#include "estimation/motion_table.h"
 #include "estimation/readings.h"
 
 /// The batch estimate as a least-squares problem: unknowns, and the rows of residuals that they explain.
@@ -84,6 +84,12 @@ struct RowSource {
   std::ptrdiff_t patch = -1;
 };
 
+/// Coordinates of all unknowns, and the motions that the poses have there.
+struct BatchPoint {
+  Eigen::VectorXd x;
+  Motions motions;
+};
+
 /// Huber's weight on the square of a residual of this norm; threshold 0: 1.
 double huberWeight(double norm, double threshold);
 
@@ -94,18 +100,19 @@ class BatchCost : public ceres::CostFunction {
   double robust_threshold = 0.0;  ///< on |r|; 0: none
   std::vector<std::size_t> blocks;
 
-  /// At the coordinates x of all unknowns; derivative: by those of its blocks, one behind the other.
-  virtual void compute(const Eigen::VectorXd& x, Eigen::VectorXd& residual,
+  /// Derivative: by the coordinates of its blocks, one behind the other; needs the motions' derivatives.
+  virtual void compute(const BatchPoint& at, Eigen::VectorXd& residual,
                        Eigen::MatrixXd* derivative) const = 0;
-  /// Derivative at x = 0 by all continuous scalars of all effects, a column each as in EffectParameters;
-  /// every one taken as acting here: its marker id is this marker's, its time long past, its interval open.
-  virtual void effectColumns(Eigen::Ref<Eigen::MatrixXd> columns) const { columns.setZero(); }
+  /// Derivative at the motions of x = 0 by all continuous scalars of all effects, a column each as in
+  /// EffectParameters; every one taken as acting here: its marker id is this marker's, its time long past,
+  /// its interval open.
+  virtual void effectColumns(const Motions&, Eigen::Ref<Eigen::MatrixXd> columns) const { columns.setZero(); }
 
-  /// The residual in the reading's unit: reading - prediction.
-  virtual Eigen::VectorXd raw(const Eigen::VectorXd& residual) const { return residual; }
+  /// Residuals, a column each, in the reading's unit: reading - prediction.
+  virtual Eigen::MatrixXd raw(const Eigen::MatrixXd& residuals) const { return residuals; }
 
   /// Computes what Evaluate() then hands out. May run beside others'.
-  void prepare(const Eigen::VectorXd& x, bool with_derivative);
+  void prepare(const BatchPoint& at, bool with_derivative);
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
  protected:
@@ -127,6 +134,8 @@ class BatchProblem {
 
   const BatchState& reference() const { return reference_; }
   BatchState at(const Eigen::VectorXd& x) const;
+  /// What costs are computed at; the motions' derivatives only where theirs are wanted.
+  BatchPoint pointAt(const Eigen::VectorXd& x, bool with_derivatives) const;
   const std::vector<UnknownBlock>& blocks() const { return blocks_; }
   /// Null: not estimated.
   const UnknownBlock* find(UnknownBlock::Kind kind, std::size_t index) const;
@@ -147,6 +156,7 @@ class BatchProblem {
   void addTiePoints();
   void addPatches();
   bool hasPose(std::size_t image) const;
+  PosePath pathAt(const Eigen::VectorXd& x) const;
   void addPriors();
   MotionNode nodeOf(double t_s, std::size_t image) const;
   void add(std::unique_ptr<ReadingModel> model, RowSource source, std::vector<double> node_s,
@@ -164,6 +174,7 @@ class BatchProblem {
   std::map<std::pair<UnknownBlock::Kind, std::size_t>, std::size_t> block_of_;
   std::vector<Draw> draws_;
   std::vector<std::size_t> image_pose_;  ///< of poses by themselves: by image
+  MotionTable motions_;
   int unknowns_ = 0;
   std::size_t behind_camera_ = 0;
   std::vector<std::unique_ptr<BatchCost>> costs_;

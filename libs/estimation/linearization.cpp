@@ -138,7 +138,7 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
 
   // Each cost writes to places of its own, so that nothing depends on the number of threads.
   std::vector<std::vector<Eigen::Triplet<double>>> entries(costs.size());
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem.unknowns());
+  const BatchPoint zero = problem.pointAt(Eigen::VectorXd::Zero(problem.unknowns()), true);
   tbb::parallel_for(std::size_t{0}, costs.size(), [&](std::size_t i) {
     const BatchCost& cost = *costs[i];
     Eigen::VectorXd r;
@@ -152,7 +152,7 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
           entries[i].emplace_back(static_cast<int>(first[i] + k), linear.blocks[b].column + c, J(k, column));
     if (effect_columns) {
       Eigen::MatrixXd all(r.size(), static_cast<Eigen::Index>(kEffectScalars));
-      cost.effectColumns(all);
+      cost.effectColumns(zero.motions, all);
       for (std::size_t c = 0; c < linear.columns.size(); ++c)
         linear.C.block(first[i], static_cast<Eigen::Index>(c), r.size(), 1) =
             all.col(static_cast<Eigen::Index>(linear.columns[c].scalar));
@@ -162,9 +162,9 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
     info.robust_weight = huberWeight(r.norm(), cost.robust_threshold);
     info.robust_threshold = cost.robust_threshold;
     const Eigen::VectorXd raw = cost.raw(r);
+    const Eigen::MatrixXd units = cost.raw(Eigen::MatrixXd::Identity(r.size(), r.size()));
     Eigen::VectorXd sigma = Eigen::VectorXd::Zero(r.size());  // of what has been whitened
-    for (Eigen::Index k = 0; k < r.size(); ++k)
-      sigma += cost.raw(Eigen::VectorXd::Unit(r.size(), k)).cwiseAbs2();
+    for (Eigen::Index k = 0; k < r.size(); ++k) sigma += units.col(k).cwiseAbs2();
     sigma = sigma.cwiseSqrt();
     for (Eigen::Index k = 0; k < r.size(); ++k) {
       info.component = static_cast<int>(k);

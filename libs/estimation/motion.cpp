@@ -48,6 +48,11 @@ Pose onPolygon(std::span<const double> times_s, std::span<const Pose> poses, dou
           (1.0 - share) * poses[i - 1].position + share * poses[i].position};
 }
 
+/// The node's own.
+std::span<const Pose> posesOf(const PosePath& path, const MotionNode& node) {
+  return std::span(path.poses).subspan(node.pose(0), static_cast<std::size_t>(node.count));
+}
+
 }  // namespace
 
 MotionNode PosePath::nodeAt(double t_s) const {
@@ -65,7 +70,8 @@ PosePath PosePath::splineNear(std::span<const double> times_s, std::span<const P
   return path;
 }
 
-Motion motionOf(std::span<const Pose> poses, const MotionNode& node, double knot_s) {
+Motion motionOf(const PosePath& path, const MotionNode& node) {
+  const auto poses = posesOf(path, node);
   Motion motion;
   if (node.count == 0) return motion;
   if (node.count == 1) {
@@ -73,8 +79,8 @@ Motion motionOf(std::span<const Pose> poses, const MotionNode& node, double knot
     return motion;
   }
   using Jet = ceres::Jet<double, 1>;  // by time
-  const SplineWeights<double> weights(node.u, knot_s);
-  SplineWeights<Jet> timed(Jet(node.u), knot_s);
+  const SplineWeights<double> weights(node.u, path.knot_s);
+  SplineWeights<Jet> timed(Jet(node.u), path.knot_s);
   for (std::size_t j = 0; j < 3; ++j) {
     timed.value[j].v[0] = weights.rate[j];
     timed.rate[j].v[0] = weights.curvature[j];
@@ -92,7 +98,8 @@ Motion motionOf(std::span<const Pose> poses, const MotionNode& node, double knot
   return motion;
 }
 
-MotionJacobian motionJacobian(std::span<const Pose> poses, const MotionNode& node, double knot_s) {
+MotionJacobian motionJacobian(const PosePath& path, const MotionNode& node) {
+  const auto poses = posesOf(path, node);
   if (node.count == 0) return MotionJacobian::Zero(kMotionSize, 0);
   if (node.count == 1) {
     MotionJacobian J = MotionJacobian::Zero(kMotionSize, 6);
@@ -106,8 +113,8 @@ MotionJacobian motionJacobian(std::span<const Pose> poses, const MotionNode& nod
       const Matrix3d slope = poses[k].rotation * crossMatrix<double>(Vector3d::Unit(axis));
       for (int i = 0; i < 9; ++i) R[k](i).v[3 * static_cast<int>(k) + axis] = slope(i);
     }
-  const SplineWeights<double> weights(node.u, knot_s);
-  const Turning<Jet> turning = splineTurning<Jet>(R, SplineWeights<Jet>(Jet(node.u), knot_s));
+  const SplineWeights<double> weights(node.u, path.knot_s);
+  const Turning<Jet> turning = splineTurning<Jet>(R, SplineWeights<Jet>(Jet(node.u), path.knot_s));
   // d(rotation vector) from R^T dR = [d]x.
   Matrix3d attitude;
   for (int i = 0; i < 9; ++i) attitude(i) = turning.R_odom_robot(i).a;

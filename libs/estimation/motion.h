@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <compare>
 #include <span>
 #include <vector>
 
@@ -40,6 +41,7 @@ struct MotionNode {
 
   /// Number of its k-th pose.
   std::size_t pose(int k) const { return static_cast<std::size_t>(first) + static_cast<std::size_t>(k); }
+  friend auto operator<=>(const MotionNode&, const MotionNode&) = default;
 };
 
 /// The poses that are estimated.
@@ -58,12 +60,12 @@ struct PosePath {
                              double begin_s, double end_s, double knot_s);
 };
 
-/// `poses` are the node's own.
-Motion motionOf(std::span<const Pose> poses, const MotionNode& node, double knot_s);
+Motion motionOf(const PosePath& path, const MotionNode& node);
 
-/// Derivative of a motion's coordinates by the poses' errors (p, r of each, see UncertainPose).
+/// Derivative of a motion's coordinates by the errors of the node's own poses (p, r of each, see
+/// UncertainPose).
 using MotionJacobian = Eigen::Matrix<double, kMotionSize, Eigen::Dynamic, 0, kMotionSize, 24>;
-MotionJacobian motionJacobian(std::span<const Pose> poses, const MotionNode& node, double knot_s);
+MotionJacobian motionJacobian(const PosePath& path, const MotionNode& node);
 
 /// T with error e, see UncertainPose.
 Pose retracted(const Pose& T, const Eigen::Ref<const Vector6d>& e);

@@ -39,12 +39,12 @@ struct Link {
 /// Rows of one reading.
 class ReadingCost final : public BatchCost {
  public:
-  ReadingCost(const BatchState& reference, const std::vector<UnknownBlock>& unknowns)
-      : reference_(reference), unknowns_(unknowns) {}
+  ReadingCost(const MotionTable& table, const std::vector<UnknownBlock>& unknowns)
+      : table_(table), unknowns_(unknowns) {}
 
   std::unique_ptr<ReadingModel> model;
-  ForwardPoint at_reference;  ///< but for the motion
-  std::vector<MotionNode> nodes;
+  ForwardPoint at_reference;         ///< but for the motion
+  std::vector<std::size_t> motions;  ///< whose predictions' mean it is: their numbers in the table
   Eigen::VectorXd reading;
   Eigen::MatrixXd whitening;
   int first_pose = 0, pose_count = 0;  ///< their blocks come first
@@ -80,45 +80,44 @@ class ReadingCost final : public BatchCost {
     }
   }
 
-  void compute(const Eigen::VectorXd& x, Eigen::VectorXd& residual,
-               Eigen::MatrixXd* derivative) const override {
-    const std::vector<Pose> poses = posesAt(x);
-    ForwardPoint point = pointAt(x);
+  void compute(const BatchPoint& at, Eigen::VectorXd& residual, Eigen::MatrixXd* derivative) const override {
+    ForwardPoint point = pointAt(at.x);
     Eigen::VectorXd prediction = Eigen::VectorXd::Zero(reading.size());
     if (derivative != nullptr) derivative->setZero(reading.size(), local_.back());
     Eigen::MatrixXd slope;
-    for (const MotionNode& node : nodes) {
-      const auto own = ownOf(poses, node);
-      if (node.count > 0) point.motion = motionOf(own, node, reference_.path.knot_s);
+    for (const std::size_t motion : motions) {
+      setMotion(point, at.motions, motion);
       if (derivative == nullptr) {
         prediction += model->predict(point);
         continue;
       }
       prediction += model->differentiate(point, columns_, slope);
-      accumulate(slope, motionJacobian(own, node, reference_.path.knot_s), node, *derivative);
+      accumulate(slope, at.motions.derivatives[motion], table_.node(motion), *derivative);
     }
-    const double share = 1.0 / static_cast<double>(nodes.size());
+    const double share = 1.0 / static_cast<double>(motions.size());
     residual = whitening * (reading - share * prediction);
     if (derivative == nullptr) return;
-    *derivative = (-share * whitening * *derivative).eval();
-    for (std::size_t b = 0; b < blocks.size(); ++b) turnByRightJacobian(x, b, *derivative);
+    *derivative = (-share * whitening.lazyProduct(*derivative)).eval();  // small: blocks would only cost
+    for (std::size_t b = 0; b < blocks.size(); ++b) turnByRightJacobian(at.x, b, *derivative);
   }
 
-  Eigen::VectorXd raw(const Eigen::VectorXd& residual) const override {
-    return whitening.fullPivLu().solve(residual);
+  Eigen::MatrixXd raw(const Eigen::MatrixXd& residuals) const override {
+    const Eigen::FullPivLU<Eigen::MatrixXd> factors(whitening);
+    Eigen::MatrixXd all(residuals.rows(), residuals.cols());
+    for (Eigen::Index k = 0; k < all.cols(); ++k) all.col(k) = factors.solve(residuals.col(k));
+    return all;
   }
 
-  void effectColumns(Eigen::Ref<Eigen::MatrixXd> columns) const override {
+  void effectColumns(const Motions& at, Eigen::Ref<Eigen::MatrixXd> columns) const override {
     columns.setZero();
     std::vector<std::size_t> wanted;
     for (std::size_t e = 0; e < kEffectCount; ++e)
       for (std::size_t s = kEffectOffsets[e]; told[e] && s < kEffectOffsets[e + 1]; ++s)
         if (isDifferentiated(parameterOf(s).kind)) wanted.push_back(s);
-    const std::vector<Pose> poses = posesAt(Eigen::VectorXd::Zero(lastColumn()));
-    const Eigen::MatrixXd scale = -1.0 / static_cast<double>(nodes.size()) * whitening;
-    for (const MotionNode& node : nodes) {
+    const Eigen::MatrixXd scale = -1.0 / static_cast<double>(motions.size()) * whitening;
+    for (const std::size_t motion : motions) {
       ForwardPoint point = at_reference;
-      if (node.count > 0) point.motion = motionOf(ownOf(poses, node), node, reference_.path.knot_s);
+      setMotion(point, at, motion);
       for (std::size_t first = 0; first < wanted.size(); first += kColumnsAtOnce)
         addColumns(point, std::span(wanted).subspan(first, std::min(kColumnsAtOnce, wanted.size() - first)),
                    scale, columns);
@@ -144,15 +143,8 @@ class ReadingCost final : public BatchCost {
       columns.col(static_cast<Eigen::Index>(wanted[i])) += slope.col(static_cast<Eigen::Index>(i));
   }
 
-  int lastColumn() const { return unknowns_.back().column + unknowns_.back().size; }
-
-  std::vector<Pose> posesAt(const Eigen::VectorXd& x) const {
-    std::vector<Pose> poses;
-    for (int k = 0; k < pose_count; ++k)
-      poses.push_back(
-          retracted(reference_.path.poses[static_cast<std::size_t>(first_pose) + static_cast<std::size_t>(k)],
-                    x.segment<6>(blockAt(static_cast<std::size_t>(k)).column)));
-    return poses;
+  void setMotion(ForwardPoint& point, const Motions& at, std::size_t motion) const {
+    if (table_.node(motion).count > 0) point.motion = at.values[motion];
   }
 
   ForwardPoint pointAt(const Eigen::VectorXd& x) const {
@@ -170,17 +162,15 @@ class ReadingCost final : public BatchCost {
 
   const UnknownBlock& blockAt(std::size_t place) const { return unknowns_[blocks[place]]; }
 
-  std::span<const Pose> ownOf(const std::vector<Pose>& poses, const MotionNode& node) const {
-    return std::span(poses).subspan(static_cast<std::size_t>(node.first - first_pose),
-                                    static_cast<std::size_t>(node.count));
-  }
-
   /// Chain rule: columns of the model -> columns of the blocks.
   void accumulate(const Eigen::MatrixXd& slope, const MotionJacobian& motion_slope, const MotionNode& node,
                   Eigen::MatrixXd& derivative) const {
+    // Most of a motion's derivatives are zero: a position moves with positions only, axis by axis.
     auto by_pose = derivative.middleCols(6 * (node.first - first_pose), 6 * node.count);
     for (std::size_t c = 0; c < motion_columns_; ++c)
-      by_pose += slope.col(static_cast<Eigen::Index>(c)) * motion_slope.row(columns_[c]);
+      for (Eigen::Index p = 0; p < by_pose.cols(); ++p)
+        if (const double factor = motion_slope(columns_[c], p); factor != 0.0)
+          by_pose.col(p) += factor * slope.col(static_cast<Eigen::Index>(c));
     auto next = static_cast<Eigen::Index>(motion_columns_);
     for (const Other& other : others) {
       const int size = blockAt(other.block).size;
@@ -205,7 +195,7 @@ class ReadingCost final : public BatchCost {
     columns = (columns * rightJacobianSO3<double>(turn)).eval();
   }
 
-  const BatchState& reference_;
+  const MotionTable& table_;
   const std::vector<UnknownBlock>& unknowns_;
   std::vector<int> local_;    ///< first column of each block; the last entry is their number
   std::vector<int> columns_;  ///< by which the model is differentiated: motion, panel, scalars
@@ -222,13 +212,12 @@ class LinearCost final : public BatchCost {
     finishSetup(unknowns_, static_cast<int>(value_.size()));
   }
 
-  void compute(const Eigen::VectorXd& x, Eigen::VectorXd& residual,
-               Eigen::MatrixXd* derivative) const override {
+  void compute(const BatchPoint& at, Eigen::VectorXd& residual, Eigen::MatrixXd* derivative) const override {
     residual = value_;
     int column = 0;
     for (const std::size_t b : blocks) {
       const int size = unknowns_[b].size;
-      residual += slope_.middleCols(column, size) * x.segment(unknowns_[b].column, size);
+      residual += slope_.middleCols(column, size) * at.x.segment(unknowns_[b].column, size);
       column += size;
     }
     if (derivative != nullptr) *derivative = slope_;

@@ -28,49 +28,60 @@ Vector3<T> cast(const Vector3d& v) {
   return v.cast<T>();
 }
 
-/// `point`; as Jets, with derivatives by as many columns as they carry, from the first-th on.
+/// A rotation's derivative by a turn about one of its own axes: R [axis]x.
+template <class Jet>
+void turn(Matrix3<Jet>& R, int axis, int slot) {
+  const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+  for (int i = 0; i < 3; ++i) {
+    R(i, next).v[slot] = R(i, last).a;
+    R(i, last).v[slot] = -R(i, next).a;
+  }
+}
+
+/// Takes one column's derivative into a slot of the Jets: of velocity and acceleration while they are in
+/// odom.
+template <class Jet>
+void differentiateBy(int column, int slot, Inputs<Jet>& in) {
+  const int axis = column % 3;
+  const auto move = [slot](Jet& scalar) { scalar.v[slot] = 1.0; };
+  KinematicState<Jet>& state = in.state;
+  if (column >= kEffectColumn)
+    return move(in.effects.values[static_cast<std::size_t>(column - kEffectColumn)]);
+  if (column >= kWaterColumn) return move(in.water[column - kWaterColumn]);
+  if (column >= kRightColumn + 3) return turn(in.R_left_right, axis, slot);
+  if (column >= kRightColumn) return move(in.right_in_left[axis]);
+  if (column >= kPanelColumn + 3) return turn(in.panel.R_odom_panel, axis, slot);
+  if (column >= kPanelColumn) return move(in.panel.position_odom[axis]);
+  if (column >= kRateDerivativeColumn) return move(state.angular_acceleration_robot[axis]);
+  if (column >= kRateColumn) return move(state.angular_velocity_robot[axis]);
+  if (column >= kAccelerationColumn) return move(state.acceleration_robot[axis]);
+  if (column >= kVelocityColumn) return move(state.velocity_robot[axis]);
+  if (column >= kOrientationColumn) return turn(state.R_odom_robot, axis, slot);
+  move(state.position_odom[axis]);
+}
+
+/// `point`; as Jets, with derivatives by as many columns as they carry, from the first-th on. Those of
+/// rotations are set directly: multiplied out as Jets they would cost more than most sensors' models.
 template <class T>
 Inputs<T> lift(const ForwardPoint& point, double t_s, const std::vector<int>& columns, std::size_t first) {
   Inputs<T> in;
-  Vector3<T> moved[6], panel_moved[2], right_moved[2];
-  for (auto& v : moved) v.setZero();
-  for (auto& v : panel_moved) v.setZero();
-  for (auto& v : right_moved) v.setZero();
+  const Motion& m = point.motion;
+  KinematicState<T>& state = in.state;
+  state = {cast<T>(m.T_odom_robot.position), m.T_odom_robot.rotation.cast<T>(),
+           cast<T>(m.velocity_odom),         cast<T>(m.rate_robot),
+           cast<T>(m.acceleration_odom),     cast<T>(m.rate_derivative_robot)};
+  in.panel = {t_s, cast<T>(point.T_odom_panel.position), point.T_odom_panel.rotation.cast<T>()};
+  in.right_in_left = cast<T>(point.T_left_right.position);
+  in.R_left_right = point.T_left_right.rotation.cast<T>();
   in.water = point.water.cast<T>();
   for (std::size_t i = 0; i < point.effects.size(); ++i) in.effects.values[i] = T(point.effects[i]);
   in.effects.on = point.on;
-  if constexpr (!std::is_same_v<T, double>) {
-    for (int slot = 0; slot < T::DIMENSION && first + slot < columns.size(); ++slot) {
-      const int c = columns[first + static_cast<std::size_t>(slot)];
-      if (c < kPanelColumn)
-        moved[c / 3][c % 3].v[slot] = 1.0;
-      else if (c < kRightColumn)
-        panel_moved[(c - kPanelColumn) / 3][c % 3].v[slot] = 1.0;
-      else if (c < kWaterColumn)
-        right_moved[(c - kRightColumn) / 3][c % 3].v[slot] = 1.0;
-      else if (c < kEffectColumn)
-        in.water[c - kWaterColumn].v[slot] = 1.0;
-      else
-        in.effects.values[static_cast<std::size_t>(c - kEffectColumn)].v[slot] = 1.0;
-    }
-  }
-  // A rotation by a zero vector with a derivative: its Jet is exact.
-  const auto turned = [](const Matrix3d& R, const Vector3<T>& r) {
-    return Matrix3<T>(R.template cast<T>() * expSO3<T>(r));
-  };
-  const Motion& m = point.motion;
-  auto& state = in.state;
-  state.position_odom = cast<T>(m.T_odom_robot.position) + moved[kPositionColumn / 3];
-  state.R_odom_robot = turned(m.T_odom_robot.rotation, moved[kOrientationColumn / 3]);
+  if constexpr (!std::is_same_v<T, double>)
+    for (int slot = 0; slot < T::DIMENSION && first + slot < columns.size(); ++slot)
+      differentiateBy(columns[first + static_cast<std::size_t>(slot)], slot, in);
   const Matrix3<T> R_robot_odom = state.R_odom_robot.transpose();
-  state.velocity_robot = R_robot_odom * (cast<T>(m.velocity_odom) + moved[kVelocityColumn / 3]);
-  state.acceleration_robot = R_robot_odom * (cast<T>(m.acceleration_odom) + moved[kAccelerationColumn / 3]);
-  state.angular_velocity_robot = cast<T>(m.rate_robot) + moved[kRateColumn / 3];
-  state.angular_acceleration_robot = cast<T>(m.rate_derivative_robot) + moved[kRateDerivativeColumn / 3];
-  in.panel = {t_s, cast<T>(point.T_odom_panel.position) + panel_moved[0],
-              turned(point.T_odom_panel.rotation, panel_moved[1])};
-  in.right_in_left = cast<T>(point.T_left_right.position) + right_moved[0];
-  in.R_left_right = turned(point.T_left_right.rotation, right_moved[1]);
+  state.velocity_robot = R_robot_odom * state.velocity_robot;
+  state.acceleration_robot = R_robot_odom * state.acceleration_robot;
   return in;
 }
 

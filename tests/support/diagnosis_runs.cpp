@@ -102,7 +102,7 @@ Eigen::VectorXd Excitation::residualsWith(const EffectParameters<double>& effect
         moved.state.draws[{s, patch.image}] = drawn.values[s];
   }
   const auto problem = problemAt(input_.data, moved, {});
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem->unknowns());
+  const BatchPoint zero = problem->pointAt(Eigen::VectorXd::Zero(problem->unknowns()), false);
   Eigen::VectorXd all(linear_.residual.size()), residual;
   Eigen::Index row = 0;
   for (const auto& cost : problem->costs()) {

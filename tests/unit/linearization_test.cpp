@@ -100,10 +100,11 @@ struct LinearRun {
 };
 
 Eigen::VectorXd residuals(const BatchProblem& problem, const Eigen::VectorXd& x) {
+  const BatchPoint at = problem.pointAt(x, false);
   std::vector<double> all;
   for (const auto& cost : problem.costs()) {
     Eigen::VectorXd r;
-    cost->compute(x, r, nullptr);
+    cost->compute(at, r, nullptr);
     all.insert(all.end(), r.begin(), r.end());
   }
   return Eigen::Map<Eigen::VectorXd>(all.data(), std::ssize(all));

@@ -23,10 +23,7 @@ PosePath randomPath(std::uint64_t seed, int count) {
   return path;
 }
 
-Motion motionAt(const PosePath& path, double t_s) {
-  const MotionNode node = path.nodeAt(t_s);
-  return motionOf(std::span(path.poses).subspan(static_cast<std::size_t>(node.first), 4), node, path.knot_s);
-}
+Motion motionAt(const PosePath& path, double t_s) { return motionOf(path, path.nodeAt(t_s)); }
 
 /// The spline's KinematicState, from the template that is the definition.
 KinematicState<double> stateAt(const PosePath& path, double t_s) {
@@ -102,13 +99,10 @@ TEST(PoseSpline, IsSmoothAcrossKnotsAndGoesOnBeyondItsEnds) {
 }
 
 TEST(PoseSpline, MotionJacobianIsThatOfDifferences) {
-  PosePath path = randomPath(3, 7);
+  const PosePath path = randomPath(3, 7);
   const MotionNode node = path.nodeAt(path.begin_s + 2.37 * kKnot_s);
-  const auto own = [&](const PosePath& p) {
-    return std::span(p.poses).subspan(static_cast<std::size_t>(node.first), 4);
-  };
-  const Motion at = motionOf(own(path), node, kKnot_s);
-  const MotionJacobian J = motionJacobian(own(path), node, kKnot_s);
+  const Motion at = motionOf(path, node);
+  const MotionJacobian J = motionJacobian(path, node);
   constexpr double h = 1e-6;
   for (int c = 0; c < 24; ++c) {
     Eigen::Matrix<double, kMotionSize, 1> ends[2];
@@ -116,7 +110,7 @@ TEST(PoseSpline, MotionJacobianIsThatOfDifferences) {
       PosePath moved = path;
       Pose& pose = moved.poses[node.pose(c / 6)];
       pose = retracted(pose, (sign == 0 ? -h : h) * Vector6d::Unit(c % 6));
-      const Motion m = motionOf(own(moved), node, kKnot_s);
+      const Motion m = motionOf(moved, node);
       ends[sign] << m.T_odom_robot.position,
           logSO3<double>(at.T_odom_robot.rotation.transpose() * m.T_odom_robot.rotation), m.velocity_odom,
           m.acceleration_odom, m.rate_robot, m.rate_derivative_robot;
