@@ -95,24 +95,20 @@ Vector3d pointOf(const Patch& patch, const CameraModel& camera) {
   return patch.z_m * (stretch * middle).homogeneous();
 }
 
-/// Where the lines of sight of pixels about a patch's middle meet the plane through `point_panel` that faces
-/// as the panel does: two to either side, one standard deviation of its two directions times the root of two.
-std::array<Vector3d, 4> around(const Patch& patch, const CameraModel& camera, const Pose& T_panel_camera,
-                               const Vector3d& point_panel) {
+/// Where lines of sight about a patch's middle meet its surface, which faces as the panel does: two to either
+/// side, one standard deviation of the patch's two directions times the root of two.
+std::array<Vector3d, 4> around(const Patch& patch, const CameraModel& camera, const Pose& T_panel_camera) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(patch.pixel_covariance);
   const Eigen::Matrix2d steps =
       std::numbers::sqrt2 * spread.eigenvectors() * spread.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
-  const auto onPanel = [&](const Vector2d& pixel) {
-    const Vector3d ray = T_panel_camera.rotation * camera.rayAt(pixel);
-    const double height = T_panel_camera.position.z() - point_panel.z();
-    return Vector3d(T_panel_camera.position - height / ray.z() * ray);
-  };
+  const Vector3d eye = T_panel_camera.position;
+  const Vector3d middle = T_panel_camera * Vector3d(patch.z_m * camera.idealAt(patch.pixel).homogeneous());
   std::array<Vector3d, 4> points;
-  const Vector3d offset = point_panel - onPanel(patch.pixel);  // see pointOf()
-  for (int axis = 0; axis < 2; ++axis)
-    for (const int side : {-1, 1})
-      points[static_cast<std::size_t>(2 * axis + (side + 1) / 2)] =
-          offset + onPanel(patch.pixel + side * steps.col(axis));
+  for (int i = 0; i < 4; ++i) {
+    const Vector2d pixel = patch.pixel + (i % 2 == 0 ? 1 : -1) * steps.col(i / 2);
+    const Vector3d ray = T_panel_camera.rotation * camera.rayAt(pixel);
+    points[static_cast<std::size_t>(i)] = eye + (middle.z() - eye.z()) / ray.z() * ray;
+  }
   return points;
 }
 
@@ -136,7 +132,7 @@ ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vecto
   patch.surface = places[posed.panel].surface(plain.label);
   const Pose T_panel_camera = panelFromCamera(posed, panels);
   patch.point_panel = T_panel_camera * pointOf(plain, camera);
-  patch.around_panel = around(plain, camera, T_panel_camera, patch.point_panel);
+  patch.around_panel = around(plain, camera, T_panel_camera);
   patch.albedo = plain.albedo;
   patch.albedo_around = plain.albedo_around;
   patch.pixel = plain.pixel;

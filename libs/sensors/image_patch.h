@@ -51,18 +51,25 @@ struct PatchUnderLamps {
   Vector3<T> irradiance, in_water;
 };
 
-/// Of its panel on the robot's own axes; panels face the way their z points.
+/// Of a patch on a panel that is here on the robot; panels face the way their z points.
 template <class T>
 PatchUnderLamps<T> underLamps(const ImagePatch& patch, const std::vector<LampSheet>& lamps,
                               const Vector3<T>& panel_robot, const Matrix3<T>& R_robot_panel,
-                              const LitSight<T>& sight, const T& range_m) {
-  PatchUnderLamps<T> light{Vector3<T>::Zero(), lampsInWater(lamps, sight, range_m)};
+                              const Mounting<T, Sensor::camera>& mount, const WaterColumn<T>& water,
+                              const Vector3<T>& ambient) {
+  PatchUnderLamps<T> light{Vector3<T>::Zero(), Vector3<T>::Zero()};
+  Vector3<T> middle_robot = Vector3<T>::Zero();
+  const double share = 1.0 / static_cast<double>(patch.around_panel.size());
   for (const Vector3d& point_panel : patch.around_panel) {
     const Vector3<T> point_robot = panel_robot + R_robot_panel * point_panel.cast<T>();
+    middle_robot += share * point_robot;
     light.irradiance +=
-        lampsOnSurface<T>(lamps, point_robot, R_robot_panel.col(2), sight.water.attenuation_per_m) /
-        static_cast<double>(patch.around_panel.size());
+        share * lampsOnSurface<T>(lamps, point_robot, R_robot_panel.col(2), water.attenuation_per_m);
   }
+  const Vector3<T> way = middle_robot - mount.position_robot;
+  const T range_m = way.norm(), z_m = mount.R_robot_sensor.col(2).dot(way);
+  const LitSight<T> sight{mount.position_robot, way / range_m, z_m / range_m, water, ambient};
+  light.in_water = lampsInWater(lamps, sight, range_m);
   return light;
 }
 
@@ -88,9 +95,7 @@ Vector3<T> predictPatch(const KinematicState<T>& state, PanelPlacement<T> panel,
   applyEffects(effects, t_s, shining);
   Vector3<T> irradiance = shining.daylight * ambient, in_water = Vector3<T>::Zero();
   if (effects.isActive(kEffectIndex<Lamp>, t_s)) {
-    const LitSight<T> sight{mount.position_robot, from_camera_robot / range_m, z_m / range_m, column,
-                            ambient};
-    const auto lit = underLamps<T>(patch, lamps, panel_robot, R_robot_panel, sight, range_m);
+    const auto lit = underLamps<T>(patch, lamps, panel_robot, R_robot_panel, mount, column, ambient);
     irradiance += shining.lamps * lit.irradiance;
     in_water = shining.lamps * lit.in_water;
   }
