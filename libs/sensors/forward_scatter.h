@@ -38,7 +38,7 @@ struct SceneRadiance {
   }
 };
 
-/// A view's radiance (CV_32F, of any number of colours) with each of the blurs; dark beyond its edges is as at its edges.
+/// A view's radiance (CV_32F, any number of colours) with each blur; beyond its edges all is as at its edges.
 std::array<cv::Mat, kBlurs.size()> blurred(const cv::Mat& radiance, const CameraModel& camera);
 
 }  // namespace fathom
