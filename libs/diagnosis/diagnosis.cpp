@@ -424,7 +424,7 @@ FoundEffect Course::describe(std::size_t effect) {
   std::size_t scalars = 0;
   for (const EffectEstimate& estimate : final_.estimates)
     scalars += estimate.effect == found.candidate.effect;
-  for (const EffectEstimate& estimate : withSpreads(final_.estimates))
+  for (const EffectEstimate& estimate : withSpreads(final_))
     if (estimate.effect == found.candidate.effect) found.estimates.push_back(estimate);
   if (found.candidate.peak)
     found.candidate.peak = peakOf(final_.estimate.state.effects, found.candidate.effect);

@@ -57,8 +57,7 @@ void finish(Refit& fit) {
     else
       state.draws[{found.scalar, static_cast<std::size_t>(found.image)}] = found.value;
   }
-  for (const EffectEstimate& spread : withSpreads(fit.estimates))
-    state.effects.values[spread.scalar] = spread.value;
+  for (const EffectEstimate& spread : withSpreads(fit)) state.effects.values[spread.scalar] = spread.value;
   const Eigen::VectorXd precision = priorsOf(fit).array().square().inverse();
   fit.freedom = static_cast<double>(columns.size()) - precision.dot(fit.covariance.diagonal());
 }
@@ -117,25 +116,35 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
   return fit;
 }
 
-std::vector<EffectEstimate> withSpreads(const std::vector<EffectEstimate>& estimates) {
-  struct Sums {
-    double square = 0, count = 0;
-  };
+namespace {
+
+/// Of what was drawn for the images, about its mean: the mean cannot be told from how bright all is. With P
+/// taking the mean off, |P v|^2 is (K - 1) spread^2 + tr(P S P) in the mean, S the covariance of v.
+EffectEstimate spreadOf(const Refit& fit, std::size_t scalar, const std::vector<Eigen::Index>& draws) {
+  const auto count = std::ssize(draws);
+  Eigen::VectorXd value(count);
+  for (Eigen::Index k = 0; k < count; ++k)
+    value[k] = fit.estimates[static_cast<std::size_t>(draws[static_cast<std::size_t>(k)])].value;
+  const Eigen::MatrixXd S = fit.covariance(draws, draws);
+  const double freedom = std::max(1.0, static_cast<double>(count) - 1);
+  const double noise = (S.trace() - S.sum() / static_cast<double>(count)) / freedom;
+  const double square = (value.array() - value.mean()).square().sum() / freedom;
+  const double spread = std::sqrt(std::max(0.0, square - noise));
+  return {effectOf(scalar), scalar, spread,
+          square / std::max(spread, std::sqrt(noise)) / std::sqrt(2 * freedom)};
+}
+
+}  // namespace
+
+std::vector<EffectEstimate> withSpreads(const Refit& fit) {
   std::vector<EffectEstimate> all;
-  std::map<std::size_t, Sums> sums;
-  for (const EffectEstimate& estimate : estimates) {
-    if (estimate.image < 0) {
-      all.push_back(estimate);
-      continue;
-    }
-    Sums& own = sums[estimate.scalar];
-    own.square += estimate.value * estimate.value - estimate.sigma * estimate.sigma;
-    ++own.count;
-  }
-  for (const auto& [scalar, own] : sums) {
-    const double spread = std::sqrt(std::max(0.0, own.square / own.count));
-    all.push_back({effectOf(scalar), scalar, spread, spread / std::sqrt(2 * own.count)});
-  }
+  std::map<std::size_t, std::vector<Eigen::Index>> draws;
+  for (std::size_t i = 0; i < fit.estimates.size(); ++i)
+    if (fit.estimates[i].image < 0)
+      all.push_back(fit.estimates[i]);
+    else
+      draws[fit.estimates[i].scalar].push_back(static_cast<Eigen::Index>(i));
+  for (const auto& [scalar, own] : draws) all.push_back(spreadOf(fit, scalar, own));
   return all;
 }
 

@@ -25,9 +25,9 @@ struct Refit {
 Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions& base,
             const std::vector<Candidate>& effects, const NoiseModel& noise);
 
-/// Estimates with those of what was drawn for each image replaced by one of their spread: what they scatter
-/// by beyond their own sigmas.
-std::vector<EffectEstimate> withSpreads(const std::vector<EffectEstimate>& estimates);
+/// A fit's estimates with those of what was drawn for each image replaced by one of their spread: what they
+/// scatter by about their mean, beyond their own sigmas.
+std::vector<EffectEstimate> withSpreads(const Refit& fit);
 
 /// -ln of the probability that a fit's likelihood exceeds that of one with fewer effects so much by chance.
 double supportOver(const Refit& fit, const Refit& fewer);

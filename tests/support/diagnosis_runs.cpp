@@ -103,9 +103,11 @@ Eigen::VectorXd Excitation::residualsWith(const EffectParameters<double>& effect
   }
   const auto problem = problemAt(input_.data, moved, {});
   const BatchPoint zero = problem->pointAt(Eigen::VectorXd::Zero(problem->unknowns()), false);
-  Eigen::VectorXd all(linear_.residual.size()), residual;
+  // Priors, which come last, are as they were, but for those of what is drawn.
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(linear_.residual.size()), residual;
   Eigen::Index row = 0;
   for (const auto& cost : problem->costs()) {
+    if (cost->source.channel == BatchChannel::prior) break;
     cost->compute(zero, residual, nullptr);
     all.segment(row, residual.size()) = residual;
     row += residual.size();
