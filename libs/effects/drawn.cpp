@@ -22,12 +22,12 @@ EffectParameters<double> withSpreadsTimes(EffectParameters<double> effects, Fact
 
 }  // namespace
 
-EffectParameters<double> withoutDraws(EffectParameters<double> effects) {
-  return withSpreadsTimes(std::move(effects), [](std::size_t) { return 0.0; });
+EffectParameters<double> withoutDraws(const EffectParameters<double>& effects) {
+  return withSpreadsTimes(effects, [](std::size_t) { return 0.0; });
 }
 
-EffectParameters<double> drawnFor(EffectParameters<double> effects, std::uint64_t seed, double t_s) {
-  return withSpreadsTimes(std::move(effects), [&](std::size_t scalar) {
+EffectParameters<double> drawnFor(const EffectParameters<double>& effects, std::uint64_t seed, double t_s) {
+  return withSpreadsTimes(effects, [&](std::size_t scalar) {
     return Random::stream(seed ^ std::bit_cast<std::uint64_t>(t_s), scalar).normal();
   });
 }
