@@ -247,30 +247,28 @@ Eigen::VectorXd HoldOut::residualWith(const Fitted& what, const Reduced& trained
 
 Eigen::VectorXd HoldOut::residualWithDraws(const Fitted& what, const Reduced& trained,
                                            const RowsAlone& test) const {
-  Fitted draws, rest;
-  std::vector<double> sigmas[2];
+  struct Part {
+    std::vector<Eigen::Index> places, columns;  // in `what`, and of all
+  } drawn, lasting;
   for (std::size_t k = 0; k < what.columns.size(); ++k) {
-    const bool drawn = is_draw_[static_cast<std::size_t>(what.columns[k])];
-    (drawn ? draws : rest).columns.push_back(what.columns[k]);
-    sigmas[drawn].push_back(what.sigma[static_cast<Eigen::Index>(k)]);
+    Part& part = is_draw_[static_cast<std::size_t>(what.columns[k])] ? drawn : lasting;
+    part.places.push_back(static_cast<Eigen::Index>(k));
+    part.columns.push_back(what.columns[k]);
   }
-  if (draws.columns.empty()) return residualWith(what, trained);
-  draws.sigma = Eigen::Map<Eigen::VectorXd>(sigmas[1].data(), std::ssize(sigmas[1]));
+  if (drawn.places.empty()) return residualWith(what, trained);
   // Trained with the draws of the images there, of which the held-out ones know nothing.
-  const Eigen::VectorXd all =
+  const Eigen::VectorXd value =
       fitted(trained.gram(what.columns, what.columns), trained.score(what.columns), what.sigma);
-  Eigen::VectorXd residual = model_.residual();
-  for (std::size_t k = 0; k < what.columns.size(); ++k)
-    if (!is_draw_[static_cast<std::size_t>(what.columns[k])])
-      residual += columns_.col(what.columns[k]) * all[static_cast<Eigen::Index>(k)];
+  const Eigen::VectorXd kept = value(lasting.places);
   const Reduced own = test.reduce(columns_);
-  Eigen::VectorXd score = own.score(draws.columns);
-  for (std::size_t k = 0; k < what.columns.size(); ++k)
-    if (!is_draw_[static_cast<std::size_t>(what.columns[k])])
-      score += own.gram(draws.columns, what.columns[k]) * all[static_cast<Eigen::Index>(k)];
-  const Eigen::VectorXd drawn = fitted(own.gram(draws.columns, draws.columns), score, draws.sigma);
-  for (std::size_t k = 0; k < draws.columns.size(); ++k)
-    residual += columns_.col(draws.columns[k]) * drawn[static_cast<Eigen::Index>(k)];
+  const Eigen::VectorXd score = own.score(drawn.columns) + own.gram(drawn.columns, lasting.columns) * kept;
+  const Eigen::VectorXd again =
+      fitted(own.gram(drawn.columns, drawn.columns), score, what.sigma(drawn.places));
+  Eigen::VectorXd residual = model_.residual();
+  for (Eigen::Index k = 0; k < kept.size(); ++k)
+    residual += columns_.col(lasting.columns[static_cast<std::size_t>(k)]) * kept[k];
+  for (Eigen::Index k = 0; k < again.size(); ++k)
+    residual += columns_.col(drawn.columns[static_cast<std::size_t>(k)]) * again[k];
   return residual;
 }
 

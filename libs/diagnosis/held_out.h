@@ -46,7 +46,7 @@ struct HeldOutOptions {
   std::uint64_t seed = 1;
 };
 
-/// `linear`: at the final estimate, not weighted; `values`: the effects' there. A fold is every so-manyth
+/// `linear`: at the final estimate, not weighted; `found`: the state there. A fold is every so-manyth
 /// stretch of the recording, of a single image so many markers; effects are trained on all others.
 HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>& effects,
                       const BatchState& found, const NoiseModel& noise, const BatchData& data,
