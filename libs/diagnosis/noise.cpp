@@ -61,12 +61,15 @@ struct Saturated {
   }
 };
 
-/// What an effect explains is no outlier: a reading counts in full where it does once all may be there. Else
-/// an effect that shows in all readings of a channel would make its noise seem small.
+/// What an effect explains is no outlier: a reading of light counts in full where it does once all may be
+/// there. Else an effect that shows in all images would make light's noise seem small. (Where corners are off
+/// by pixels, what explains them is far from linear, and which are outliers is not known.)
 std::unique_ptr<Saturated> saturate(Linearization& linear) {
   auto saturated = std::make_unique<Saturated>(linear);
-  for (int round = 0; round < kWeightRounds && applyOtherRobustWeights(linear, saturated->left); ++round)
+  for (int round = 0; round < kWeightRounds; ++round) {
+    if (!applyOtherRobustWeights(linear, BatchChannel::pixels, saturated->left)) break;
     saturated = std::make_unique<Saturated>(linear);
+  }
   return saturated;
 }
 

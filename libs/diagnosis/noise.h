@@ -40,8 +40,8 @@ struct NoiseModel {
 /// The noise that an estimate's residuals show once every effect of the catalogue may explain its share: what
 /// is left out of the model is not taken for noise. Scale and correlation are those with which simulated
 /// noise leaves the residuals seen, so what the estimate follows is accounted for. `linear`: weighted (see
-/// applyRobustWeights()), at an estimate with the noise `assumed`; robust weights are taken anew, so that
-/// what an effect explains is no outlier.
+/// applyRobustWeights()), at an estimate with the noise `assumed`; robust weights of light are taken anew, so
+/// that what an effect explains is no outlier.
 NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint64_t seed);
 
 /// Rows of a track that follow one another without a gap: pairs of neighbours, by row.

@@ -225,12 +225,13 @@ void applyRobustWeights(Linearization& linear) {
   multiplyRows(linear, root);
 }
 
-bool applyOtherRobustWeights(Linearization& linear, const Eigen::VectorXd& left) {
+bool applyOtherRobustWeights(Linearization& linear, BatchChannel channel, const Eigen::VectorXd& left) {
   constexpr double kDiffers = 0.01;
   bool differs = false;
   Eigen::VectorXd factor = Eigen::VectorXd::Ones(linear.residual.size());
   for (std::size_t first = 0, behind = 0; first < linear.rows.size(); first = behind) {
     while (behind < linear.rows.size() && linear.rows[behind].reading == linear.rows[first].reading) ++behind;
+    if (linear.rows[first].channel != channel) continue;
     const double before = linear.rows[first].robust_weight;
     const auto begin = static_cast<Eigen::Index>(first), count = static_cast<Eigen::Index>(behind - first);
     const double norm = left.segment(begin, count).norm() / std::sqrt(before);

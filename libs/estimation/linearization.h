@@ -81,9 +81,9 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
 /// Multiplies each row by the root of its robust weight: what the estimate has minimized, to first order.
 void applyRobustWeights(Linearization& linear);
 
-/// Other robust weights instead of those that have been applied: the ones where `left` is what is left of the
-/// weighted residual. Returns whether any differs by more than a percent.
-bool applyOtherRobustWeights(Linearization& linear, const Eigen::VectorXd& left);
+/// Of a channel, other robust weights instead of those that have been applied: the ones where `left` is what
+/// is left of the weighted residual. Returns whether any differs by more than a percent.
+bool applyOtherRobustWeights(Linearization& linear, BatchChannel channel, const Eigen::VectorXd& left);
 
 /// Which column of C is an effect's scalar, counted from the effect's first. Throws std::out_of_range.
 Eigen::Index columnOf(const Linearization& linear, std::size_t effect, std::size_t scalar);

@@ -138,7 +138,6 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
   const BatchData& data = linear_run.input.data;
   const auto problem = problemAt(data, linear_run.estimate, linear_run.options);
   const Linearization linear = linearize(data, *problem);
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem->unknowns());
   const int marker_id = data.markers.front().marker.id;
   std::size_t columns_seen = 0;
   constexpr double kPeak_s = 3;
@@ -161,7 +160,7 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
       for (const ImagePatch& patch : data.patches)
         if (is_drawn) moved.state.draws[{column.scalar, patch.image}] = step;
       const auto there = problemAt(data, moved, linear_run.options);
-      ends[sign] = residuals(*there, zero);
+      ends[sign] = residuals(*there, Eigen::VectorXd::Zero(there->unknowns()));
     }
     Eigen::VectorXd expected = linear.C.col(static_cast<Eigen::Index>(c)),
                     found = ((ends[1] - ends[0]) / (2 * h)).head(linear.residual.size());
