@@ -6,7 +6,6 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "effects/calibration.h"
-#include "effects/drawn.h"
 #include "panel/panel_maps.h"
 #include "sil_report.h"
 #include "simulation/copy_panel_map.h"
@@ -67,7 +66,7 @@ void sil(const SilCommandOptions& options, const RunContext& context) {
                  {},
                  story.sea_floor};
   if (!world.vehicle.camera) throw Error(story.vehicle, "camera", "the vehicle has none");
-  if (!options.calibration.empty()) world.effects = withoutDraws(readCalibration(options.calibration));
+  if (!options.calibration.empty()) world.effects = readCalibration(options.calibration);
   story.options.detection.families = familiesOf(world.panels);
   if (story.options.detection.families.empty()) throw Error(story.map, "markers", "there are none");
   if (options.backend == nameOf(Backend::apriltag)) story.options.detection.backend = Backend::apriltag;

@@ -59,24 +59,33 @@ cv::Mat coloured(const cv::Mat& difference, const cv::Mat& region, double scale)
   return picture;
 }
 
+/// Effects with what the estimate has found drawn for an image.
+EffectParameters<double> withDraws(const EffectParameters<double>& effects, const BatchState& state,
+                                   std::size_t image) {
+  EffectParameters<double> own = withoutDraws(effects);
+  for (const auto& [draw, value] : state.draws)
+    if (draw.image == image) own.values[draw.scalar] = value;
+  return own;
+}
+
 /// A model of the world, and each image as its markers pose it there.
 class Simulated {
  public:
   Simulated(const BatchRecording& recording, const BatchEstimate& estimate,
             const EffectParameters<double>& effects)
-      : world_{recording.input.data.vehicle,
-               recording.input.data.panels,
-               environmentOf(estimate.state.water),
-               withoutDraws(effects),
-               {}},
-        draws_(estimate.state.draws),
-        maker_(world_, {}, detectionSettings(recording.input.data.panels)) {
+      : maker_({recording.input.data.vehicle,
+                recording.input.data.panels,
+                environmentOf(estimate.state.water),
+                effects,
+                {}},
+               {}, detectionSettings(recording.input.data.panels)) {
     const BatchData& data = recording.input.data;
     const LandmarkCalibration calibration{effects, data.time_zero};
     const FoundMarkers& found = recording.found;
     images_ = posedImages(found.entries, found.detections,
                           solveSightings(found.entries, found.detections, data.panels, calibration),
                           data.panels, calibration);
+    for (PosedImage& image : images_.posed) image.effects = withDraws(effects, estimate.state, image.entry);
   }
 
   const std::vector<PosedImage>& posed() const { return images_.posed; }
@@ -86,7 +95,7 @@ class Simulated {
                                  [&](const PosedImage& image) { return image.number == number; });
     if (at == posed().end()) return {};
     try {
-      return draws_.empty() ? maker_.make(*at) : makerOf(*at).make(*at);
+      return maker_.make(*at);
     } catch (const Error&) {
       return {};
     }
@@ -111,16 +120,6 @@ class Simulated {
   }
 
  private:
-  /// With what was drawn for this image.
-  PairMaker makerOf(const PosedImage& image) const {
-    auto world = world_;
-    for (const auto& [draw, value] : draws_)
-      if (draw.image == image.entry) world.effects.values[draw.scalar] = value;
-    return PairMaker(world, {}, detectionSettings(world.panels));
-  }
-
-  SilWorld world_;
-  std::map<Draw, double> draws_;
   PairMaker maker_;
   PosedImages images_;
 };

@@ -64,18 +64,19 @@ std::vector<CandidateColumn> columnsOf(const Linearization& linear, std::size_t 
   std::vector<CandidateColumn> columns;
   for (std::size_t c = 0; c < linear.columns.size(); ++c) {
     if (linear.columns[c].effect != effect) continue;
-    if (parameterOf(linear.columns[c].scalar).kind != ParameterKind::spread) columns.push_back({c, -1});
     if (parameterOf(linear.columns[c].scalar).kind == ParameterKind::spread)
       for (const std::ptrdiff_t image : images) columns.push_back({c, image});
+    else
+      columns.push_back({c, -1});
   }
   return columns;
 }
 
 bool canShow(const Linearization& linear, std::size_t effect) {
-  const std::vector<CandidateColumn> columns = columnsOf(linear, effect);
-  return std::any_of(columns.begin(), columns.end(), [&](const CandidateColumn& c) {
-    return (linear.C.col(static_cast<Eigen::Index>(c.column)).array() != 0).any();
-  });
+  for (std::size_t c = 0; c < linear.columns.size(); ++c)
+    if (linear.columns[c].effect == effect && !linear.C.col(static_cast<Eigen::Index>(c)).isZero(0))
+      return true;
+  return false;
 }
 
 Eigen::VectorXd priorSigmas(const Linearization& linear, const std::vector<Candidate>& candidates) {

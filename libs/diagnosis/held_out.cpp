@@ -157,12 +157,8 @@ Eigen::VectorXd valuesOf(const Linearization& linear, const std::vector<Candidat
   for (const Candidate& effect : effects)
     for (const CandidateColumn& c : columnsOf(linear, effect.effect)) {
       const std::size_t scalar = linear.columns[c.column].scalar;
-      if (c.image >= 0) {
-        const auto drawn = all.draws.find({scalar, static_cast<std::size_t>(c.image)});
-        values.push_back(drawn == all.draws.end() ? 0 : drawn->second);
-      } else {
-        values.push_back(sizeOf(scalar, all.effects.values[scalar]));
-      }
+      values.push_back(c.image < 0 ? sizeOf(scalar, all.effects.values[scalar])
+                                   : all.drawn({scalar, static_cast<std::size_t>(c.image)}));
     }
   return Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values));
 }

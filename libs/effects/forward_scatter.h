@@ -17,16 +17,15 @@ struct ForwardScatter {
       .title =
           "Some of the light that the water takes is only bent: what is bright shines on what is beside it",
       .equation =
-          "light = exp(-a z) scene + (exp(-(1 - scattered_fraction) a z) - exp(-a z)) scene blurred, the "
-          "blur\n"
-          "2 degrees a bend, each anywhere on the way: variance (2 deg)^2 / 3 n / (1 - exp(-n)) with\n"
-          "n = scattered_fraction a z bends in the mean",
+          "light = exp(-a z) scene + (exp(-(1 - scattered_fraction) a z) - exp(-a z)) blurred scene,\n"
+          "the blur 2 degrees a bend, each anywhere on the way: variance (2 deg)^2 / 3 n / (1 - exp(-n))\n"
+          "with n = scattered_fraction a z bends in the mean",
       .source =
-          "Jaffe 1990, eqs. 8 and 9 (forward scattered light as the direct one blurred); bends as Poisson's\n"
+          "Jaffe 1990, eqs. 8 and 9 (forward scattered light as the direct one blurred); bends as Poisson's "
           "law has them, of a phase function as narrow as Petzold 1972 measured",
       .confused_with = {"separate-backscatter", "slant-range"},
       .told_apart =
-          "Small and large surfaces of one albedo side by side: blur takes from a small white one what it\n"
+          "Small and large surfaces of one albedo side by side: blur takes from a small white one what it "
           "gives to the black beside it, the veil gives to both"};
   static constexpr std::array parameters{
       Parameter{.name = "scattered_fraction",

@@ -21,7 +21,7 @@ struct TurbidityPlume {
           "a(t) = a + peak_extra_attenuation_per_m exp(-((t - time_s) / width)^2 / 2), of signal and veil,\n"
           "of each colour; width = 10 s exp(log_width)",
       .source =
-          "A puff that diffuses while a current carries it past has a Gaussian concentration, e.g. Fischer\n"
+          "A puff that diffuses while a current carries it past has a Gaussian concentration, e.g. Fischer "
           "et al. 1979; attenuation goes with concentration",
       .confused_with = {"auto-exposure", "sun-flicker", "slant-range", "separate-backscatter"},
       .told_apart =

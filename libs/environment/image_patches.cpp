@@ -117,7 +117,7 @@ cv::Mat alsoAround(const View& clean, const CameraModel& camera) {
   constexpr double kKnown = 0.99;
   cv::Mat hit;
   cv::Mat(clean.range_m < std::numeric_limits<float>::infinity()).convertTo(hit, CV_32F, 1.0 / 255);
-  return cv::Mat(blurred(hit, camera).back() > kKnown) & cv::Mat(hit > 0);
+  return cv::Mat(blurred(hit, camera, kBlurs.back()) > kKnown) & cv::Mat(hit > 0);
 }
 
 ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vector<PanelMap>& panels,

@@ -164,7 +164,9 @@ PatchSet patchesOf(const cv::Mat& image, const View& clean, const cv::Mat& mask,
     return set;
   }
   const cv::Mat light = radianceOf(image, sheet), usable = interior(clean, mask, options);
-  const auto soft = blurred(clean.radiance, sheet.model);
+  std::vector<cv::Mat> soft;
+  for (const double blur : kBlurs)
+    if (options.around) soft.push_back(blurred(clean.radiance, sheet.model, blur));
   std::map<int, Sums> by_label;
   for (int v = 0; v < image.rows; ++v)
     for (int u = 0; u < image.cols; ++u) {

@@ -25,8 +25,9 @@ struct Patch {
   Eigen::Matrix2d pixel_covariance = Eigen::Matrix2d::Zero();  ///< of its pixels about that
   double image_radius = 0;                                     ///< see PixelResponse; root mean square
   Vector3d albedo = Vector3d::Zero();  ///< of what is there, with its shading, under full ambient light
-  std::array<Vector3d, kBlurs.size()> albedo_around{};  ///< blurred, see sensors/forward_scatter.h
-  Vector3d radiance = Vector3d::Zero();                 ///< mean, as the camera read it
+  std::array<Vector3d, kBlurs.size()>
+      albedo_around{};                   ///< where wanted: blurred, see sensors/forward_scatter.h
+  Vector3d radiance = Vector3d::Zero();  ///< mean, as the camera read it
   /// Of that mean, by the sensor's noise, rounding, and what varies within the patch. Infinite for a channel
   /// that does not count: some pixel is saturated, or it is black up to its noise.
   Vector3d sigma = Vector3d::Constant(std::numeric_limits<double>::infinity());
@@ -36,6 +37,7 @@ struct PatchOptions {
   int margin_px = 3;       ///< that pose, blur and JPEG may shift or smear an edge
   int least_pixels = 12;   ///< of a patch
   double flatness = 0.01;  ///< largest difference of albedo within the margin
+  bool around = false;     ///< whether albedo_around is wanted
 };
 
 struct PatchSet {

@@ -51,6 +51,8 @@ OneImage patchesFrom(const PosedImage& posed, const PairMaker& maker, const cv::
     const CleanPair pair = maker.clean(posed);
     PatchOptions options;
     options.margin_px = margin_px(posed, range_m(posed, maker.world().panels));
+    options.around =
+        static_cast<bool>(labelsOf);  // a diagnosis', which asks what forward scattering mixes in
     CameraSheet sheet = maker.camera();
     sheet.bits = 8;
     sheet.model = posed.camera.lens;

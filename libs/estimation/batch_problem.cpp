@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/chi_square.h"
+#include "effects/drawn.h"
 #include "estimation/reading_cost.h"
 
 namespace fathom {
@@ -108,7 +109,7 @@ void BatchProblem::layOut() {
       blocks_.push_back({Kind::panel, i, 6, 0});
   if (!data_.tie_points.empty()) blocks_.push_back({Kind::right_camera, 0, 6, 0});
   for (std::size_t e = 0; e < kEffectCount; ++e)
-    if (options_.estimate[e] || reference_.effects.on[e]) addDraws(e);
+    if (isDrawn(e) && (options_.estimate[e] || reference_.effects.on[e])) addDraws(e);
   for (std::size_t i = 0; i < draws_.size(); ++i) blocks_.push_back({Kind::draw, i, 1, 0});
   if (!data_.patches.empty()) blocks_.push_back({Kind::water, 0, 9, 0});
   for (std::size_t e = 0; e < kEffectCount; ++e)
@@ -293,8 +294,7 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   for (std::size_t i = 0; patch != nullptr && i < draws_.size(); ++i) {
     const auto& [scalar, of_image] = draws_[i];
     if (of_image != image || !cost->acting[effectOf(scalar)]) continue;
-    if (const auto drawn = reference_.draws.find(draws_[i]); drawn != reference_.draws.end())
-      point.effects[scalar] = drawn->second;
+    point.effects[scalar] = reference_.drawn(draws_[i]);
     link(Kind::draw, i, {scalar}, 0, 1.0);
   }
 
@@ -473,9 +473,7 @@ void BatchProblem::addPriors() {
       const double known = reference_.effects.values[draw.scalar];
       const bool is_known = known > 0 && !options_.estimate[effectOf(draw.scalar)];
       const double precision = 1 / (is_known ? known : parameterOf(draw.scalar).prior_sigma);
-      const auto drawn = reference_.draws.find(draw);
-      addLinear(block,
-                Eigen::VectorXd::Constant(1, drawn == reference_.draws.end() ? 0 : precision * drawn->second),
+      addLinear(block, Eigen::VectorXd::Constant(1, precision * reference_.drawn(draw)),
                 Eigen::MatrixXd::Constant(1, 1, precision));
     }
     if (block.kind == Kind::effect) {

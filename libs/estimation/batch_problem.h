@@ -38,6 +38,11 @@ struct BatchState {
   Vector9d water = Vector9d::Zero();  ///< waterParameters(), where there are patches
   EffectParameters<double> effects;   ///< all that are on, estimated or not
   std::map<Draw, double> draws;       ///< of effects that are drawn anew for each image; missing: 0
+
+  double drawn(const Draw& draw) const {
+    const auto found = draws.find(draw);
+    return found == draws.end() ? 0.0 : found->second;
+  }
 };
 
 struct PathPrior {

@@ -38,7 +38,8 @@ struct SceneRadiance {
   }
 };
 
-/// A view's radiance (CV_32F, any number of colours) with each blur; beyond its edges all is as at its edges.
-std::array<cv::Mat, kBlurs.size()> blurred(const cv::Mat& radiance, const CameraModel& camera);
+/// A view's radiance (CV_32F, any number of colours) with one of the blurs; beyond its edges all is as at its
+/// edges.
+cv::Mat blurred(const cv::Mat& radiance, const CameraModel& camera, double blur);
 
 }  // namespace fathom

@@ -123,7 +123,9 @@ cv::Mat cosinesOf(const CameraModel& camera) {
 }
 
 ImageModel::ImageModel(const CameraSheet& sheet, const Water& water, const EffectParameters<double>& effects)
-    : sheet_(sheet), water_(water), effects_(effects), z_per_range_(cosinesOf(sheet.model)) {}
+    : sheet_(sheet), water_(water), effects_(effects), rays_(raysOf(sheet.model)) {
+  cv::extractChannel(rays_, z_per_range_, 2);
+}
 
 cv::Mat ImageModel::light(const cv::Mat& radiance, const cv::Mat& range_m, double t_s) const {
   require(radiance, CV_32FC3, z_per_range_.size());
@@ -154,7 +156,9 @@ cv::Mat ImageModel::light(const cv::Mat& radiance, const cv::Mat& range_m, doubl
 cv::Mat ImageModel::lightWithEffects(const cv::Mat& radiance, const cv::Mat& range_m, double t_s) const {
   cv::Mat result(radiance.size(), CV_32FC3);
   const bool bends = effects_.isActive(kEffectIndex<ForwardScatter>, t_s);
-  const auto soft = bends ? blurred(radiance, sheet_.model) : std::array{radiance, radiance};
+  std::array<cv::Mat, kBlurs.size()> soft;
+  for (std::size_t i = 0; i < kBlurs.size(); ++i)
+    soft[i] = bends ? blurred(radiance, sheet_.model, kBlurs[i]) : radiance;
   const auto at = [](const cv::Mat& image, int v, int u) {
     const auto& colour = image.at<cv::Vec3f>(v, u);
     return Vector3d(colour[0], colour[1], colour[2]);

@@ -90,6 +90,9 @@ class ImageModel {
     return other;
   }
 
+  /// raysOf() the camera.
+  const cv::Mat& rays() const { return rays_; }
+
   /// Through the water. `radiance` (CV_32FC3) and `range_m` (CV_32FC1, infinite where nothing is hit) are a
   /// View, see render/renderer.h. Without effects exp() is approximated to 3e-7 of the light.
   cv::Mat light(const cv::Mat& radiance, const cv::Mat& range_m, double t_s = 0) const;
@@ -108,7 +111,8 @@ class ImageModel {
   CameraSheet sheet_;
   Water water_;
   EffectParameters<double> effects_;
-  cv::Mat z_per_range_;  ///< cosinesOf() the camera
+  cv::Mat rays_;         ///< raysOf() the camera
+  cv::Mat z_per_range_;  ///< their third components
 };
 
 }  // namespace fathom

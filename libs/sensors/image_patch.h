@@ -94,7 +94,7 @@ Vector3<T> predictPatch(const KinematicState<T>& state, PanelPlacement<T> panel,
   SceneLight<T> shining;
   applyEffects(effects, t_s, shining);
   Vector3<T> irradiance = shining.daylight * ambient, in_water = Vector3<T>::Zero();
-  if (effects.isActive(kEffectIndex<Lamp>, t_s)) {
+  if (effects.isActive(kEffectIndex<Lamp>, t_s)) {  // be it 0: its derivative is not
     const auto lit = underLamps<T>(patch, lamps, panel_robot, R_robot_panel, mount, column, ambient);
     irradiance += shining.lamps * lit.irradiance;
     in_water = shining.lamps * lit.in_water;

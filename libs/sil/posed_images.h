@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,10 @@ struct PosedImage {
   double t_s = 0;         ///< since the recording's first entry; 0 where no effect is on
   std::size_t panel = 0;  ///< the panel that told the pose
   std::vector<Detection> detections;  ///< all that was found in it
+  /// See CameraShot.
+  std::optional<EffectParameters<double>> effects{};
 
-  CameraShot shot() const { return {T_odom_robot.pose, camera, t_s}; }
+  CameraShot shot() const { return {T_odom_robot.pose, camera, t_s, effects}; }
   Pose T_odom_camera() const { return shot().T_odom_camera(); }
 };
 

@@ -2,10 +2,13 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <optional>
 
+#include "effects/drawn.h"
 #include "render/scene.h"
 #include "sensors/fingerprints.h"
 #include "sensors/image_model.h"
@@ -25,7 +28,6 @@ struct CameraStudio::Eye {
   Renderer renderer;
   std::optional<Renderer> panels_alone;  // made where masks are asked for
   ImageModel model;
-  cv::Mat rays;  // made where lamps shine
 };
 
 struct CameraStudio::Threads {
@@ -37,7 +39,7 @@ CameraStudio::CameraStudio(CameraWorld world, const CameraSheet& sheet, std::vec
     : world_(std::move(world)),
       sheet_(sheet),
       lamps_(std::move(lamps)),
-      effects_(effects),
+      effects_(withoutDraws(effects)),
       panels_move_(movesPanels(effects)),
       scene_changes_(panels_move_ || anyActsAt<FlatPort<double>>(effects) ||
                      anyActsAt<Shutter<double>>(effects)),
@@ -51,7 +53,7 @@ CameraStudio::Eye& CameraStudio::eyeOf(const CameraModel& lens) const {
   CameraSheet sheet = sheet_;
   sheet.model = lens;
   eye = std::make_unique<Eye>(
-      Eye{Renderer(lens), std::nullopt, ImageModel(sheet, world_.environment.water, effects_), {}});
+      Eye{Renderer(lens), std::nullopt, ImageModel(sheet, world_.environment.water, effects_)});
   if (!scene_changes_) eye->renderer.setScene(sceneOf(world_.panels, world_.sea_floor_odom));
   return *eye;
 }
@@ -97,8 +99,7 @@ cv::Mat CameraStudio::underLamp(const CameraShot& shot, const LampSheet& lamp) c
   Lighting lighting{Eigen::Vector3f::Zero(), {}};
   lighting.spots.push_back({shot.T_odom_robot * lamp.T_robot_lamp, std::numbers::pi, {1.0F, 1.0F, 1.0F}});
   View view = render(shot, lighting);
-  cv::Mat& rays = eyeOf(shot.camera.lens).rays;
-  if (rays.empty()) rays = raysOf(shot.camera.lens);
+  const cv::Mat& rays = eyeOf(shot.camera.lens).model.rays();
   for (int v = 0; v < rays.rows; ++v)
     for (int u = 0; u < rays.cols; ++u) {
       auto& radiance = view.radiance.at<cv::Vec3f>(v, u);

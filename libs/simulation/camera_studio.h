@@ -27,7 +27,7 @@ struct CameraShot {
   Pose T_odom_robot;
   TrueCamera camera;
   double t_s = 0;  ///< its stamp, after the recording's first entry
-  /// In this very image, see drawnFor(); absent: the studio's.
+  /// In this very image, see drawnFor(); absent: the studio's, as if nothing had been drawn.
   std::optional<EffectParameters<double>> effects = {};
 
   Pose T_odom_camera() const { return T_odom_robot * camera.T_robot_camera; }
