@@ -78,6 +78,8 @@ void addPatches(const EffectParameters<double>& effects, BatchRecording& recordi
                                       patches.rejected.size(), patches.rejected[0].file.filename().c_str(),
                                       patches.rejected[0].why.c_str()));
   data.patches = std::move(patches.patches);
+  data.blurs = std::move(patches.blurs);
+  data.specks = std::move(patches.specks);
   data.water = patches.start;
 }
 

@@ -9,6 +9,7 @@
 #include "evaluation/contact_sheet.h"
 #include "evaluation/fiducial_sheet.h"
 #include "fiducial_report.h"
+#include "known_effects.h"
 #include "recorded_fiducials_report.h"
 #include "render/images.h"
 #include "tasks/companions.h"
@@ -18,7 +19,8 @@ namespace fs = std::filesystem;
 namespace {
 
 struct CompareOptions {
-  std::string recording, map, vehicle, grid, folder;
+  std::string recording, map, vehicle, grid, calibration, folder;
+  double at_s = 0;
   std::vector<std::string> families, backends, preprocessings;
   std::optional<std::uint64_t> seed;
   std::optional<int> repeats;
@@ -66,8 +68,10 @@ void compareOnGrid(const CompareOptions& options, const RunContext& context) {
   if (options.map.empty() || options.vehicle.empty())
     throw Error("command line", options.map.empty() ? "--map" : "--vehicle",
                 "is needed: images are made of a panel, with a vehicle's camera");
-  FiducialStory story{
-      {.command_line = context.command_line}, options.map, options.vehicle, gridOf(options), {}};
+  FiducialStory story{{.command_line = context.command_line}, options.map, options.vehicle, gridOf(options),
+                      readKnownEffects(options.calibration),  {}};
+  story.grid.effects = story.known.effects;
+  story.grid.t_s = options.at_s;
   story.run.seed = story.grid.seed;
   const PanelMap map = readPanelMap(options.map);
   if (map.markers.empty()) throw Error(options.map, "markers", "there are none");
@@ -75,9 +79,10 @@ void compareOnGrid(const CompareOptions& options, const RunContext& context) {
   if (!vehicle.camera) throw Error(options.vehicle, "camera", "the vehicle has none");
 
   const fs::path folder = options.folder;
-  story.results = compareFiducials(story.grid, map, *vehicle.camera, folder / "chunks");
-  writeTextFile(folder / "contact_sheet.png", pngBytes(fiducialSheet(story.grid, map, *vehicle.camera)));
+  story.results = compareFiducials(story.grid, map, vehicle, folder / "chunks");
+  writeTextFile(folder / "contact_sheet.png", pngBytes(fiducialSheet(story.grid, map, vehicle)));
   writeOutputs(story, folder);
+  if (story.known.given()) std::cout << story.known.inWords() << "\n";
   std::cout << story.grid.imageCount() << " images\n\n"
             << formatTable(overallTable(story)) << "\n"
             << formatTable(waterTable(story));
@@ -178,6 +183,9 @@ void addCompareFiducials(const RunContext& context) {
       "condition), times.csv (measured), result.json, report.html and contact_sheet.png. The same seed gives "
       "the\n"
       "same results. Interrupted and started again, the same command goes on with what it has.\n"
+      "\n" +
+      std::string(kEffectsInViews) +
+      "Markers count as found where they truly show; with --recording, where the nominal camera has them.\n"
       "\n"
       "With --recording the libraries read a recording's images instead, after each preprocessing: where it "
       "has\n"
@@ -189,6 +197,8 @@ void addCompareFiducials(const RunContext& context) {
       "out/fiducials\n"
       "  fathom compare-fiducials --map maps/dexrov/panel.yaml --vehicle config/rov.yaml\n"
       "      --family tag36h11,DICT_4X4_50 --preprocess none,clahe --repeats 1 --out out/fiducials\n"
+      "  fathom compare-fiducials --map maps/dexrov/panel.yaml --vehicle config/rov.yaml\n"
+      "      --calibration out/dive/calibration.yaml --out out/fiducials\n"
       "  fathom compare-fiducials --recording out/survey/survey.rawlog --out out/readers");
   const auto options = std::make_shared<CompareOptions>();
   auto* recording = command->add_option("--recording", options->recording, "Read this recording's images")
@@ -205,6 +215,10 @@ void addCompareFiducials(const RunContext& context) {
                    "What is varied (default: as config/compare_fiducials.yaml has it)")
       ->type_name(values::kYaml)
       ->excludes(recording);
+  auto* calibration =
+      addCalibrationOption(*command, options->calibration, "Effects that the images are to have")
+          ->excludes(recording);
+  addTimeOption(*command, options->at_s, calibration);
   command->add_option("--out", options->folder, "Where results go")->required()->type_name(values::kFolder);
   addList(*command, "--family", options->families,
           "Marker families, separated by commas (with --recording: default the map's)");

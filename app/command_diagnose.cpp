@@ -53,8 +53,8 @@ void printStory(const DiagnosisStory& story) {
   if (story.rerun) std::cout << "\n" << formatTable(story.rerun->table);
   if (const std::string command = simulateCommand(story); d.calibration.on.any() && !command.empty())
     std::cout << "\nThe dive simulated with it:\n  " << command << "\n";
-  std::cout << "\nwrote " << (story.folder / "report.html").string()
-            << ", result.json, calibration.yaml and trajectory.tum beside it\n";
+  std::cout << "\nwrote " << (story.folder / "report.html").string() << ", result.json, calibration.yaml"
+            << (hasWater(story) ? ", water.yaml" : "") << " and trajectory.tum beside it\n";
 }
 
 void runDiagnosis(DiagnoseOptions options, const RunContext& context) {
@@ -123,11 +123,11 @@ void addDiagnose(const RunContext& context) {
       "corners and, where they are exact (PNG), by their light: recorded against rendered, where a panel\n"
       "is in view.\n"
       "\n"
-      "Writes report.html, result.json, calibration.yaml (what was found, for `simulate` and `localize`) "
-      "and\n"
-      "trajectory.tum (with it in the model). Without INS and DVL each image has a pose by itself; without\n"
-      "images the navigation sensors are judged by each other. A reference or TRUTH is never looked at.\n"
-      "Detections are kept beside the recording.\n"
+      "Writes report.html, result.json, calibration.yaml (what was found, for `simulate` and `localize`),\n"
+      "water.yaml (where light is compared: the water with it, for `simulate` and `sil`) and trajectory.tum\n"
+      "(with it in the model). Without INS and DVL each image has a pose by itself; without images the\n"
+      "navigation sensors are judged by each other. A reference or TRUTH is never looked at. Detections are\n"
+      "kept beside the recording.\n"
       "\n"
       "Examples:\n"
       "  fathom diagnose dive.rawlog --out out/dive\n"

@@ -22,7 +22,7 @@ std::string unitOf(const Parameter& parameter) {
 }
 
 std::string priorOf(const Parameter& parameter) {
-  if (parameter.kind == ParameterKind::continuous) return shortest(parameter.prior_sigma);
+  if (parameter.kind == ParameterKind::continuous) return shortest(asNamed(parameter, parameter.prior_sigma));
   return std::string(nameOf(parameter.kind));
 }
 
@@ -33,7 +33,8 @@ nlohmann::ordered_json toJson(const Parameter& parameter) {
   json["size"] = parameter.size;
   json["kind"] = nameOf(parameter.kind);
   json["prior_sigma"] = nullptr;
-  if (parameter.kind == ParameterKind::continuous) json["prior_sigma"] = parameter.prior_sigma;
+  if (parameter.kind == ParameterKind::continuous)
+    json["prior_sigma"] = asNamed(parameter, parameter.prior_sigma);
   json["limit"] = parameter.limit;
   json["positive"] = parameter.positive;
   json["optional"] = parameter.optional;

@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "core/error.h"
+#include "known_effects.h"
 #include "panel_evaluation_report.h"
 
 namespace fathom {
@@ -12,7 +13,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct PanelOptions {
-  std::string map, vehicle, folder, backend = "apriltag", preprocess = "none";
+  std::string map, vehicle, calibration, folder, backend = "apriltag", preprocess = "none";
   std::vector<std::string> waters{"clear=config/water_clear.yaml", "moderate=config/water_moderate.yaml",
                                   "turbid=config/water_turbid.yaml"};
   bool no_fallback = false;
@@ -84,6 +85,8 @@ void evaluatePanelPoses(const PanelOptions& options, const RunContext& context) 
   story.run = {.command_line = context.command_line, .seed = story.options.seed};
   story.map = options.map;
   story.vehicle = options.vehicle;
+  story.known = readKnownEffects(options.calibration);
+  story.options.effects = story.known.effects;
   story.waters = watersOf(options.waters);
   const PanelMap map = mapWithMarkers(options.map, story.options.backend);
   const Vehicle vehicle = vehicleWithCamera(options.vehicle);
@@ -92,6 +95,7 @@ void evaluatePanelPoses(const PanelOptions& options, const RunContext& context) 
   for (std::size_t i = 0; i < story.waters.size(); ++i)
     story.waters[i].views = evaluatePanel(map, vehicle, environments[i], story.options,
                                           "evaluating in " + story.waters[i].name + " water");
+  if (story.known.given()) std::cout << story.known.inWords() << "\n\n";
   std::cout << formatTable(errorTable(story)) << "\n" << formatTable(honestyTable(story));
   if (options.folder.empty()) return;
   writeOutputs(story, options.folder);
@@ -110,11 +114,15 @@ void addPanel(CLI::App& parent, const RunContext& context) {
       "stated\n"
       "covariance is honest (NEES, 6 expected). All waters have the same views; the same seed gives the same "
       "bytes.\n"
+      "\n" +
+      std::string(kEffectsInViews) +
       "\n"
       "Examples:\n"
       "  fathom evaluate panel --map maps/dexrov/panel.yaml --vehicle config/rov.yaml --out out/panel\n"
       "  fathom evaluate panel --map maps/dexrov/panel.yaml --vehicle config/rov.yaml --views 200\n"
-      "      --water config/water_moderate.yaml --nearest 2 --farthest 2");
+      "      --water config/water_moderate.yaml --nearest 2 --farthest 2\n"
+      "  fathom evaluate panel --map maps/dexrov/panel.yaml --vehicle config/rov.yaml\n"
+      "      --calibration out/dive/calibration.yaml --water out/water/dive_water.yaml");
   const auto options = std::make_shared<PanelOptions>();
   PanelEvaluationOptions& evaluation = options->evaluation;
   ViewRanges& ranges = evaluation.ranges;
@@ -127,6 +135,9 @@ void addPanel(CLI::App& parent, const RunContext& context) {
       ->take_all()
       ->type_name(values::kYaml)
       ->capture_default_str();
+  auto* calibration =
+      addCalibrationOption(*command, options->calibration, "Effects that the images are to have");
+  addTimeOption(*command, evaluation.t_s, calibration);
   command->add_option("--out", options->folder, "Where report.html, result.json and views.csv go")
       ->type_name(values::kFolder);
   command->add_option("--views", evaluation.views, "Number of views in each water")

@@ -3,6 +3,7 @@
 
 #include "commands.h"
 #include "core/error.h"
+#include "known_effects.h"
 #include "panel/panel_maps.h"
 #include "recording/rawlog.h"
 #include "tasks/companions.h"
@@ -13,7 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct FitWaterOptions {
-  std::string recording, vehicle, map, folder;
+  std::string recording, vehicle, map, calibration, folder;
   std::string water = "config/water_clear.yaml", backend = "apriltag", gain = "auto";
   WaterStudyOptions study;
 };
@@ -34,6 +35,7 @@ Environment defaultWater(const std::string& file) {
 void printStory(const WaterStory& story, const fs::path& water, const fs::path& folder) {
   const WaterStudy& study = story.study;
   for (const std::string& remark : story.remarks) std::cout << remark << "\n";
+  if (story.known.given()) std::cout << story.known.inWords() << "\n";
   std::cout << study.fit.images << " images fitted, " << study.fit.patches << " patches, "
             << study.fit.outliers << " of them left out; " << study.choice.held_out.size()
             << " images held out\n\n"
@@ -50,16 +52,14 @@ void fitWaterTo(const FitWaterOptions& options, const RunContext& context) {
                    .map = {},
                    .vehicle = {},
                    .default_water = options.water,
+                   .known = readKnownEffects(options.calibration),
                    .study = {},
                    .remarks = {}};
   const RecordingHeader header = RawlogReader(options.recording).header();
   story.vehicle = neededVehicleFile(options.vehicle, options.recording, header);
   story.map = neededPanelMapFile(options.map, options.recording, header);
-  SilWorld world{readVehicle(story.vehicle),
-                 readPanelMaps(story.map),
-                 defaultWater(options.water),
-                 {},
-                 seaFloorOf(options.recording)};
+  SilWorld world{readVehicle(story.vehicle), readPanelMaps(story.map), defaultWater(options.water),
+                 story.known.effects, seaFloorOf(options.recording)};
   if (!world.vehicle.camera) throw Error(story.vehicle, "camera", "the vehicle has none");
   DetectionSettings detection;
   detection.families = familiesOf(world.panels);
@@ -71,7 +71,7 @@ void fitWaterTo(const FitWaterOptions& options, const RunContext& context) {
   how.fit.gain = gainNamed(options.gain);
   how.panel_poses.backend = detection.backend;
   story.remarks = disagreements(inspectRecording(options.recording), world.vehicle);
-  const PosedImages images = posedImages(options.recording, world.panels, detection);
+  const PosedImages images = posedImages(options.recording, world.panels, detection, world.effects);
   const PairMaker maker(world, PairOptions{}, detection);
   story.study = studyWater(options.recording, images, maker, how);
   const auto& more = story.study.remarks;
@@ -96,9 +96,20 @@ void addFitWater(const RunContext& context) {
       "water is recommended. Writes NAME_water.yaml, which simulate --water takes, result.json, report.html\n"
       "and waters.png. The same seed gives the same bytes.\n"
       "\n"
+      "With --calibration (a file as `fathom diagnose` writes it), images are posed, rendered and fitted "
+      "with "
+      "the\n"
+      "effects in it, which are active when they say: lamps, another response, a veil of its own, a lens "
+      "that "
+      "is\n"
+      "not as stated. What is drawn for each image is not known: gains make up for it. The panel's pose "
+      "errors\n"
+      "(task T_P) are those expected with the effects, of estimators that know nothing of them.\n"
+      "\n"
       "Examples:\n"
       "  fathom fit-water rawlogs/trial/trial.rawlog --out out/water\n"
       "  fathom fit-water dive.rawlog --water config/water_moderate.yaml --exposure-gain on --out out/water\n"
+      "  fathom fit-water dive.rawlog --calibration out/dive/calibration.yaml --out out/water\n"
       "  fathom simulate --trajectory dive_truth.tum --vehicle rov.yaml --map panel.yaml\n"
       "      --water out/water/dive_water.yaml --out out/again");
   const auto options = std::make_shared<FitWaterOptions>();
@@ -112,6 +123,7 @@ void addFitWater(const RunContext& context) {
   command->add_option("--water", options->water, "The default water: where the paper's search begins")
       ->type_name(values::kYaml)
       ->capture_default_str();
+  addCalibrationOption(*command, options->calibration, "Effects that the recording is known to have");
   command->add_option("--map", options->map, "Panel or panels (default: what the recording names)")
       ->type_name(values::kYaml);
   command->add_option("--vehicle", options->vehicle, "Vehicle file (default: what the recording names)")

@@ -26,6 +26,8 @@ const char* labelOf(BatchChannel channel) {
     case BatchChannel::markers:
       return labels::kMarkers;
     case BatchChannel::pixels:
+    case BatchChannel::edges:
+    case BatchChannel::specks:
       return labels::kCamera;
     case BatchChannel::tie_points:
       return "TIE_POINTS";
@@ -195,7 +197,8 @@ Json testedJson(const DiagnosisStory& story) {
     json["kept"] = tested.kept;
     json["one_step"] = Json::object();
     for (const EffectEstimate& e : tested.one_step)
-      json["one_step"][nameOfScalar(e)] = {{"value", e.value}, {"sigma", e.sigma}};
+      json["one_step"][nameOfScalar(e)] = {{"value", asNamed(parameterOf(e.scalar), e.value)},
+                                           {"sigma", sigmaAsNamed(parameterOf(e.scalar), e.value, e.sigma)}};
     list.push_back(json);
   }
   return list;

@@ -9,6 +9,7 @@
 #include "diagnosis_plots.h"
 #include "effects/calibration.h"
 #include "effects/catalogue.h"
+#include "environment/water_study.h"
 #include "report/html_report.h"
 
 namespace fathom {
@@ -328,7 +329,8 @@ void addRerun(const DiagnosisStory& story, HtmlReport& report) {
   if (!story.diagnosis.calibration.on.any() && !story.rerun) return;
   report.heading("With what was found");
   report.paragraph(
-      "calibration.yaml, beside this report, is taken by `simulate`, `localize`, `smooth` and `diagnose`.");
+      "calibration.yaml, beside this report, is taken by `simulate`, `localize`, `smooth`, `sil` and "
+      "`diagnose`.");
   report.preformatted(formatCalibration(story.diagnosis.calibration));
   if (const std::string command = simulateCommand(story); !command.empty()) {
     report.paragraph("The dive simulated again with it:");
@@ -404,6 +406,10 @@ void writeDiagnosis(const DiagnosisStory& story) {
   const Diagnosis& d = story.diagnosis;
   writePath(story.folder / "trajectory.tum", story.read.input.data, d.after);
   writeTextFile(story.folder / "calibration.yaml", formatCalibration(d.calibration));
+  if (hasWater(story))
+    writeTextFile(story.folder / "water.yaml",
+                  formatEnvironment(environmentOf(d.after.state.water),
+                                    "Of " + story.recording.filename().string() + ", by fathom diagnose"));
   report.write(story.folder / "report.html");
   writeJson(story.folder / "result.json", toJson(story));
 }

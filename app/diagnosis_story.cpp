@@ -27,7 +27,7 @@ std::vector<double> sigmasOf(const FoundEffect& effect, std::size_t first_scalar
   for (const EffectEstimate& e : effect.estimates)
     if (e.effect == effect.candidate.effect && e.scalar >= first_scalar &&
         e.scalar < first_scalar + static_cast<std::size_t>(size))
-      sigma.push_back(e.sigma);
+      sigma.push_back(sigmaAsNamed(parameterOf(e.scalar), e.value, e.sigma));
   return sigma;
 }
 
@@ -42,6 +42,7 @@ std::vector<double> valuesOf(const FoundEffect& effect, const Parameter& paramet
   for (const EffectEstimate& e : effect.estimates)
     if (e.scalar >= first_scalar && e.scalar < first_scalar + values.size())
       values[e.scalar - first_scalar] = e.value;
+  for (double& value : values) value = asNamed(parameter, value);
   return values;
 }
 
@@ -145,12 +146,17 @@ Table elsewhereTable(const DiagnosisStory& story) {
   return table;
 }
 
+bool hasWater(const DiagnosisStory& story) {
+  return !story.read.input.data.patches.empty() && story.diagnosis.after.succeeded;
+}
+
 std::string simulateCommand(const DiagnosisStory& story) {
   if (!story.read.input.data.hasMotion()) return "";
   const auto in_folder = [&](const char* name) { return shellWord((story.folder / name).string()); };
   std::string command = "fathom simulate --trajectory " + in_folder("trajectory.tum") + " --vehicle " +
                         shellWord(story.read.vehicle.string());
   if (story.read.map) command += " --map " + shellWord(story.read.map->string());
+  if (hasWater(story)) command += " --water " + in_folder("water.yaml");
   return command + " --calibration " + in_folder("calibration.yaml") + " --out " + in_folder("simulated");
 }
 

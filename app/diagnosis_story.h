@@ -69,6 +69,8 @@ Table effectTable(const DiagnosisStory& story);
 Table heldOutTable(const HeldOutResult& heldout);
 /// Of other recordings, a row for each, the channel that changes most.
 Table elsewhereTable(const DiagnosisStory& story);
+/// Whether light was compared, so that the water is known: as water.yaml beside the report has it.
+bool hasWater(const DiagnosisStory& story);
 /// The command that simulates the dive with what was found; empty where images alone tell of the path.
 std::string simulateCommand(const DiagnosisStory& story);
 

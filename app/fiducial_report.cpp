@@ -173,6 +173,10 @@ Json jsonOf(const FiducialStory& story) {
   json["run"] = toJson(story.run);
   json["map"] = story.map;
   json["vehicle"] = story.vehicle;
+  if (story.known.given()) {
+    json["calibration"] = toJson(story.known);
+    json["effects_at_s"] = story.grid.t_s;
+  }
   json["images"] = story.grid.imageCount();
   json["match_px"] = story.grid.match_px;
   json["comparison"] = Json::array();
@@ -203,6 +207,10 @@ HtmlReport reportOf(const FiducialStory& story) {
   report.paragraph("Panel " + story.map + ", camera of " + story.vehicle +
                    ". Every family is printed at the same size in the same places and seen from the same "
                    "views, in the same waters with the same noise.");
+  if (story.known.given())
+    report.paragraph(
+        story.known.inWords() +
+        print(" They are in the images as they are at %g s; readers know nothing of them.", grid.t_s));
   report.paragraph(
       print("A marker counts as found where none of its corners is off by more than %g px; of those that lie "
             "in the image whole with an eighth of their side around them, face the camera and are not "

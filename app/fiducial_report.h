@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "evaluation/fiducial_results.h"
+#include "known_effects.h"
 #include "report/run_info.h"
 #include "report/table.h"
 
@@ -13,6 +14,7 @@ struct FiducialStory {
   RunInfo run;
   std::string map, vehicle;  ///< files
   FiducialGrid grid;
+  KnownEffects known;  ///< the grid's effects
   std::vector<FiducialResult> results;
 };
 

@@ -146,10 +146,13 @@ std::string howViewsWereMade(const PanelEvaluationStory& story) {
          fixed(o.ranges.largest_aim_m, 2) +
          " m beside the centre. The simulator's forward model makes the images; markers are found by " +
          std::string(nameOf(o.backend)) + (o.fallback ? ", what it misses by the other backend" : "") +
-         ", and both methods have the same corners. Map, "
-         "calibration and mounting are exact, and the lens does not blur: what errs here is the images' "
-         "noise and the "
-         "estimators.";
+         ", and both methods have the same corners. " +
+         (story.known.given() ? ""
+                              : "Map, "
+                                "calibration and mounting are exact, and the lens does not blur: what errs "
+                                "here is the images' "
+                                "noise and the "
+                                "estimators.");
 }
 
 HtmlReport reportOf(const PanelEvaluationStory& story) {
@@ -164,6 +167,10 @@ HtmlReport reportOf(const PanelEvaluationStory& story) {
   }
   report.keyValues(headline);
   report.paragraph(howViewsWereMade(story));
+  if (story.known.given())
+    report.paragraph(story.known.inWords() + print(" They are in the images as they are at %g s; the "
+                                                   "estimators know nothing of them.",
+                                                   story.options.t_s));
   report.table(
       errorTable(story),
       "Errors of T_camera_panel, millimetres and degrees, over the views in which both methods have a "
@@ -237,6 +244,10 @@ Json toJson(const PanelEvaluationStory& story) {
   json["run"] = toJson(story.run);
   json["map"] = story.map;
   json["vehicle"] = story.vehicle;
+  if (story.known.given()) {
+    json["calibration"] = toJson(story.known);
+    json["effects_at_s"] = o.t_s;
+  }
   json["views"] = {{"count", o.views},
                    {"nearest_m", o.ranges.nearest_m},
                    {"farthest_m", o.ranges.farthest_m},

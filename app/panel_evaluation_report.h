@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "evaluation/panel_evaluation.h"
+#include "known_effects.h"
 #include "report/run_info.h"
 #include "report/table.h"
 
@@ -21,6 +22,7 @@ struct PanelEvaluationStory {
   RunInfo run;
   std::string map, vehicle;  ///< files
   PanelEvaluationOptions options;
+  KnownEffects known;  ///< the options' effects
   std::vector<WaterResults> waters;
 };
 

@@ -13,8 +13,8 @@ nlohmann::ordered_json effectsJson(const BatchEstimate& estimate) {
   for (const EffectEstimate& e : estimate.effects)
     list.push_back({{"id", allEffects()[e.effect].id},
                     {"parameter", nameOfScalar(e)},
-                    {"value", e.value},
-                    {"sigma", e.sigma}});
+                    {"value", asNamed(parameterOf(e.scalar), e.value)},
+                    {"sigma", sigmaAsNamed(parameterOf(e.scalar), e.value, e.sigma)}});
   return list;
 }
 
@@ -67,8 +67,10 @@ Table residualTable(const SmoothedRecording& recording) {
 Table effectTable(const BatchEstimate& estimate) {
   Table table{{"effect", "parameter", "value", "sigma", "value / sigma"}, {}};
   for (const EffectEstimate& e : estimate.effects)
-    table.rows.push_back({std::string(allEffects()[e.effect].id), nameOfScalar(e), print("%.6g", e.value),
-                          print("%.2g", e.sigma), fixed(e.value / e.sigma, 1)});
+    table.rows.push_back({std::string(allEffects()[e.effect].id), nameOfScalar(e),
+                          print("%.6g", asNamed(parameterOf(e.scalar), e.value)),
+                          print("%.2g", sigmaAsNamed(parameterOf(e.scalar), e.value, e.sigma)),
+                          fixed(e.value / e.sigma, 1)});
   return table;
 }
 

@@ -70,17 +70,29 @@ Series cloudOf(const WaterStory& story, const std::string& name, const std::stri
   return series;
 }
 
+/// By the same camera at the same time, straight ahead and facing it.
+Patch patchAhead(double z_m, double albedo, const Patch& other) {
+  const Pose& T_robot_camera = other.T_robot_camera;
+  Patch patch = other;
+  patch.image_radius = 0;
+  patch.z_m = patch.range_m = z_m;
+  patch.albedo = Vector3d::Constant(albedo);
+  patch.albedo_around.fill(patch.albedo);
+  patch.on_robot.around_robot.fill(T_robot_camera * Vector3d(0, 0, z_m));
+  patch.on_robot.normal_robot = -T_robot_camera.rotation.col(2);
+  return patch;
+}
+
 Series curveOf(const WaterStory& story, const Environment& water, double albedo, int channel,
                const std::string& name, Series::Style style, const std::string& color) {
   Series series{.name = name, .style = style, .color = color};
   const WaterFit& fit = story.study.fit;
   for (int i = 0; i <= 100; ++i) {
-    Patch patch;
-    patch.z_m = fit.nearest_z_m + 0.01 * i * (fit.farthest_z_m - fit.nearest_z_m);
-    patch.range_m = patch.z_m;
-    patch.albedo = Vector3d::Constant(albedo);
-    series.x.push_back(patch.z_m);
-    series.y.push_back(predictedRadiance(patch, water)[channel]);
+    const double z_m = fit.nearest_z_m + 0.01 * i * (fit.farthest_z_m - fit.nearest_z_m);
+    const Patch& some = story.study.synchronized.patches.front();
+    const Patch patch = patchAhead(z_m, albedo, some);
+    series.x.push_back(z_m);
+    series.y.push_back(predictedRadiance(patch, water, fit.known)[channel]);
   }
   return series;
 }
@@ -198,6 +210,9 @@ HtmlReport reportOf(const WaterStory& story, const std::string& sheet_png, const
   report.keyValues(headline);
   for (const std::string& warning : study.fit.warnings) report.warning(warning);
   for (const std::string& remark : story.remarks) report.warning(remark);
+  if (story.known.given())
+    report.paragraph(story.known.inWords() +
+                     " All images, made and fitted, have them; the water is what is left beside them.");
   report.paragraph(howItWasFitted(story));
   report.table(parameterTable(story),
                "One standard deviation each. Off: how far truth is from the fit, in those.");
@@ -290,6 +305,7 @@ Json toJson(const WaterStory& story) {
   json["map"] = story.map;
   json["vehicle"] = story.vehicle;
   json["default_water"] = story.default_water;
+  if (story.known.given()) json["calibration"] = toJson(story.known);
   json["images"] = {{"all", study.images},
                     {"posed", study.posed},
                     {"fitted", study.fit.images},
@@ -353,10 +369,12 @@ fs::path writeOutputs(const WaterStory& story, const fs::path& folder) {
   const fs::path name = fs::path(story.recording).stem();
   fs::path water_file = folder / (name.string() + "_water.yaml");
   const WaterCandidate& water = story.study.recommendedWater();
+  const std::string beside =
+      story.known.given() ? "It holds beside the effects of " + story.known.file + ".\n" : "";
   const std::string text = formatEnvironment(
       water.environment, "Water and light of " + fs::path(story.recording).filename().string() + " (" +
                              water.name + "), by fathom fit-water. Colours are linear red, green, blue.\n" +
-                             "Form: config/water_clear.yaml.");
+                             beside + "Form: config/water_clear.yaml.");
   const std::string sheet_png = pngBytes(story.study.sheet);
   writeTextFile(water_file, text);
   writeTextFile(folder / "waters.png", sheet_png);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "environment/water_study.h"
+#include "known_effects.h"
 #include "report/run_info.h"
 #include "report/table.h"
 
@@ -13,6 +14,7 @@ namespace fathom {
 struct WaterStory {
   RunInfo run;
   std::string recording, map, vehicle, default_water;  ///< files
+  KnownEffects known{};
   WaterStudy study;
   std::vector<std::string> remarks;
 };

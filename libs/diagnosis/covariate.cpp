@@ -46,13 +46,17 @@ std::vector<Covariate> allOf(BatchChannel channel) {
 
 bool isOfImages(BatchChannel channel) {
   return channel == BatchChannel::markers || channel == BatchChannel::tie_points ||
-         channel == BatchChannel::pixels;
+         channel == BatchChannel::pixels || channel == BatchChannel::edges;
 }
 
 std::string nameOfAxis(BatchChannel channel, int axis) {
   if (channel == BatchChannel::tie_points) return "across the lines of sight";
   if (channel == BatchChannel::pixels)
     return std::array{"red", "green", "blue"}.at(static_cast<std::size_t>(axis));
+  if (channel == BatchChannel::edges)
+    return std::array{"across", "aslant", "upright"}.at(static_cast<std::size_t>(axis));
+  if (channel == BatchChannel::specks)
+    return std::array{"1 to 3 px", "4 to 15 px", "16 px or more"}.at(static_cast<std::size_t>(axis));
   return std::string(1, "xyz"[axis]);
 }
 
@@ -134,6 +138,10 @@ ReadingUnit unitOf(BatchChannel channel) {
       return {"sigma", 1};
     case BatchChannel::pixels:
       return {"DN", 255};
+    case BatchChannel::edges:
+      return {"px²", 1};
+    case BatchChannel::specks:
+      return {"specks", 1};
     case BatchChannel::prior:
       break;
   }

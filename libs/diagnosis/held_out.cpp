@@ -386,6 +386,10 @@ std::string metricOf(BatchChannel channel) {
       return "usbl_rms_m";
     case BatchChannel::pixels:
       return "patch_rms_dn";
+    case BatchChannel::edges:
+      return "blur_rms_px2";
+    case BatchChannel::specks:
+      return "specks_rms_count";
     case BatchChannel::tie_points:
       return "contradiction_rms_sigma";
     case BatchChannel::prior:

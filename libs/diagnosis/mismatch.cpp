@@ -310,6 +310,10 @@ double materialSize(BatchChannel channel) {
       return 0.03;
     case BatchChannel::pixels:
       return 0.03 / 255;  // of a patch of a hundred pixels, whose noise is not much less
+    case BatchChannel::edges:
+      return 0.15;  // px²: a blur of 0.4 px. Another renderer's pixels differed by 0.05, marker by marker
+    case BatchChannel::specks:
+      return 0.3;  // of a size, in an image
     case BatchChannel::tie_points:
       return 0.1;  // of the sigma stated
     case BatchChannel::prior:

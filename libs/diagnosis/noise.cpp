@@ -175,7 +175,10 @@ double panelTolerance(const Saturated& saturated, const Linearization& linear) {
 
 }  // namespace
 
-double lastingBias(BatchChannel channel) { return channel == BatchChannel::markers ? 0.005 : 0; }
+double lastingBias(BatchChannel channel) {
+  if (channel == BatchChannel::markers) return 0.005;
+  return channel == BatchChannel::edges ? 0.01 : 0;
+}
 
 double ChannelNoise::independentScale() const {
   return scale * std::sqrt((1 + correlation) / (1 - correlation));
@@ -241,7 +244,8 @@ NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint
     for (std::size_t c = 0; c < rows.size(); ++c) {
       ChannelNoise& channel = noise.channels[c];
       channel.rows = rows[c].rows.size();
-      if (channel.rows < kFewestRows) continue;
+      // Numbers of specks scatter by Poisson's law, and where there are none they do not.
+      if (channel.rows < kFewestRows || static_cast<BatchChannel>(c) == BatchChannel::specks) continue;
       const Moments seen = momentsOf(left, rows[c].rows, rows[c].pairs);
       Moments expected;
       for (Eigen::Index d = 0; d < kNoiseDraws; ++d) {

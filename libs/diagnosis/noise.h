@@ -10,7 +10,8 @@
 namespace fathom {
 
 /// What a channel's readings can be off by for no reason of their own however often they are taken, reading's
-/// own unit. Of markers' corners what the pixels' lattice leaves; of others nothing is known.
+/// own unit. Of markers' corners what the pixels' lattice leaves, of edges what renderers differ by; of
+/// others nothing is known.
 double lastingBias(BatchChannel channel);
 
 /// The noise that one channel shows.

@@ -27,8 +27,9 @@ std::string sentence(const FoundEffect& found) {
       for (const EffectEstimate& estimate : found.estimates)
         if (estimate.scalar == scalar) {
           const std::string axis = p.size > 1 ? print("[%d]", i) : "";
-          text += separator + print("%s%s = %.4g ± %.2g", std::string(p.name).c_str(), axis.c_str(),
-                                    estimate.value, estimate.sigma);
+          text +=
+              separator + print("%s%s = %.4g ± %.2g", std::string(p.name).c_str(), axis.c_str(),
+                                asNamed(p, estimate.value), sigmaAsNamed(p, estimate.value, estimate.sigma));
           separator = ", ";
         }
   }

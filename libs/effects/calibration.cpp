@@ -20,7 +20,7 @@ void readParameter(const YamlMap& entry, const Parameter& parameter, double* val
     if (!isPossible(parameter, number)) throw entry.error(name, "must be 0 or more");
     if (parameter.kind == ParameterKind::marker_id && (number < 0 || number != std::floor(number)))
       throw entry.error(name, "must be a whole number, 0 or more");
-    *values++ = number;
+    *values++ = parameter.squared ? number * number : number;
   }
 }
 
@@ -33,9 +33,9 @@ void readInterval(const YamlMap& entry, Interval& active_s) {
   active_s = {numbers[0], numbers[1]};
 }
 
-std::string formatNumbers(const double* values, int size) {
+std::string formatNumbers(const double* values, int size, const Parameter& parameter = {}) {
   std::string text = size > 1 ? "[" : "";
-  for (int i = 0; i < size; ++i) text += (i > 0 ? ", " : "") + shortest(values[i]);
+  for (int i = 0; i < size; ++i) text += (i > 0 ? ", " : "") + shortest(asNamed(parameter, values[i]));
   return text + (size > 1 ? "]" : "");
 }
 
@@ -43,7 +43,7 @@ std::string formatEffect(const EffectInfo& effect, const EffectParameters<double
   std::string text = "{id: " + std::string(effect.id);
   const double* value = parameters.values.data() + effect.first_scalar;
   for (const Parameter& parameter : effect.parameters) {
-    text += ", " + std::string(parameter.name) + ": " + formatNumbers(value, parameter.size);
+    text += ", " + std::string(parameter.name) + ": " + formatNumbers(value, parameter.size, parameter);
     value += parameter.size;
   }
   const Interval& active_s = parameters.active_s[effect.index];

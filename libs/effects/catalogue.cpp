@@ -1,6 +1,7 @@
 #include "effects/catalogue.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "effects/registry.h"
 
@@ -50,6 +51,16 @@ std::size_t effectOf(std::size_t scalar) {
 }
 
 double sizeOf(std::size_t scalar, double value) { return isSize(parameterOf(scalar).kind) ? value : 0; }
+
+double asNamed(const Parameter& parameter, double value) {
+  return parameter.squared ? std::sqrt(std::max(0.0, value)) : value;
+}
+
+/// Where less than nothing is as likely as more, the root has no derivative: then the root of the largest
+/// value that is still likely.
+double sigmaAsNamed(const Parameter& parameter, double value, double sigma) {
+  return parameter.squared ? sigma / std::sqrt(4 * std::max(value, 0.25 * sigma)) : sigma;
+}
 
 bool isPossible(const Parameter& parameter, double value) { return !parameter.positive || value >= 0; }
 

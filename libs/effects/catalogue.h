@@ -35,6 +35,11 @@ const Parameter& parameterOf(std::size_t scalar);
 std::size_t effectOf(std::size_t scalar);
 /// How far from where its effect does nothing a scalar of this value is: 0 where it only says where or when.
 double sizeOf(std::size_t scalar, double value);
+/// What people know as the parameter, in its unit, of what EffectParameters hold: another only where it is
+/// squared.
+double asNamed(const Parameter& parameter, double value);
+/// The same of a standard deviation about that value.
+double sigmaAsNamed(const Parameter& parameter, double value, double sigma);
 /// Whether a parameter can have this value: not less than nothing of what is positive.
 bool isPossible(const Parameter& parameter, double value);
 /// Null: no such effect.

@@ -39,6 +39,10 @@ struct Parameter {
   double limit = 0;  ///< |value| beyond this is a mistake in a calibration file, same unit
   ParameterKind kind = ParameterKind::continuous;
   bool positive = false;  ///< less than nothing is impossible: neither read nor believed
+  /// Readings are linear in its square, which is what EffectParameters and prior_sigma hold; files and
+  /// reports have the root, see asNamed(). Or else nothing could be told of it at zero, where a derivative by
+  /// it is zero.
+  bool squared = false;
   bool optional = false;  ///< a calibration file may leave it out: zero
   /// A value from which a fit finds what it may miss from zero: of a camera by itself, which may stand
   /// anywhere, both are tried. 0: zero will do.

@@ -27,8 +27,10 @@
 #include "effects/ins_misalignment.h"
 #include "effects/lamp.h"
 #include "effects/lens_distortion.h"
+#include "effects/marine_snow.h"
 #include "effects/marker_moved.h"
 #include "effects/marker_size.h"
+#include "effects/motion_blur.h"
 #include "effects/panel_moved.h"
 #include "effects/pressure_density.h"
 #include "effects/pressure_offset.h"
@@ -52,7 +54,8 @@ using AllEffects =
                GyroBias, AccelerometerBias, InsMisalignment, InsLatency, PressureDensity, PressureOffset,
                FlatPortRefraction, FocalScale, LensDistortion, CameraMisalignment, CameraLatency,
                RollingShutter, MarkerMoved, MarkerSize, PanelMoved, SunFlicker, Lamp, SeparateBackscatter,
-               TurbidityPlume, SlantRange, ForwardScatter, Vignetting, AutoExposure, Gamma, DarkOffset>;
+               TurbidityPlume, SlantRange, ForwardScatter, Vignetting, AutoExposure, Gamma, DarkOffset,
+               MotionBlur, MarineSnow>;
 
 inline constexpr std::size_t kEffectCount = std::tuple_size_v<AllEffects>;
 

@@ -126,6 +126,12 @@ struct WaterRay {
   Vector3<T> bends = Vector3<T>::Zero();  ///< of signal_depth, what only bends: see sensors/forward_scatter.h
 };
 
+/// Flakes between the camera and the scene, strewn evenly. See sensors/marine_snow.h.
+template <class T>
+struct SuspendedParticles {
+  T per_m3 = T(0);
+};
+
 /// How one pixel answers to the light that reaches it: DN = full scale * ((gain * radiance) ^ exponent +
 /// offset). Starts as the vehicle file has it, with a gain of 1.
 template <class T>
@@ -134,6 +140,13 @@ struct PixelResponse {
   T gain = T(1);
   T exponent = T(1);
   T offset = T(0);  ///< share of full scale
+};
+
+/// For how long the shutter is open, squared, about the time at which the image is valid: what moves
+/// meanwhile is smeared along its way. Zero: the base model's.
+template <class T>
+struct ExposureTime {
+  T squared_s2 = T(0);
 };
 
 }  // namespace fathom

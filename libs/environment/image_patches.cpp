@@ -1,14 +1,14 @@
 #include "environment/image_patches.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <numbers>
 #include <numeric>
+#include <optional>
 
+#include "environment/marker_edges.h"
+#include "environment/specks.h"
 #include "sensors/fingerprints.h"
 
 namespace fathom {
@@ -95,31 +95,6 @@ Vector3d pointOf(const Patch& patch, const CameraModel& camera) {
   return patch.z_m * (stretch * middle).homogeneous();
 }
 
-/// Where lines of sight about a patch's middle meet its surface, which faces as the panel does: two to either
-/// side, one standard deviation of the patch's two directions times the root of two.
-std::array<Vector3d, 4> around(const Patch& patch, const CameraModel& camera, const Pose& T_panel_camera) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(patch.pixel_covariance);
-  const Eigen::Matrix2d steps =
-      std::numbers::sqrt2 * spread.eigenvectors() * spread.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
-  const Vector3d eye = T_panel_camera.position;
-  const Vector3d middle = T_panel_camera * Vector3d(patch.z_m * camera.idealAt(patch.pixel).homogeneous());
-  std::array<Vector3d, 4> points;
-  for (int i = 0; i < 4; ++i) {
-    const Vector2d pixel = patch.pixel + (i % 2 == 0 ? 1 : -1) * steps.col(i / 2);
-    const Vector3d ray = T_panel_camera.rotation * camera.rayAt(pixel);
-    points[static_cast<std::size_t>(i)] = eye + (middle.z() - eye.z()) / ray.z() * ray;
-  }
-  return points;
-}
-
-/// Where not only is known what is seen, but what forward scattering would mix with it: CV_8UC1, not 0 there.
-cv::Mat alsoAround(const View& clean, const CameraModel& camera) {
-  constexpr double kKnown = 0.99;
-  cv::Mat hit;
-  cv::Mat(clean.range_m < std::numeric_limits<float>::infinity()).convertTo(hit, CV_32F, 1.0 / 255);
-  return cv::Mat(blurred(hit, camera, kBlurs.back()) > kKnown) & cv::Mat(hit > 0);
-}
-
 ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vector<PanelMap>& panels,
                    const std::vector<Places>& places, const CameraSheet& sheet, Time time_zero) {
   const CameraModel& camera = posed.camera.lens;
@@ -132,7 +107,7 @@ ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vecto
   patch.surface = places[posed.panel].surface(plain.label);
   const Pose T_panel_camera = panelFromCamera(posed, panels);
   patch.point_panel = T_panel_camera * pointOf(plain, camera);
-  patch.around_panel = around(plain, camera, T_panel_camera);
+  patch.around_panel = placesAround(plain, camera, T_panel_camera);
   patch.albedo = plain.albedo;
   patch.albedo_around = plain.albedo_around;
   patch.pixel = plain.pixel;
@@ -142,6 +117,37 @@ ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vecto
   patch.sigma = plain.sigma;
   patch.T_robot_camera = posed.T_robot_camera;
   return patch;
+}
+
+SpeckCount specksIn(const CleanPair& pair, const cv::Mat& rays, const cv::Mat& labels,
+                    const PatchOptions& options, const CameraSheet& nominal, const CameraModel& lens) {
+  CameraSheet sheet = nominal;
+  sheet.bits = 8;
+  cv::Mat cosines;
+  cv::extractChannel(rays, cosines, 2);
+  return countSpecks({radianceOf(pair.recorded, sheet), flatInterior(pair.clean, pair.panel_mask, options),
+                      labels, pair.clean.range_m.mul(cosines)},
+                     sheet, lens);
+}
+
+/// Specks scatter by Poisson's law about the mean that all images' density gives; and one may always be
+/// false.
+std::vector<ImageSpecks> withSigmas(const std::vector<PosedImage>& posed,
+                                    const std::vector<std::optional<SpeckCount>>& counts,
+                                    const Environment& environment, Time time_zero) {
+  constexpr double kFalse = 1;
+  std::vector<ImageSpecks> specks;
+  double counted = 0, visible_m3 = 0;
+  for (std::size_t i = 0; i < posed.size(); ++i) {
+    if (!counts[i]) continue;
+    specks.push_back({secondsBetween(time_zero, posed[i].time), posed[i].entry, posed[i].eye,
+                      counts[i]->specks, BySpeckClass::Ones(), volumesOf(counts[i]->cells, environment)});
+    counted += specks.back().counted.sum();
+    visible_m3 += specks.back().volumes.visible_m3.sum();
+  }
+  const double density = counted / std::max(1e-9, visible_m3);
+  for (ImageSpecks& seen : specks) seen.sigma = (kFalse + expectedSpecks(seen.volumes, density)).sqrt();
+  return specks;
 }
 
 }  // namespace
@@ -155,7 +161,7 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
   const auto labelsOf = [&](const PosedImage& image, const View& clean) {
     const cv::Mat& own = rays.at(fingerprintOf(image.camera.lens));
     const Pose T_panel_camera = panelFromCamera(image, panels);
-    const cv::Mat known = alsoAround(clean, image.camera.lens);
+    const cv::Mat known = knownAround(clean, image.camera.lens);
     cv::Mat labels(clean.range_m.size(), CV_32SC1, cv::Scalar(-1));
     for (int v = 0; v < labels.rows; ++v)
       for (int u = 0; u < labels.cols; ++u) {
@@ -169,9 +175,19 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
   };
   std::vector<std::size_t> all(posed.size());
   std::iota(all.begin(), all.end(), 0);
-  const SynchronizedImages synchronized = synchronize(posed, all, maker, labelsOf);
+  std::vector<std::vector<MarkerBlur>> blurs(posed.size());
+  std::vector<std::optional<SpeckCount>> specks(posed.size());
+  const auto look = [&](std::size_t i, const CleanPair& pair, const cv::Mat& labels,
+                        const PatchOptions& options) {
+    blurs[i] = markerEdges(posed[i], pair, panels, maker.camera(), time_zero);
+    specks[i] = specksIn(pair, rays.at(fingerprintOf(posed[i].camera.lens)), labels, options, maker.camera(),
+                         posed[i].camera.lens);
+  };
+  const SynchronizedImages synchronized = synchronize(posed, all, maker, labelsOf, look);
 
   ImagePatches result;
+  for (const auto& of_image : blurs)
+    result.blurs.insert(result.blurs.end(), of_image.begin(), of_image.end());
   result.rejected = synchronized.rejected;
   for (const Patch& patch : synchronized.patches)
     if (!patch.sigma.array().isInf().all())
@@ -185,6 +201,7 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
                            : fitWater(synchronized.patches, synchronized.images.size(), options);
   if (!fit.solved) result.patches.clear();
   result.start = fit.environment;
+  if (fit.solved) result.specks = withSigmas(posed, specks, result.start, time_zero);
   // Or else what is not flat would be taken for physics.
   const Water& water = result.start.water;
   for (ImagePatch& patch : result.patches) {

@@ -4,13 +4,18 @@
 
 #include "environment/water_study.h"
 #include "sensors/image_patch.h"
+#include "sensors/marine_snow.h"
+#include "sensors/marker_blur.h"
 
 /// The images of a whole recording, reduced to what a diagnosis of the image can see: white and black of each
-/// marker, and the panel's body piece by piece, each a patch with place, albedo, and what the camera read.
+/// marker, and the panel's body piece by piece, each a patch with place, albedo, and what the camera read;
+/// how soft each marker's edges are; and how many specks there are on plain surfaces.
 namespace fathom {
 
 struct ImagePatches {
   std::vector<ImagePatch> patches;  ///< by image; stamps are since `time_zero`
+  std::vector<MarkerBlur> blurs;    ///< likewise
+  std::vector<ImageSpecks> specks;  ///< likewise
   Environment start;                ///< the base model's water fitted to them, lamps off
   std::vector<RejectedImage> rejected;
 };

@@ -5,6 +5,7 @@
 #include "core/evenly.h"
 #include "core/for_each.h"
 #include "evaluation/recorded_fiducials.h"
+#include "sensors/true_panel.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -25,13 +26,15 @@ struct TruePose {
 };
 
 std::vector<TruePose> truePoses(const fs::path& rawlog, const std::vector<PosedImage>& posed,
-                                const PanelMap& panel, std::size_t count) {
+                                const SilWorld& world, std::size_t count) {
+  const PanelMap& panel = world.panels.front();
   const auto truth = truthByImage(rawlog);
   std::vector<TruePose> all;
   for (const PosedImage& image : posed) {
     const auto known = truth.find(image.image.file);
     if (known == truth.end() || image.eye != 0) continue;
-    all.push_back({&image, panel.T_odom_panel.inverse() * known->second * image.T_robot_camera});
+    const Pose T_odom_panel = truePanelPose(panel, world.effects, image.t_s);
+    all.push_back({&image, T_odom_panel.inverse() * known->second * image.camera.T_robot_camera});
   }
   return evenly(all, count);
 }
@@ -68,7 +71,7 @@ std::optional<PanelPoseCheck> checkPanelPoses(const fs::path& rawlog, const std:
                                               const PanelPoseCheckOptions& options) {
   if (world.panels.size() != 1) return std::nullopt;
   const PanelMap& panel = world.panels.front();
-  const std::vector<TruePose> poses = truePoses(rawlog, posed, panel, options.views);
+  const std::vector<TruePose> poses = truePoses(rawlog, posed, world, options.views);
   if (poses.empty()) return std::nullopt;
 
   PanelPoseCheck check;
@@ -76,6 +79,7 @@ std::optional<PanelPoseCheck> checkPanelPoses(const fs::path& rawlog, const std:
   for (const TruePose& pose : poses) {
     views.push_back(viewOf(pose.T_panel_camera));
     views.back().number = views.size();
+    views.back().t_s = pose.posed->t_s;
     PanelViewResult& measured = check.measured.emplace_back();
     measured.view = views.back();
     judge(pose.posed->detections, panel, pose.posed->image.camera, pose.T_panel_camera.inverse(), measured);
@@ -87,6 +91,7 @@ std::optional<PanelPoseCheck> checkPanelPoses(const fs::path& rawlog, const std:
   evaluation.backend = options.backend;
   evaluation.fallback = false;
   evaluation.jpeg_quality = options.jpeg_quality;
+  evaluation.effects = world.effects;
   check.expected = evaluatePanel(panel, vehicle, water, evaluation, views, "panel poses in this water");
   return check;
 }

@@ -8,8 +8,8 @@
 namespace fathom {
 
 /// Task T_P under a fitted water, beside the recording: the panel's pose error that `fathom evaluate panel`
-/// finds at the very views of the recording, and the one that the recording's own images have against its
-/// truth.
+/// finds at the very views of the recording, with the effects of the world, and the one that the recording's
+/// own images have against its truth. Neither estimate knows of effects.
 struct PanelPoseCheck {
   /// Of the same views, in order; those where either has no pose, or says that it is
   /// ambiguous, do not count below.

@@ -1,5 +1,6 @@
 #include "environment/patches.h"
 
+#include <Eigen/Eigenvalues>
 #include <map>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
@@ -16,17 +17,6 @@ constexpr double kLeastCorrelation = 0.5;     // of albedo and reading within an
 constexpr double kSaturatedShare = 0.5;       // of patches, from which on the image counts as overexposed
 constexpr double kDarkSigmas = 3;             // a mean nearer to 0 is biased by clipping there
 constexpr std::size_t kFewestOfAnImage = 10;  // of an image
-
-/// Not 0 where all within the margin is one trusted surface of one albedo.
-cv::Mat interior(const View& clean, const cv::Mat& mask, const PatchOptions& options) {
-  const cv::Mat window = cv::Mat::ones(2 * options.margin_px + 1, 2 * options.margin_px + 1, CV_8UC1);
-  cv::Mat brightest, darkest, flat, inside;
-  cv::dilate(clean.radiance, brightest, window);
-  cv::erode(clean.radiance, darkest, window);
-  cv::inRange(brightest - darkest, cv::Scalar::all(0), cv::Scalar::all(options.flatness), flat);
-  cv::erode(mask, inside, window, {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
-  return flat & inside & (clean.range_m < std::numeric_limits<float>::infinity());
-}
 
 /// What is summed over the pixels of a patch.
 struct Sums {
@@ -99,6 +89,7 @@ Patch patchFrom(const Sums& sums, const CameraSheet& sheet, PatchSet& set) {
   patch.pixel = sums.pixel / n;
   patch.pixel_covariance = sums.pixel_squares / n - patch.pixel * patch.pixel.transpose();
   patch.image_radius = std::sqrt(std::max(0.0, sums.radius_squared / n));
+  patch.response_gamma = sheet.response_gamma;
   patch.albedo = sums.albedo / n;
   for (std::size_t i = 0; i < kBlurs.size(); ++i) patch.albedo_around[i] = sums.around[i] / n;
   patch.radiance = sums.radiance / n;
@@ -147,6 +138,39 @@ std::string whyUnusable(const PatchSet& set) {
 
 }  // namespace
 
+cv::Mat flatInterior(const View& clean, const cv::Mat& mask, const PatchOptions& options) {
+  const cv::Mat window = cv::Mat::ones(2 * options.margin_px + 1, 2 * options.margin_px + 1, CV_8UC1);
+  cv::Mat brightest, darkest, flat, inside;
+  cv::dilate(clean.radiance, brightest, window);
+  cv::erode(clean.radiance, darkest, window);
+  cv::inRange(brightest - darkest, cv::Scalar::all(0), cv::Scalar::all(options.flatness), flat);
+  cv::erode(mask, inside, window, {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  return flat & inside & (clean.range_m < std::numeric_limits<float>::infinity());
+}
+
+cv::Mat knownAround(const View& clean, const CameraModel& camera) {
+  constexpr double kKnown = 0.99;
+  cv::Mat hit;
+  cv::Mat(clean.range_m < std::numeric_limits<float>::infinity()).convertTo(hit, CV_32F, 1.0 / 255);
+  return cv::Mat(blurred(hit, camera, kBlurs.back()) > kKnown) & cv::Mat(hit > 0);
+}
+
+std::array<Vector3d, 4> placesAround(const Patch& patch, const CameraModel& camera,
+                                     const Pose& T_panel_camera) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(patch.pixel_covariance);
+  const Eigen::Matrix2d steps =
+      std::numbers::sqrt2 * spread.eigenvectors() * spread.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  const Vector3d eye = T_panel_camera.position;
+  const Vector3d middle = T_panel_camera * Vector3d(patch.z_m * camera.idealAt(patch.pixel).homogeneous());
+  std::array<Vector3d, 4> points;
+  for (int i = 0; i < 4; ++i) {
+    const Vector2d pixel = patch.pixel + (i % 2 == 0 ? 1 : -1) * steps.col(i / 2);
+    const Vector3d ray = T_panel_camera.rotation * camera.rayAt(pixel);
+    points[static_cast<std::size_t>(i)] = eye + (middle.z() - eye.z()) / ray.z() * ray;
+  }
+  return points;
+}
+
 cv::Mat squareLabels(const cv::Size& size, int side_px) {
   const int across = (size.width + side_px - 1) / side_px;
   cv::Mat labels(size, CV_32SC1);
@@ -163,7 +187,7 @@ PatchSet patchesOf(const cv::Mat& image, const View& clean, const cv::Mat& mask,
                         clean.radiance.cols, clean.radiance.rows);
     return set;
   }
-  const cv::Mat light = radianceOf(image, sheet), usable = interior(clean, mask, options);
+  const cv::Mat light = radianceOf(image, sheet), usable = flatInterior(clean, mask, options);
   std::vector<cv::Mat> soft;
   for (const double blur : kBlurs)
     if (options.around) soft.push_back(blurred(clean.radiance, sheet.model, blur));

@@ -8,14 +8,15 @@
 
 #include "core/camera_model.h"
 #include "render/renderer.h"
-#include "sensors/forward_scatter.h"
+#include "sensors/image_patch.h"
 #include "sensors/vehicle.h"
 
 /// Synchronized pixels: what the camera read where the rendering knows albedo and distance.
 namespace fathom {
 
 /// A few neighbouring pixels of one albedo, away from every edge. Colours are linear red, green, blue.
-struct Patch {
+/// Its albedo_around is there where wanted.
+struct Patch : PatchSurface {
   std::size_t image = 0;  ///< which of the images of the fit
   int label = 0;          ///< its own, of those that the pixels were given
   /// What stands for all pixels: light dies away exponentially, so z is a little less than their mean.
@@ -23,14 +24,12 @@ struct Patch {
   double range_m = 0;
   Vector2d pixel = Vector2d::Zero();                           ///< its centre
   Eigen::Matrix2d pixel_covariance = Eigen::Matrix2d::Zero();  ///< of its pixels about that
-  double image_radius = 0;                                     ///< see PixelResponse; root mean square
-  Vector3d albedo = Vector3d::Zero();  ///< of what is there, with its shading, under full ambient light
-  std::array<Vector3d, kBlurs.size()>
-      albedo_around{};                   ///< where wanted: blurred, see sensors/forward_scatter.h
-  Vector3d radiance = Vector3d::Zero();  ///< mean, as the camera read it
+  Vector3d radiance = Vector3d::Zero();                        ///< mean, as the camera read it
   /// Of that mean, by the sensor's noise, rounding, and what varies within the patch. Infinite for a channel
   /// that does not count: some pixel is saturated, or it is black up to its noise.
   Vector3d sigma = Vector3d::Constant(std::numeric_limits<double>::infinity());
+  PatchOnRobot<double> on_robot{};  ///< where lamps shine: its place before them
+  Pose T_robot_camera;              ///< likewise: where the camera truly is
 };
 
 struct PatchOptions {
@@ -45,6 +44,17 @@ struct PatchSet {
   std::size_t saturated = 0, dark = 0;  ///< patches with such a channel
   std::string why_not;                  ///< why there is none, or why they cannot be of this image; one line
 };
+
+/// CV_8UC1: not 0 where all within the margin is one trusted surface of one albedo.
+cv::Mat flatInterior(const View& clean, const cv::Mat& mask, const PatchOptions& options);
+
+/// Where not only is known what is seen, but what forward scattering would mix with it: CV_8UC1, not 0 there.
+cv::Mat knownAround(const View& clean, const CameraModel& camera);
+
+/// Where lines of sight about a patch's middle meet its surface, which faces as the panel does: two to either
+/// side, one standard deviation of the patch's two directions times the root of two. Panel frame.
+std::array<Vector3d, 4> placesAround(const Patch& patch, const CameraModel& camera,
+                                     const Pose& T_panel_camera);
 
 /// A patch for each square of this side, by default on the grid of JPEG's blocks of colour. CV_32SC1.
 cv::Mat squareLabels(const cv::Size& size, int side_px = 16);

@@ -12,10 +12,20 @@
 ///
 ///     radiance = gain (albedo E exp(-a z) + (1 - exp(-a z)) b)
 ///
-/// (predictLight() of sensors/image_model.h), the gain one an image.
+/// (predictLight() of sensors/image_model.h), the gain one an image; with what known effects make of it.
 namespace fathom {
 
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
+
+/// What is known of the light besides water and daylight. Light that is bent is taken to come from
+/// surroundings lit like the patch itself: beside lamps, forward scattering is right to a percent of
+/// attenuation only.
+struct KnownLight {
+  /// Those on light and on the camera's response count; without what is drawn for each image: gains make up
+  /// for that.
+  EffectParameters<double> effects;
+  std::vector<LampSheet> lamps;  ///< the vehicle's
+};
 
 struct WaterFitOptions {
   enum class Gain { fixed, fitted, detected };
@@ -27,12 +37,14 @@ struct WaterFitOptions {
   Environment start;
   double largest_attenuation_per_m = 10;
   double inlier_probability = 0.9999;  ///< that a good patch counts
+  KnownLight known;
 };
 
 struct WaterFit {
   bool solved = false;
   std::string why_not = "not run";
 
+  KnownLight known;  ///< as the options had it
   Environment environment;
   /// In the order of waterParameters(). Grown where patches err alike.
   Matrix9d covariance = Matrix9d::Zero();
@@ -62,7 +74,8 @@ struct WaterFit {
 WaterFit fitWater(const std::vector<Patch>& patches, std::size_t images, const WaterFitOptions& options = {});
 
 /// What a patch should read, and how far it is off in its sigmas (0 where a channel does not count).
-Vector3d predictedRadiance(const Patch& patch, const Environment& environment, double log_gain = 0);
+Vector3d predictedRadiance(const Patch& patch, const Environment& environment, const KnownLight& known = {},
+                           double log_gain = 0);
 Vector3d residualSigmas(const Patch& patch, const WaterFit& fit);
 
 }  // namespace fathom

@@ -3,9 +3,12 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+
+#include "effects/drawn.h"
 
 namespace fathom {
 namespace {
@@ -18,12 +21,13 @@ constexpr std::size_t kFewestGroups = 10;  // from which on errors that a group 
 
 /// (seen - predicted) / sigma of a patch's three channels.
 struct PatchResidual {
+  const PatchModel* model;
   const Patch* patch;
   Vector3d weight;
 
   template <class T>
   bool operator()(const T* water, const T* log_gain, T* residual) const {
-    const Vector3<T> predicted = predictRadiance<T>(*patch, water, *log_gain);
+    const Vector3<T> predicted = model->radiance<T>(*patch, water, *log_gain);
     for (int c = 0; c < 3; ++c) residual[c] = (patch->radiance[c] - predicted[c]) * weight[c];
     return true;
   }
@@ -91,19 +95,46 @@ Eigen::VectorXd rowOf(const ceres::CRSMatrix& jacobian, int row) {
   return gradient;
 }
 
+EffectParameters<PatchModel::Jet> asJets(const EffectParameters<double>& effects) {
+  EffectParameters<PatchModel::Jet> jets;
+  for (std::size_t i = 0; i < effects.values.size(); ++i) jets.values[i] = PatchModel::Jet(effects.values[i]);
+  jets.on = effects.on;
+  jets.active_s = effects.active_s;
+  return jets;
+}
+
 }  // namespace
+
+PatchModel::PatchModel(const KnownLight& known)
+    : effects_(withoutDraws(known.effects)),
+      jet_effects_(asJets(effects_)),
+      lamps_(known.lamps),
+      changes_response_(anyActsAt<PixelResponse<double>>(effects_)) {}
+
+Vector3d PatchModel::lightSeen(const Patch& patch) const {
+  if (!changes_response_) return patch.radiance;
+  PixelResponse<double> response{patch.image_radius, 1.0, patch.response_gamma, 0.0};
+  applyEffects(effects_, patch.t_s, response);
+  Vector3d light;
+  for (int c = 0; c < 3; ++c) {
+    const double reading = std::pow(patch.radiance[c], patch.response_gamma) - response.offset;
+    light[c] = std::pow(std::max(0.0, reading), 1 / response.exponent) / response.gain;
+  }
+  return light;
+}
 
 Vector3d totalSigma(const Patch& patch, const Vector3d& excess) {
   return (patch.sigma.array().square() + excess.array().square()).sqrt();
 }
 
-Vector3d residualOf(const Patch& patch, const WaterState& state) {
-  return patch.radiance - predictRadiance<double>(patch, state.water.data(), state.log_gain[patch.image]);
+Vector3d residualOf(const PatchModel& model, const Patch& patch, const WaterState& state) {
+  return patch.radiance - model.radiance<double>(patch, state.water.data(), state.log_gain[patch.image]);
 }
 
-WaterProblem::WaterProblem(const std::vector<Patch>& patches, const std::vector<bool>& counts,
-                           const WaterFitOptions& options, bool robust, bool with_gain, WaterState& state)
-    : state_(state), with_gain_(with_gain) {
+WaterProblem::WaterProblem(const PatchModel& model, const std::vector<Patch>& patches,
+                           const std::vector<bool>& counts, const WaterFitOptions& options, bool robust,
+                           bool with_gain, WaterState& state)
+    : model_(model), state_(state), with_gain_(with_gain) {
   for (double& gain : state.log_gain) problem_.AddParameterBlock(&gain, 1);
   for (std::size_t i = 0; i < patches.size(); ++i)
     if (counts[i]) {
@@ -117,7 +148,7 @@ WaterProblem::WaterProblem(const std::vector<Patch>& patches, const std::vector<
 void WaterProblem::add(const Patch& patch, bool robust) {
   const Vector3d weight = totalSigma(patch, state_.excess).cwiseInverse();
   problem_.AddResidualBlock(
-      new ceres::AutoDiffCostFunction<PatchResidual, 3, 9, 1>(new PatchResidual{&patch, weight}),
+      new ceres::AutoDiffCostFunction<PatchResidual, 3, 9, 1>(new PatchResidual{&model_, &patch, weight}),
       robust ? new ceres::CauchyLoss(kWaterLossSigmas) : nullptr, state_.water.data(),
       &state_.log_gain[patch.image]);
 }
@@ -222,7 +253,7 @@ void WaterProblem::covariance(Eigen::MatrixXd& least_squares, Vector9d& growth) 
     growth = growth.cwiseMax(growthByGroups(jacobian, least_squares, [&](const Patch& patch, int c) {
       // What it should read: what it did read would make groups of those that err alike.
       const double expected =
-          predictRadiance<double>(patch, state_.water.data(), state_.log_gain[patch.image])[c];
+          model_.radiance<double>(patch, state_.water.data(), state_.log_gain[patch.image])[c];
       return std::lround(255 / numbers * expected + 0.5);
     }));
 }

@@ -55,18 +55,17 @@ ImagePair comparedPair(const PairMaker& maker, const CleanPair& pair, const cv::
 }
 
 std::vector<WaterScore> scoreImage(const PairMaker& maker, const WaterCamera& camera,
-                                   const FsimComparer& fsim, const CleanPair& pair,
-                                   const std::vector<Environment>& waters, std::size_t number,
-                                   bool fit_gain) {
+                                   const FsimComparer& fsim, const PosedImage& posed, const CleanPair& pair,
+                                   const std::vector<Environment>& waters, bool fit_gain) {
   std::vector<WaterScore> scores;
   const cv::Mat recorded_light = radianceOf(pair.recorded, camera.sheet());
   const double panel_pixels = cv::countNonZero(pair.panel_mask);
   for (const Environment& water : waters) {
-    cv::Mat simulated = camera.image(pair.clean, water, number);
+    cv::Mat simulated = camera.image(posed, pair.clean, water);
     if (fit_gain) {
       const double log_gain =
           logGainOf(recorded_light, radianceOf(simulated, camera.sheet()), pair.panel_mask);
-      simulated = camera.image(pair.clean, water, number, log_gain);
+      simulated = camera.image(posed, pair.clean, water, log_gain);
     }
     WaterScore score;
     const double distance =

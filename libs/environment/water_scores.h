@@ -44,8 +44,8 @@ ImagePair comparedPair(const PairMaker& maker, const CleanPair& pair, const cv::
 /// Scores one image in each water. Where exposure varies (`fit_gain`), each water gets the one gain with
 /// which it comes nearest on the panels.
 std::vector<WaterScore> scoreImage(const PairMaker& maker, const WaterCamera& camera,
-                                   const FsimComparer& fsim, const CleanPair& pair,
-                                   const std::vector<Environment>& waters, std::size_t number, bool fit_gain);
+                                   const FsimComparer& fsim, const PosedImage& posed, const CleanPair& pair,
+                                   const std::vector<Environment>& waters, bool fit_gain);
 
 /// The index of the water to recommend: that of the smallest mean RMSE of linear light; among those which are
 /// not told from it (95 % of the paired difference), that of the largest mean FSIM. (FSIM alone hardly sees

@@ -44,53 +44,54 @@ struct OneImage {
   std::string why_not;
 };
 
+/// Squares; where light is bent, only where it is known what it comes from.
+cv::Mat squaresOf(const View& clean, const CameraModel& camera, bool scatters) {
+  cv::Mat labels = squareLabels(clean.range_m.size());
+  if (scatters) labels.setTo(-1, knownAround(clean, camera) == 0);
+  return labels;
+}
+
+/// When it was seen, and where lamps have it.
+void place(const PosedImage& posed, const std::vector<PanelMap>& panels, Patch& patch) {
+  const Pose T_panel_camera = panels[posed.panel].T_odom_panel.inverse() * posed.T_odom_camera();
+  patch.t_s = posed.t_s;
+  patch.T_robot_camera = posed.camera.T_robot_camera;
+  const Pose T_robot_panel = patch.T_robot_camera * T_panel_camera.inverse();
+  patch.on_robot.around_robot = placesAround(patch, posed.camera.lens, T_panel_camera);
+  for (Vector3d& point : patch.on_robot.around_robot) point = T_robot_panel * point;
+  patch.on_robot.normal_robot = T_robot_panel.rotation.col(2);
+}
+
 OneImage patchesFrom(const PosedImage& posed, const PairMaker& maker, const cv::Mat& z_per_range,
-                     const Labelling& labelsOf) {
+                     const Labelling& labelsOf, std::size_t number, const Look& look) {
   OneImage one;
   try {
     const CleanPair pair = maker.clean(posed);
+    const bool scatters = maker.world().effects.isActive(kEffectIndex<ForwardScatter>, posed.t_s);
     PatchOptions options;
     options.margin_px = margin_px(posed, range_m(posed, maker.world().panels));
-    options.around =
-        static_cast<bool>(labelsOf);  // a diagnosis', which asks what forward scattering mixes in
+    options.around = scatters || labelsOf;  // a diagnosis asks what forward scattering would mix in
     CameraSheet sheet = maker.camera();
     sheet.bits = 8;
     sheet.model = posed.camera.lens;
-    const cv::Mat labels = labelsOf ? labelsOf(posed, pair.clean) : squareLabels(pair.recorded.size());
+    const cv::Mat labels =
+        labelsOf ? labelsOf(posed, pair.clean) : squaresOf(pair.clean, sheet.model, scatters);
     one.set = patchesOf(pair.recorded, pair.clean, pair.panel_mask, z_per_range, labels, sheet, options);
+    for (Patch& patch : one.set.patches) place(posed, maker.world().panels, patch);
     one.why_not = one.set.why_not;
+    if (look && one.why_not.empty()) look(number, pair, labels, options);
   } catch (const Error& problem) {
     one.why_not = problem.why;
   }
   return one;
 }
 
-// ---- cameras and pairs
+// ---- what the stages share
 
-/// Of all cameras that the recording has, mostly one.
-class Cameras {
- public:
-  Cameras(const std::vector<PosedImage>& posed, const PairMaker& maker, std::optional<int> jpeg_quality,
-          std::uint64_t seed) {
-    for (const PosedImage& image : posed) {
-      auto& camera = cameras_[fingerprintOf(image.camera.lens)];
-      if (!camera)
-        camera = std::make_unique<WaterCamera>(maker.camera(), image.camera.lens, jpeg_quality, seed);
-    }
-  }
-  const WaterCamera& of(const PosedImage& image) const {
-    return *cameras_.at(fingerprintOf(image.camera.lens));
-  }
-
- private:
-  std::map<std::string, std::unique_ptr<WaterCamera>> cameras_;
-};
-
-/// What the stages of a study share.
 struct Studio {
   const std::vector<PosedImage>& posed;
   const PairMaker& maker;
-  Cameras cameras;
+  WaterCamera camera;
   FsimComparer fsim;
   const WaterStudyOptions& options;
 
@@ -116,7 +117,7 @@ FsimSearch searchIn(const std::vector<std::size_t>& images, const Studio& studio
     std::vector<double> scores(some.size());
     forEachIndex(some.size(), progress, [&](std::size_t k) {
       const PosedImage& posed = studio.posed[some[k]];
-      const cv::Mat simulated = studio.cameras.of(posed).image(pairs[k].clean, water, posed.number);
+      const cv::Mat simulated = studio.camera.image(posed, pairs[k].clean, water);
       const ImagePair compared = comparedPair(studio.maker, pairs[k], simulated);
       const auto alike = studio.fsim.compare(compared.recorded, compared.simulated);
       scores[k] = alike ? alike->fsimc : 0;
@@ -136,8 +137,8 @@ void scoreCandidates(const std::vector<std::size_t>& images, const Studio& studi
     const PosedImage& posed = studio.posed[images[k]];
     scores[k].resize(waters.size());
     try {
-      scores[k] = scoreImage(studio.maker, studio.cameras.of(posed), studio.fsim, studio.maker.clean(posed),
-                             waters, posed.number, study.fit.gain_fitted);
+      scores[k] = scoreImage(studio.maker, studio.camera, studio.fsim, posed, studio.maker.clean(posed),
+                             waters, study.fit.gain_fitted);
     } catch (const Error&) {
       // An image that does not fit its pose cannot judge: its scores stay absent.
     }
@@ -158,12 +159,11 @@ cv::Mat sheetOf(const std::vector<std::size_t>& images, const Studio& studio, co
   };
   for (const std::size_t i : byRange(images, kSheetRows, studio)) {
     const PosedImage& posed = studio.posed[i];
-    const WaterCamera& camera = studio.cameras.of(posed);
     const CleanPair pair = studio.maker.clean(posed);
-    SheetRow row{{print("%.1f m", studio.range(i))}, {tile(pair.recorded, camera.sheet())}};
+    SheetRow row{{print("%.1f m", studio.range(i))}, {tile(pair.recorded, studio.camera.sheet())}};
     for (const WaterCandidate& candidate : study.candidates)
       row.tiles.push_back(
-          tile(camera.image(pair.clean, candidate.environment, posed.number), camera.sheet()));
+          tile(studio.camera.image(posed, pair.clean, candidate.environment), studio.camera.sheet()));
     rows.push_back(row);
   }
   return contactSheet("held-out images, brightened for the eye", columns, rows);
@@ -194,7 +194,7 @@ void requireImages(const fs::path& rawlog, const SynchronizedImages& synchronize
 }  // namespace
 
 SynchronizedImages synchronize(const std::vector<PosedImage>& posed, const std::vector<std::size_t>& images,
-                               const PairMaker& maker, const Labelling& labelsOf) {
+                               const PairMaker& maker, const Labelling& labelsOf, const Look& look) {
   const OneOpenCvThread one_thread;
   std::map<std::string, cv::Mat> z_per_range;
   for (const std::size_t i : images) {
@@ -204,7 +204,8 @@ SynchronizedImages synchronize(const std::vector<PosedImage>& posed, const std::
   std::vector<OneImage> each(images.size());
   forEachIndex(images.size(), "rendering where images were taken", [&](std::size_t k) {
     const PosedImage& image = posed[images[k]];
-    each[k] = patchesFrom(image, maker, z_per_range.at(fingerprintOf(image.camera.lens)), labelsOf);
+    each[k] = patchesFrom(image, maker, z_per_range.at(fingerprintOf(image.camera.lens)), labelsOf, images[k],
+                          look);
   });
   SynchronizedImages result;
   for (std::size_t k = 0; k < images.size(); ++k) {
@@ -239,9 +240,10 @@ WaterStudy studyWater(const fs::path& rawlog, const PosedImages& images, const P
   requireImages(rawlog, study.synchronized);
   study.jpeg_quality = jpegQuality(images.posed.front().image.file);
   const OneOpenCvThread one_thread;
-  const Studio studio{
-      images.posed, maker, Cameras(images.posed, maker, study.jpeg_quality, options.seed), {}, options};
-  study.fit = fitWater(study.synchronized.patches, study.synchronized.images.size(), options.fit);
+  const Studio studio{images.posed, maker, {maker, study.jpeg_quality, options.seed}, {}, options};
+  WaterFitOptions fit = options.fit;
+  fit.known = {maker.world().effects, maker.world().vehicle.lamps};
+  study.fit = fitWater(study.synchronized.patches, study.synchronized.images.size(), fit);
   if (!study.fit.solved) throw Error(rawlog.string(), "", "water cannot be fitted: " + study.fit.why_not);
 
   study.search = searchIn(study.synchronized.images, studio);

@@ -58,14 +58,18 @@ struct WaterStudy {
 
 /// Which patch each pixel of an image belongs to, see patchesOf(). For many threads at once.
 using Labelling = std::function<cv::Mat(const PosedImage&, const View& clean)>;
+/// Looks at an image and its rendering, as long as they are there, and how they are cut into patches: at the
+/// i-th of the posed ones. Likewise.
+using Look = std::function<void(std::size_t i, const CleanPair&, const cv::Mat& labels, const PatchOptions&)>;
 
 /// Renders these posed images and takes patches of them, all cores at once. Without a labelling, squares.
-/// Throws Interrupted.
+/// `look` is at those of which there are patches. Throws Interrupted.
 SynchronizedImages synchronize(const std::vector<PosedImage>& posed, const std::vector<std::size_t>& images,
-                               const PairMaker& maker, const Labelling& labelsOf = {});
+                               const PairMaker& maker, const Labelling& labelsOf = {}, const Look& look = {});
 
-/// `maker` renders; its world's environment does not matter, lamps are taken to be off. Throws Error where no
-/// image can be used: no marker in any, or none fits its pose (the first one's reason); Interrupted.
+/// `maker` renders, with the effects of its world, which the images must have been posed with; its
+/// environment does not matter, lamps are off but for effects. Throws Error where no image can be used: no
+/// marker in any, or none fits its pose (the first one's reason); Interrupted.
 WaterStudy studyWater(const std::filesystem::path& rawlog, const PosedImages& images, const PairMaker& maker,
                       const WaterStudyOptions& options);
 

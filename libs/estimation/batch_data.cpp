@@ -202,8 +202,8 @@ class Collector {
 
 std::string nameOf(BatchChannel channel) {
   static const std::array<const char*, kBatchChannels.size()> names{
-      "gyro", "accelerometer", "attitude",   "dvl",    "depth",
-      "usbl", "markers",       "tie points", "pixels", "prior"};
+      "gyro",    "accelerometer", "attitude", "dvl",   "depth",  "usbl",
+      "markers", "tie points",    "pixels",   "edges", "specks", "prior"};
   return names[static_cast<std::size_t>(channel)];
 }
 

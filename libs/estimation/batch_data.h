@@ -11,6 +11,8 @@
 #include "panel/panel_map.h"
 #include "recording/sample_source.h"
 #include "sensors/image_patch.h"
+#include "sensors/marine_snow.h"
+#include "sensors/marker_blur.h"
 #include "sensors/vehicle.h"
 #include "sensors/water.h"
 
@@ -29,12 +31,14 @@ enum class BatchChannel {
   markers,
   tie_points,
   pixels,
+  edges,
+  specks,
   prior
 };
 inline constexpr std::array kBatchChannels{
     BatchChannel::gyro,   BatchChannel::accelerometer, BatchChannel::attitude, BatchChannel::dvl,
     BatchChannel::depth,  BatchChannel::usbl,          BatchChannel::markers,  BatchChannel::tie_points,
-    BatchChannel::pixels, BatchChannel::prior};
+    BatchChannel::pixels, BatchChannel::edges,         BatchChannel::specks,   BatchChannel::prior};
 /// "gyro", …, as in results.
 std::string nameOf(BatchChannel channel);
 
@@ -106,6 +110,8 @@ struct BatchData {
   std::vector<BatchMarker> markers;
   std::vector<BatchTiePoint> tie_points;
   std::vector<ImagePatch> patches;
+  std::vector<MarkerBlur> blurs;
+  std::vector<ImageSpecks> specks;
   Environment water;  ///< that its fit starts from; its lamps are off
 
   /// How many readings are not there, by the reason: not-a-number, impossible, duplicate, no such marker …

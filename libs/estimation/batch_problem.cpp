@@ -16,6 +16,8 @@ namespace {
 
 using Kind = UnknownBlock::Kind;
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+/// One standard deviation of each of ImageFlaw.
+const Vector2d kFlawSigma(0.1, 0.3);
 
 /// W with W C W^T = 1. The symmetric one, so that each row stays as near to its own coordinate as can be.
 Eigen::MatrixXd whitener(const Eigen::MatrixXd& covariance) {
@@ -82,6 +84,8 @@ BatchProblem::BatchProblem(const BatchData& data, const ProblemOptions& options,
   addMarkers();
   addTiePoints();
   addPatches();
+  addBlurs();
+  addSpecks();
   addPriors();
 }
 
@@ -112,6 +116,7 @@ void BatchProblem::layOut() {
     if (isDrawn(e) && (options_.estimate[e] || reference_.effects.on[e])) addDraws(e);
   for (std::size_t i = 0; i < draws_.size(); ++i) blocks_.push_back({Kind::draw, i, 1, 0});
   if (!data_.patches.empty()) blocks_.push_back({Kind::water, 0, 9, 0});
+  if (!data_.blurs.empty() || !data_.specks.empty()) blocks_.push_back({Kind::flaws, 0, 2, 0});
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (const auto size = std::ssize(continuousScalars(e)); options_.estimate[e] && size > 0)
       blocks_.push_back({Kind::effect, e, static_cast<int>(size), 0});
@@ -161,6 +166,7 @@ BatchState BatchProblem::at(const Eigen::VectorXd& x) const {
       state.T_odom_panel[block.index] = retracted(state.T_odom_panel[block.index], e);
     if (block.kind == Kind::right_camera) state.T_left_right = retracted(state.T_left_right, e);
     if (block.kind == Kind::water) state.water += e;
+    if (block.kind == Kind::flaws) state.flaws += e;
     if (block.kind == Kind::bias) state.bias[block.index] += e;
     if (block.kind == Kind::pressure_offset) state.pressure_offset_pa += e[0];
     if (block.kind == Kind::draw) {
@@ -207,7 +213,8 @@ std::bitset<kEffectCount> BatchProblem::actingOn(const ReadingModel& model, cons
 double BatchProblem::thresholdOf(BatchChannel channel, Eigen::Index rows) const {
   const bool robust = channel == BatchChannel::dvl || channel == BatchChannel::usbl ||
                       channel == BatchChannel::markers || channel == BatchChannel::tie_points ||
-                      channel == BatchChannel::pixels;
+                      channel == BatchChannel::pixels || channel == BatchChannel::edges ||
+                      channel == BatchChannel::specks;
   if (!robust || options_.robust_probability >= 1.0) return 0.0;
   return std::sqrt(chiSquareQuantile(static_cast<double>(rows), options_.robust_probability));
 }
@@ -219,6 +226,7 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
       source.marker < 0 ? nullptr : &data_.markers[static_cast<std::size_t>(source.marker)];
   const ImagePatch* patch =
       source.patch < 0 ? nullptr : &data_.patches[static_cast<std::size_t>(source.patch)];
+  const MarkerBlur* blur = source.blur < 0 ? nullptr : &data_.blurs[static_cast<std::size_t>(source.blur)];
   ForwardPoint& point = cost->at_reference;
 
   // What acts on it.
@@ -231,10 +239,13 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (cost->acting[e])
       for (const std::size_t s : continuousScalars(e)) point.effects[s] = reference_.effects.values[s];
-  const std::size_t panel = marker != nullptr ? marker->panel : patch != nullptr ? patch->panel : kNone;
-  const std::size_t image = marker != nullptr ? marker->image : patch != nullptr ? patch->image : kNone;
+  const auto [panel, image] = marker != nullptr  ? std::array{marker->panel, marker->image}
+                              : patch != nullptr ? std::array{patch->panel, patch->image}
+                              : blur != nullptr  ? std::array{blur->panel, blur->image}
+                                                 : std::array{kNone, kNone};
   if (panel != kNone) point.T_odom_panel = reference_.T_odom_panel[panel];
   point.water = reference_.water;
+  point.flaws = reference_.flaws;
   point.T_left_right = reference_.T_left_right;
 
   // When it was valid, and which poses that makes.
@@ -244,7 +255,7 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   for (const double t_s : node_s) nodes.push_back(nodeOf(t_s + point.validity_s, image));
   if (nodes.empty()) nodes.push_back({0, 0, 0.0});  // whatever the robot's pose
   for (const MotionNode& node : nodes) cost->motions.push_back(motions_.add(node));
-  if (patch != nullptr) point.motion = motionAt(source.t_s + point.validity_s, patch->image);
+  if (patch != nullptr || blur != nullptr) point.motion = motionAt(source.t_s + point.validity_s, image);
   const auto [first, last] = std::minmax_element(
       nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   cost->first_pose = first->first;
@@ -265,6 +276,7 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   if (marker != nullptr && block_of_.contains({Kind::panel, panel})) other(Kind::panel, panel, kPanelColumn);
   if (source.tie_point >= 0) other(Kind::right_camera, 0, kRightColumn);
   if (patch != nullptr) other(Kind::water, 0, kWaterColumn);
+  if (blur != nullptr || source.specks >= 0) other(Kind::flaws, 0, kFlawColumn);
   const bool is_gyro = source.channel == BatchChannel::gyro,
              is_force = source.channel == BatchChannel::accelerometer;
   if ((is_gyro || is_force) && !reference_.bias.empty()) {
@@ -383,6 +395,26 @@ void BatchProblem::addPatches() {
   }
 }
 
+/// Poses as they are, for the same reason.
+void BatchProblem::addBlurs() {
+  for (std::size_t i = 0; i < data_.blurs.size(); ++i) {
+    const MarkerBlur& seen = data_.blurs[i];
+    if (!hasPose(seen.image)) continue;
+    RowSource source{BatchChannel::edges, seen.t_s};
+    source.blur = static_cast<std::ptrdiff_t>(i);
+    add(blurModel(seen), source, {}, seen.variance_px2, whitener(Eigen::MatrixXd(seen.covariance_px4)));
+  }
+}
+
+void BatchProblem::addSpecks() {
+  for (std::size_t i = 0; i < data_.specks.size(); ++i) {
+    const ImageSpecks& seen = data_.specks[i];
+    RowSource source{BatchChannel::specks, seen.t_s};
+    source.specks = static_cast<std::ptrdiff_t>(i);
+    add(specksModel(seen), source, {}, seen.counted.matrix(), whitener(Eigen::VectorXd(seen.sigma)));
+  }
+}
+
 void BatchProblem::addLinear(const UnknownBlock& block, const Eigen::VectorXd& value,
                              const Eigen::MatrixXd& slope) {
   costs_.push_back(std::make_unique<LinearCost>(blocks_, std::vector{block_of_.at({block.kind, block.index})},
@@ -476,6 +508,9 @@ void BatchProblem::addPriors() {
       addLinear(block, Eigen::VectorXd::Constant(1, precision * reference_.drawn(draw)),
                 Eigen::MatrixXd::Constant(1, 1, precision));
     }
+    if (block.kind == Kind::flaws)
+      addLinear(block, reference_.flaws.cwiseQuotient(kFlawSigma),
+                kFlawSigma.cwiseInverse().asDiagonal().toDenseMatrix());
     if (block.kind == Kind::effect) {
       Eigen::VectorXd precision(block.size), value(block.size);
       int i = 0;

@@ -36,6 +36,7 @@ struct BatchState {
   std::vector<Pose> T_odom_panel;
   Pose T_left_right;                  ///< of a pair of cameras that sees tie points
   Vector9d water = Vector9d::Zero();  ///< waterParameters(), where there are patches
+  Vector2d flaws = Vector2d::Zero();  ///< of images, see ImageFlaw
   EffectParameters<double> effects;   ///< all that are on, estimated or not
   std::map<Draw, double> draws;       ///< of effects that are drawn anew for each image; missing: 0
 
@@ -73,7 +74,7 @@ struct ProblemOptions {
 
 /// A block of unknowns: coordinates of the error of one part of a reference state.
 struct UnknownBlock {
-  enum class Kind { pose, bias, pressure_offset, panel, right_camera, water, effect, draw };
+  enum class Kind { pose, bias, pressure_offset, panel, right_camera, water, flaws, effect, draw };
   Kind kind = Kind::pose;
   std::size_t index = 0;  ///< in the state's list, of an effect: in the registry, of a draw: in draws()
   int size = 6;
@@ -87,6 +88,8 @@ struct RowSource {
   std::ptrdiff_t marker = -1;     ///< index in BatchData::markers; -1: none
   std::ptrdiff_t tie_point = -1;  ///< likewise
   std::ptrdiff_t patch = -1;
+  std::ptrdiff_t blur = -1;
+  std::ptrdiff_t specks = -1;
 };
 
 /// Coordinates of all unknowns, and the motions that the poses have there.
@@ -160,6 +163,8 @@ class BatchProblem {
   void addMarkers();
   void addTiePoints();
   void addPatches();
+  void addBlurs();
+  void addSpecks();
   bool hasPose(std::size_t image) const;
   PosePath pathAt(const Eigen::VectorXd& x) const;
   void addPriors();

@@ -31,16 +31,18 @@ std::vector<EffectColumn> effectColumnsOf(const BatchProblem& problem) {
   return columns;
 }
 
-void setPatch(RowInfo& info, const ImagePatch& seen, const Motion& motion, const BatchState& state) {
+/// Of a patch, or a marker's edges.
+template <class Seen>
+void setPlace(RowInfo& info, const Seen& seen, const Motion& motion, const BatchState& state) {
   info.place = seen.place;
   info.panel = static_cast<std::ptrdiff_t>(seen.panel);
   info.image = static_cast<std::ptrdiff_t>(seen.image);
   info.eye = static_cast<std::ptrdiff_t>(seen.eye);
   info.pixel = seen.pixel;
-  info.image_radius = seen.image_radius;
   const Pose T_camera_panel =
       (motion.T_odom_robot * seen.T_robot_camera).inverse() * state.T_odom_panel[seen.panel];
   const Vector3d point_camera = T_camera_panel * seen.point_panel;
+  info.image_radius = point_camera.head<2>().norm() / point_camera.z();
   info.range_m = point_camera.norm();
   info.incidence_rad =
       std::acos(std::clamp(-T_camera_panel.rotation.col(2).dot(point_camera) / info.range_m, -1.0, 1.0));
@@ -58,9 +60,14 @@ RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const Row
       source.marker < 0 ? nullptr : &data.markers[static_cast<std::size_t>(source.marker)];
   const ImagePatch* patch =
       source.patch < 0 ? nullptr : &data.patches[static_cast<std::size_t>(source.patch)];
-  if (seen == nullptr && patch == nullptr && !problem.reference().path.isSpline()) return info;
+  const MarkerBlur* blur = source.blur < 0 ? nullptr : &data.blurs[static_cast<std::size_t>(source.blur)];
+  if (source.specks >= 0)
+    info.image = static_cast<std::ptrdiff_t>(data.specks[static_cast<std::size_t>(source.specks)].image);
+  const bool is_of_image = seen != nullptr || patch != nullptr || blur != nullptr;
+  if (!is_of_image && !problem.reference().path.isSpline()) return info;
   const Motion motion = problem.motionAt(source.t_s, seen != nullptr    ? seen->image
                                                      : patch != nullptr ? patch->image
+                                                     : blur != nullptr  ? blur->image
                                                                         : 0);
   info.speed_m_s = motion.velocity_odom.norm();
   info.turn_rate_rad_s = motion.rate_robot.norm();
@@ -68,7 +75,11 @@ RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const Row
   const Matrix3d R_robot_odom = motion.T_odom_robot.rotation.transpose();
   info.velocity_robot = R_robot_odom * motion.velocity_odom;
   info.force_robot = R_robot_odom * (motion.acceleration_odom - data.vehicle.gravityOdom());
-  if (patch != nullptr) setPatch(info, *patch, motion, problem.reference());
+  if (patch != nullptr) {
+    setPlace(info, *patch, motion, problem.reference());
+    info.image_radius = patch->image_radius;
+  }
+  if (blur != nullptr) setPlace(info, *blur, motion, problem.reference());
   if (seen == nullptr) return info;
   info.marker_id = seen->marker.id;
   info.panel = static_cast<std::ptrdiff_t>(seen->panel);

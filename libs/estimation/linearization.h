@@ -12,8 +12,9 @@ namespace fathom {
 /// One residual. What is not of its kind is NaN, or -1.
 struct RowInfo {
   BatchChannel channel = BatchChannel::prior;
-  int component = 0;  ///< axis x y z; colour red green blue; of a marker x0 y0 x1 y1 …; of a prior, its row
-  double t_s = 0;     ///< stamp
+  int component = 0;  ///< axis x y z; colour red green blue; of a marker x0 y0 x1 y1 …; of edges the variance
+                      ///< xx xy yy; of specks their class; of a prior, its row
+  double t_s = 0;               ///< stamp
   std::size_t reading = 0;      ///< rows of one reading have this in common
   int track = -1;               ///< index in Linearization::tracks; -1: a prior
   double raw = 0;               ///< reading - prediction in the reading's unit
@@ -30,7 +31,7 @@ struct RowInfo {
   int tie_point_id = -1;
 
   std::ptrdiff_t patch = -1;  ///< index in BatchData::patches
-  int place = -1;             ///< of a patch
+  int place = -1;             ///< of a patch, or of the marker whose edges it is about
   double level = kNone;       ///< what it should read, share of full scale
 
   // Of markers and patches; of tie points as the left eye sees them.

@@ -48,7 +48,7 @@ class ReadingCost final : public BatchCost {
   Eigen::VectorXd reading;
   Eigen::MatrixXd whitening;
   int first_pose = 0, pose_count = 0;  ///< their blocks come first
-  /// Beside the robot's poses: the panel's, the right camera's, the water.
+  /// Beside the robot's poses: the panel's, the right camera's, the water, the images' flaws.
   struct Other {
     std::size_t block = 0;  ///< place among the cost's blocks
     int column = 0;         ///< the model's first
@@ -154,6 +154,7 @@ class ReadingCost final : public BatchCost {
       if (first == kPanelColumn) point.T_odom_panel = retracted(point.T_odom_panel, x.segment<6>(at));
       if (first == kRightColumn) point.T_left_right = retracted(point.T_left_right, x.segment<6>(at));
       if (first == kWaterColumn) point.water += x.segment<9>(at);
+      if (first == kFlawColumn) point.flaws += x.segment<2>(at);
     }
     for (const Link& link : links)
       point.effects[link.scalar] += link.factor * x[blockAt(link.block).column + link.coordinate];

@@ -20,6 +20,7 @@ struct Inputs {
   Vector3<T> right_in_left;
   Matrix3<T> R_left_right;
   Vector9<T> water;
+  Vector2<T> flaws;
   EffectParameters<T> effects;
 };
 
@@ -47,6 +48,7 @@ void differentiateBy(int column, int slot, Inputs<Jet>& in) {
   KinematicState<Jet>& state = in.state;
   if (column >= kEffectColumn)
     return move(in.effects.values[static_cast<std::size_t>(column - kEffectColumn)]);
+  if (column >= kFlawColumn) return move(in.flaws[column - kFlawColumn]);
   if (column >= kWaterColumn) return move(in.water[column - kWaterColumn]);
   if (column >= kRightColumn + 3) return turn(in.R_left_right, axis, slot);
   if (column >= kRightColumn) return move(in.right_in_left[axis]);
@@ -74,6 +76,7 @@ Inputs<T> lift(const ForwardPoint& point, double t_s, const std::vector<int>& co
   in.right_in_left = cast<T>(point.T_left_right.position);
   in.R_left_right = point.T_left_right.rotation.cast<T>();
   in.water = point.water.cast<T>();
+  in.flaws = point.flaws.cast<T>();
   for (std::size_t i = 0; i < point.effects.size(); ++i) in.effects.values[i] = T(point.effects[i]);
   in.effects.on = point.on;
   if constexpr (!std::is_same_v<T, double>)
@@ -248,6 +251,32 @@ struct PatchReader {
   }
 };
 
+struct BlurReader {
+  static constexpr Sensor kSensor = Sensor::camera;
+  using Stages = StageList<ExposureTime<double>>;
+  static std::vector<int> motion() { return {}; }
+  MarkerBlur seen;
+  double t_s;
+  template <class T>
+  Vector3<T> predict(const Inputs<T>& in) const {
+    return predictBlur(in.state, in.panel, seen, in.flaws[kLensBlur], in.effects, t_s);
+  }
+};
+
+struct SpecksReader {
+  static constexpr Sensor kSensor = Sensor::camera;
+  using Stages = StageList<SuspendedParticles<double>>;
+  static std::vector<int> motion() { return {}; }
+  ImageSpecks seen;
+  double t_s;
+  template <class T>
+  Eigen::Matrix<T, kSpeckClasses, 1> predict(const Inputs<T>& in) const {
+    auto specks = predictSpecks(seen.volumes, in.effects, t_s);
+    specks[0] += in.flaws[kFalseSpecks];
+    return specks.matrix();
+  }
+};
+
 struct AccelerationReader {
   static constexpr Sensor kSensor = Sensor::ins;
   using Stages = StageList<>;
@@ -381,7 +410,12 @@ std::unique_ptr<ReadingModel> tiePointModel(const BatchTiePoint& reading) {
 std::unique_ptr<ReadingModel> patchModel(const ImagePatch& reading, const Vehicle& vehicle) {
   return model(PatchReader{reading, reading.t_s, reading.colours(), vehicle.lamps});
 }
-
+std::unique_ptr<ReadingModel> blurModel(const MarkerBlur& reading) {
+  return model(BlurReader{reading, reading.t_s});
+}
+std::unique_ptr<ReadingModel> specksModel(const ImageSpecks& reading) {
+  return model(SpecksReader{reading, reading.t_s});
+}
 std::unique_ptr<ReadingModel> accelerationModel(double t_s) { return model(AccelerationReader{t_s}); }
 std::unique_ptr<ReadingModel> poseModel(const Pose& T_odom_robot, double t_s) {
   return model(PoseReader{T_odom_robot, t_s});

@@ -15,13 +15,18 @@ namespace fathom {
 
 inline constexpr std::size_t kEffectScalars = kEffectOffsets[kEffectCount];
 
+/// What is not quite as rendered in any camera's images: by how many px² lens and pixels blur more, to all
+/// sides, and how many of the smallest specks an image has that nothing made.
+enum ImageFlaw { kLensBlur, kFalseSpecks };
+
 /// Columns of a prediction's derivative: the motion's (MotionColumn), the panel's pose (position in odom, m;
 /// rotation vector in panel axes, rad), the right camera's pose likewise in the left one's frame, the water
-/// (waterParameters()), then the scalars of all effects.
+/// (waterParameters()), the images' flaws (ImageFlaw), then the scalars of all effects.
 inline constexpr int kPanelColumn = kMotionSize;
 inline constexpr int kRightColumn = kPanelColumn + 6;
 inline constexpr int kWaterColumn = kRightColumn + 6;
-inline constexpr int kEffectColumn = kWaterColumn + 9;
+inline constexpr int kFlawColumn = kWaterColumn + 9;
+inline constexpr int kEffectColumn = kFlawColumn + 2;
 
 /// All that a prediction depends on.
 struct ForwardPoint {
@@ -31,6 +36,7 @@ struct ForwardPoint {
   double validity_s = 0.0;
   Pose T_odom_panel, T_left_right;
   Vector9d water = Vector9d::Zero();
+  Vector2d flaws = Vector2d::Zero();
   std::array<double, kEffectScalars> effects{};
   std::bitset<kEffectCount> on;  ///< those that act, and those by which is differentiated
 };
@@ -65,6 +71,10 @@ std::unique_ptr<ReadingModel> markerModel(const BatchMarker& reading);
 std::unique_ptr<ReadingModel> tiePointModel(const BatchTiePoint& reading);
 /// Of the colours that count.
 std::unique_ptr<ReadingModel> patchModel(const ImagePatch& reading, const Vehicle& vehicle);
+/// Variances of a normal blur.
+std::unique_ptr<ReadingModel> blurModel(const MarkerBlur& reading);
+/// Numbers of specks, by class.
+std::unique_ptr<ReadingModel> specksModel(const ImageSpecks& reading);
 /// Acceleration in odom and angular acceleration, both in robot axes: what a vehicle does little of.
 std::unique_ptr<ReadingModel> accelerationModel(double t_s);
 /// Position, and the rotation vector from a reference attitude in odom axes, of which z is the heading.

@@ -10,12 +10,13 @@
 
 #include "core/for_each.h"
 #include "core/text.h"
+#include "effects/calibration.h"
 #include "evaluation/chunk_store.h"
 #include "evaluation/family_swap.h"
 #include "evaluation/timed_detection.h"
 #include "fiducials/one_opencv_thread.h"
 #include "sensors/fingerprints.h"
-#include "sensors/image_model.h"
+#include "sensors/true_panel.h"
 
 namespace fathom {
 namespace {
@@ -41,18 +42,48 @@ std::uint64_t noiseStream(const FiducialGrid& grid, const GridImage& image) {
   return std::uint64_t{1} << 32U | number;
 }
 
+/// The same vehicle in the camera's frame, so that a view's pose is the robot's.
+Vehicle inCameraFrame(Vehicle vehicle) {
+  const Pose T_camera_robot = vehicle.camera->T_robot_camera.inverse();
+  vehicle.camera->T_robot_camera = {};
+  for (LampSheet& lamp : vehicle.lamps) lamp.T_robot_lamp = T_camera_robot * lamp.T_robot_lamp;
+  return vehicle;
+}
+
+/// Marker effects are of the map's own ids, which another family does not have.
+PanelMap withMarkersWhereTheyAre(PanelMap printed, const PanelMap& map, const FiducialGrid& grid) {
+  const PanelMap there = truePanel(map, grid.effects, grid.t_s);
+  for (std::size_t i = 0; i < printed.markers.size(); ++i) {
+    printed.markers[i].size_m = there.markers[i].size_m;
+    printed.markers[i].T_panel_marker = there.markers[i].T_panel_marker;
+  }
+  return printed;
+}
+
+EffectParameters<double> withoutMarkers(EffectParameters<double> effects) {
+  effects.on.reset(kEffectIndex<MarkerMoved>);
+  effects.on.reset(kEffectIndex<MarkerSize>);
+  return effects;
+}
+
+PanelMap withoutMarkers(PanelMap map) {
+  map.markers.clear();
+  return map;
+}
+
 /// One family on the panel, seen in every way of the grid. For many threads at once.
 class FamilyStudio {
  public:
-  FamilyStudio(const FiducialGrid& grid, const PanelMap& map, const CameraSheet& sheet, std::size_t family)
+  FamilyStudio(const FiducialGrid& grid, const PanelMap& map, const Vehicle& vehicle, std::size_t family)
       : grid_(grid),
-        sheet_(sheet),
+        sheet_(*vehicle.camera),
         family_(family),
-        map_(std::make_shared<PanelMap>(withFamily(map, grid.families[family]))),
+        map_(withFamily(map, grid.families[family])),
+        true_map_(std::make_shared<PanelMap>(withMarkersWhereTheyAre(map_, map, grid))),
+        views_(*true_map_, inCameraFrame(vehicle), {}, withoutMarkers(grid.effects)),
+        bare_views_(withoutMarkers(*true_map_), inCameraFrame(vehicle), {}, withoutMarkers(grid.effects)),
         readers_(readersOf(grid.backends, grid.preprocessings)),
-        tools_([this] { return std::make_unique<Tools>(*this); }) {
-    for (const NamedWater& water : grid.waters) models_.emplace_back(sheet, water.water);
-  }
+        detectors_([this] { return makeDetectors(); }) {}
   FamilyStudio(const FamilyStudio&) = delete;
   FamilyStudio& operator=(const FamilyStudio&) = delete;
 
@@ -60,18 +91,19 @@ class FamilyStudio {
   std::vector<FiducialResult> read(std::size_t view_number) const {
     GridImage image = imageOf(grid_, family_, view_number);
     const Pose T_camera_panel = viewOf(grid_, image).T_panel_camera().inverse();
-    const View clean = render(image);
+    const CameraShot shot = shotOf(image);
+    const View clean = views_.studio().renderAlbedo(shot);
     const auto places = placesIn(image);
     std::vector<FiducialResult> results;
     for (image.water = 0; image.water < grid_.waters.size(); ++image.water) {
-      const cv::Mat light = lightThrough(image.water, clean);
+      const cv::Mat light = lightThrough(image.water, shot, clean);
       for (image.blur = 0; image.blur < grid_.blurs_px.size(); ++image.blur) {
-        const cv::Mat picture = expose(light, image);
+        const cv::Mat picture = expose(light, shot, image);
         for (std::size_t reader = 0; reader < readers_.size(); ++reader) {
-          const TimedDetection timed = detectTimed(*tools_.local()->detectors[reader], picture);
+          const TimedDetection timed = detectTimed(*detectors_.local()[reader], picture);
           FiducialResult result{image, reader, {}, timed.cpu_s};
           result.score = scoreDetections(timed.detections, places, grid_.match_px);
-          scorePose(timed.detections, *map_, sheet_.model, T_camera_panel, result.score);
+          scorePose(timed.detections, map_, sheet_.model, T_camera_panel, result.score);
           results.push_back(result);
         }
       }
@@ -80,59 +112,51 @@ class FamilyStudio {
   }
 
   FiducialPicture picture(const GridImage& image) const {
-    const View clean = render(image);
+    const CameraShot shot = shotOf(image);
+    const View clean = views_.studio().renderAlbedo(shot);
     FiducialPicture picture;
-    picture.map = map_;
-    picture.image_bgr = expose(lightThrough(image.water, clean), image);
+    picture.map = true_map_;
+    picture.image_bgr = expose(lightThrough(image.water, shot, clean), shot, image);
     picture.places = placesIn(image);
-    for (const auto& detector : tools_.local()->detectors)
+    for (const auto& detector : detectors_.local())
       picture.detections.push_back(detector->detect(picture.image_bgr));
     return picture;
   }
 
  private:
-  /// What one thread needs.
-  struct Tools {
-    Renderer renderer, bare_renderer;
-    std::vector<std::unique_ptr<Detector>> detectors;
+  using Detectors = std::vector<std::unique_ptr<Detector>>;
 
-    explicit Tools(const FamilyStudio& studio)
-        : renderer(studio.sheet_.model), bare_renderer(studio.sheet_.model) {
-      PanelMap bare = *studio.map_;
-      bare.markers.clear();
-      renderer.setScene(surfaceOf(*studio.map_));
-      bare_renderer.setScene(surfaceOf(bare));
-      for (const FiducialReader& reader : studio.readers_)
-        detectors.push_back(
-            makeDetector(reader, {studio.grid_.families[studio.family_]}, studio.sheet_.model));
-    }
-  };
-
-  /// Under full daylight.
-  View render(const GridImage& image) const {
-    return tools_.local()->renderer.render(viewOf(grid_, image).T_panel_camera(), Lighting{});
+  Detectors makeDetectors() const {
+    Detectors detectors;
+    for (const FiducialReader& reader : readers_)
+      detectors.push_back(makeDetector(reader, {grid_.families[family_]}, sheet_.model));
+    return detectors;
   }
+
+  CameraShot shotOf(const GridImage& image) const { return views_.shot(viewOf(grid_, image), grid_.seed); }
 
   /// What hides a marker is looked for on the panel without markers, so that it is the same for all families.
   std::vector<MarkerPlace> placesIn(const GridImage& image) const {
-    const Pose T_panel_camera = viewOf(grid_, image).T_panel_camera();
-    const View bare = tools_.local()->bare_renderer.render(T_panel_camera, Lighting{});
-    return placesOf(*map_, sheet_.model, T_panel_camera.inverse(), bare.range_m);
+    const CameraView view = viewOf(grid_, image);
+    const CameraShot shot = bare_views_.shot(view);
+    const View bare = bare_views_.studio().renderAlbedo(shot);
+    return placesOf(*true_map_, shot.camera.lens, shot.camera.projector, view.T_panel_camera().inverse(),
+                    bare.range_m);
   }
 
-  cv::Mat lightThrough(std::size_t water, const View& clean) const {
-    const Vector3d& ambient = grid_.waters[water].ambient;
-    cv::Mat lit;  // matt surfaces: each colour's radiance goes with its daylight
-    cv::multiply(clean.radiance, cv::Scalar(ambient[0], ambient[1], ambient[2]), lit);
-    return models_[water].light(lit, clean.range_m);
+  cv::Mat lightThrough(std::size_t water, const CameraShot& shot, const View& clean) const {
+    const NamedWater& named = grid_.waters[water];
+    return views_.studio().lightIn({named.water, named.ambient, {}}, shot, clean);
   }
 
-  cv::Mat expose(const cv::Mat& light, const GridImage& image) const {
-    cv::Mat blurred = light;
-    const double sigma_px = grid_.blurs_px[image.blur];
-    if (sigma_px > 0) cv::GaussianBlur(light, blurred, {}, sigma_px, sigma_px, cv::BORDER_REFLECT);
+  cv::Mat expose(const cv::Mat& light, const CameraShot& shot, const GridImage& image) const {
+    cv::Mat blurred;  // not in place: other blurs are of the same light
+    if (const double sigma_px = grid_.blurs_px[image.blur]; sigma_px > 0)
+      cv::GaussianBlur(light, blurred, {}, sigma_px, sigma_px, cv::BORDER_REFLECT);
+    else
+      blurred = light;
     Random noise = Random::stream(grid_.seed, noiseStream(grid_, image));
-    cv::Mat picture = models_[image.water].expose(blurred, &noise);
+    cv::Mat picture = views_.studio().exposeLight(shot, blurred, &noise);
     if (picture.depth() != CV_8U) picture.convertTo(picture, CV_8U, 255.0 / ((1 << sheet_.bits) - 1));
     return picture;
   }
@@ -140,10 +164,11 @@ class FamilyStudio {
   const FiducialGrid& grid_;
   const CameraSheet& sheet_;
   std::size_t family_;
-  std::shared_ptr<const PanelMap> map_;
+  PanelMap map_;                              ///< as printed: what poses are solved from
+  std::shared_ptr<const PanelMap> true_map_;  ///< what is seen
+  ViewStudio views_, bare_views_;
   std::vector<FiducialReader> readers_;
-  std::vector<ImageModel> models_;
-  mutable tbb::enumerable_thread_specific<std::unique_ptr<Tools>> tools_;
+  mutable tbb::enumerable_thread_specific<Detectors> detectors_;
 };
 
 // ---- keeping results
@@ -175,9 +200,16 @@ std::optional<std::vector<FiducialResult>> parse(const std::string& text, const 
   return results;
 }
 
-std::string inputsOf(const FiducialGrid& grid, const PanelMap& map, const CameraSheet& sheet) {
+/// Nothing where all is as drawn.
+std::string effectsText(const FiducialGrid& grid, const std::vector<LampSheet>& lamps) {
+  if (grid.effects.on.none()) return "";
+  return print("time %.17g s\n", grid.t_s) + "lamps " + fingerprintOf(lamps) + "\n" +
+         formatCalibration(grid.effects);
+}
+
+std::string inputsOf(const FiducialGrid& grid, const PanelMap& map, const Vehicle& vehicle) {
   std::string text = "What these results were made from; a run with other inputs removes them.\nversion " +
-                     std::string(FATHOM_VERSION) + "\ncamera " + fingerprintOf(sheet) + "\npanel " +
+                     std::string(FATHOM_VERSION) + "\ncamera " + fingerprintOf(*vehicle.camera) + "\npanel " +
                      fingerprintOf(map) + "\n";
   for (const auto& family : grid.families) text += "family " + family + "\n";
   for (const auto& reader : readersOf(grid.backends, grid.preprocessings))
@@ -191,11 +223,14 @@ std::string inputsOf(const FiducialGrid& grid, const PanelMap& map, const Camera
     text += "\n";
   }
   for (const double blur_px : grid.blurs_px) text += print("blur %.17g px\n", blur_px);
-  return text + print("repeats %d\nmatch %.17g px\nseed %llu\n", grid.repeats, grid.match_px,
-                      static_cast<unsigned long long>(grid.seed));
+  return text +
+         print("repeats %d\nmatch %.17g px\nseed %llu\n", grid.repeats, grid.match_px,
+               static_cast<unsigned long long>(grid.seed)) +
+         effectsText(grid, vehicle.lamps);
 }
 
-void check(const FiducialGrid& grid) {
+void check(const FiducialGrid& grid, const Vehicle& vehicle) {
+  if (!vehicle.camera) throw std::invalid_argument("compareFiducials needs a camera");
   if (grid.backends.empty() || grid.preprocessings.empty() || grid.imageCount() == 0)
     throw std::invalid_argument("compareFiducials: a list of the grid is empty");
   if (const auto why = complaintAbout(grid.families, grid.backends); !why.empty())
@@ -210,21 +245,23 @@ CameraView viewOf(const FiducialGrid& grid, const GridImage& image) {
   exactly.smallest_tilt_rad = exactly.largest_tilt_rad = grid.tilts_rad[image.tilt];
   exactly.largest_roll_rad = kLargestRoll_rad;
   exactly.largest_aim_m = std::min(kLargestAim_m, 0.25 * exactly.nearest_m);
-  return drawView(exactly, grid.seed, viewNumber(grid, image));
+  CameraView view = drawView(exactly, grid.seed, viewNumber(grid, image));
+  view.t_s = grid.t_s;
+  return view;
 }
 
 std::vector<FiducialResult> compareFiducials(const FiducialGrid& grid, const PanelMap& map,
-                                             const CameraSheet& sheet, const std::filesystem::path& folder) {
-  check(grid);
+                                             const Vehicle& vehicle, const std::filesystem::path& folder) {
+  check(grid, vehicle);
   const OneOpenCvThread one_thread;  // images, not parts of one, go to threads
   const std::size_t views = grid.viewCount(), chunks = grid.families.size() * views;
   for (const auto& family : grid.families) withFamily(map, family);  // complains before the work begins
-  const ChunkStore store(folder, inputsOf(grid, map, sheet));
+  const ChunkStore store(folder, inputsOf(grid, map, vehicle));
 
   SharedProgress progress("reading " + std::to_string(grid.imageCount()) + " images", chunks);
   std::vector<std::vector<FiducialResult>> by_chunk(chunks);
   for (std::size_t family = 0; family < grid.families.size(); ++family) {
-    const FamilyStudio studio(grid, map, sheet, family);
+    const FamilyStudio studio(grid, map, vehicle, family);
     const auto make = [&](std::size_t view) {
       const std::size_t chunk = family * views + view;
       std::optional<std::vector<FiducialResult>> kept;
@@ -244,13 +281,12 @@ std::vector<FiducialResult> compareFiducials(const FiducialGrid& grid, const Pan
 }
 
 std::vector<FiducialPicture> fiducialPictures(const FiducialGrid& grid, const PanelMap& map,
-                                              const CameraSheet& sheet,
-                                              const std::vector<GridImage>& images) {
-  check(grid);
+                                              const Vehicle& vehicle, const std::vector<GridImage>& images) {
+  check(grid, vehicle);
   const OneOpenCvThread one_thread;
   std::vector<FiducialPicture> pictures(images.size());
   for (std::size_t family = 0; family < grid.families.size(); ++family) {
-    const FamilyStudio studio(grid, map, sheet, family);
+    const FamilyStudio studio(grid, map, vehicle, family);
     tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
       if (images[i].family == family) pictures[i] = studio.picture(images[i]);
     });

@@ -27,17 +27,18 @@ struct FiducialResult {
 /// Where the camera stands; the same for every family, water and blur.
 CameraView viewOf(const FiducialGrid& grid, const GridImage& image);
 
-/// Makes the grid's images by the simulator's forward model and reads them: once rendered (Renderer), a view
-/// goes through every water (ImageModel::light), blur (cv::GaussianBlur on that light, borders mirrored) and
-/// the sensor (ImageModel::expose, whose noise depends on seed, view, water and blur only). The panel stands
-/// alone in endless water. All cores at once; the scores are the same on however many. Results are in the
-/// order of families, ranges, tilts, repeats, waters, blurs, readers.
+/// Makes the grid's images by the simulator's forward model and reads them: once rendered, a view goes
+/// through every water (CameraStudio::lightIn), blur (cv::GaussianBlur on that light, borders mirrored) and
+/// the sensor (CameraStudio::exposeLight, whose noise depends on seed, view, water and blur only). The panel
+/// stands alone in endless water; with effects, what a marker should show is where it truly does. Of the
+/// vehicle, camera and lamps count. All cores at once; the scores are the same on however many. Results are
+/// in the order of families, ranges, tilts, repeats, waters, blurs, readers.
 ///
 /// Goes on where an earlier run in the folder `chunks` was cut short (ChunkStore), or begins anew where
 /// inputs differ. Throws Error as withFamily() does, Interrupted; std::invalid_argument where the grid's
-/// lists are empty or complaintAbout() has something to say.
+/// lists are empty, the vehicle has no camera, or complaintAbout() has something to say.
 std::vector<FiducialResult> compareFiducials(const FiducialGrid& grid, const PanelMap& map,
-                                             const CameraSheet& sheet, const std::filesystem::path& chunks);
+                                             const Vehicle& vehicle, const std::filesystem::path& chunks);
 
 /// One image of the grid once more, to look at.
 struct FiducialPicture {
@@ -47,6 +48,6 @@ struct FiducialPicture {
   std::shared_ptr<const PanelMap> map;             ///< with the family's markers
 };
 std::vector<FiducialPicture> fiducialPictures(const FiducialGrid& grid, const PanelMap& map,
-                                              const CameraSheet& sheet, const std::vector<GridImage>& images);
+                                              const Vehicle& vehicle, const std::vector<GridImage>& images);
 
 }  // namespace fathom

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "effects/registry.h"
 #include "fiducials/detector.h"
 #include "sensors/water.h"
 
@@ -27,7 +28,7 @@ std::vector<FiducialReader> readersOf(const std::vector<Backend>& backends,
 std::unique_ptr<Detector> makeDetector(const FiducialReader& reader, const std::vector<std::string>& families,
                                        const CameraModel& camera);
 
-/// Water and daylight; lamps are off.
+/// Water and daylight; lamps are off but for effects.
 struct NamedWater {
   std::string name;
   Water water;
@@ -53,13 +54,17 @@ struct FiducialGrid {
   int repeats = 7;      ///< views of each range and tilt: from another side, rolled, aimed elsewhere
   double match_px = 3;  ///< a marker is found where no corner is off by more
   std::uint64_t seed = 1;
+  /// In the images, see ViewStudio; readers and poses know nothing of them.
+  EffectParameters<double> effects;
+  double t_s = 0;  ///< of every view, see CameraView
 
   std::size_t viewCount() const { return ranges_m.size() * tilts_rad.size() * std::size_t(repeats); }
   std::size_t imageCount() const { return families.size() * viewCount() * waters.size() * blurs_px.size(); }
 };
 
-/// Strict, see core/yaml.h; keys that are left out keep their defaults. Throws Error: an empty list, an entry
-/// there twice, an unknown family, backend or preprocessing, or a family that a backend cannot read.
+/// All but effects. Strict, see core/yaml.h; keys that are left out keep their defaults. Throws Error: an
+/// empty list, an entry there twice, an unknown family, backend or preprocessing, or a family that a backend
+/// cannot read.
 FiducialGrid readFiducialGrid(const std::filesystem::path& file);
 
 /// What is wrong with these lists; empty where nothing is.

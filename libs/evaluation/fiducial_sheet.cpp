@@ -36,7 +36,7 @@ std::vector<GridImage> columnsOf(const FiducialGrid& grid) {
 
 }  // namespace
 
-cv::Mat fiducialSheet(const FiducialGrid& grid, const PanelMap& map, const CameraSheet& sheet) {
+cv::Mat fiducialSheet(const FiducialGrid& grid, const PanelMap& map, const Vehicle& vehicle) {
   const auto columns = columnsOf(grid);
   const auto readers = readersOf(grid.backends, grid.preprocessings);
   std::vector<GridImage> images;
@@ -45,7 +45,7 @@ cv::Mat fiducialSheet(const FiducialGrid& grid, const PanelMap& map, const Camer
       image.family = family;
       images.push_back(image);
     }
-  const auto pictures = fiducialPictures(grid, map, sheet, images);
+  const auto pictures = fiducialPictures(grid, map, vehicle, images);
 
   std::vector<SheetRow> rows;
   for (std::size_t family = 0; family < grid.families.size(); ++family)

@@ -18,15 +18,16 @@ constexpr int kHiddenSamples = 2;
 constexpr double kInFront_m = 0.02;
 
 /// Whether the camera sees something nearer than the marker through a pixel.
-bool isHiddenAt(int column, int row, const Pose& T_camera_marker, const CameraModel& camera,
+bool isHiddenAt(int column, int row, const Pose& T_camera_marker, const CameraProjector<double>& projector,
                 const cv::Mat& range_m) {
-  const Vector3d ray = camera.rayAt({double(column), double(row)});
+  const auto [origin, ray] = projector.lineOfSight({double(column), double(row)});
   const Vector3d normal = T_camera_marker.rotation.col(2);
-  const double expected_m = normal.dot(T_camera_marker.position) / normal.dot(ray);
+  const double way_m = normal.dot(T_camera_marker.position - origin) / normal.dot(ray);
+  const double expected_m = (origin + way_m * ray).norm();
   return range_m.at<float>(row, column) < expected_m - kInFront_m;
 }
 
-bool isHidden(const Marker& marker, const Pose& T_camera_panel, const CameraModel& camera,
+bool isHidden(const Marker& marker, const Pose& T_camera_panel, const CameraProjector<double>& projector,
               const cv::Mat& range_m) {
   if (range_m.empty()) return false;
   const Pose T_camera_marker = T_camera_panel * marker.T_panel_marker;
@@ -34,10 +35,10 @@ bool isHidden(const Marker& marker, const Pose& T_camera_panel, const CameraMode
   int hidden = 0;
   for (int i = 0; i < kSamplesAlongSide; ++i)
     for (int j = 0; j < kSamplesAlongSide; ++j) {
-      const Vector2d pixel = camera.project<double>(T_camera_marker * Vector3d(offset(i), offset(j), 0));
+      const Vector2d pixel = projector.project<double>(T_camera_marker * Vector3d(offset(i), offset(j), 0));
       const int column = std::clamp(int(std::lround(pixel.x())), 0, range_m.cols - 1);
       const int row = std::clamp(int(std::lround(pixel.y())), 0, range_m.rows - 1);
-      hidden += isHiddenAt(column, row, T_camera_marker, camera, range_m) ? 1 : 0;
+      hidden += isHiddenAt(column, row, T_camera_marker, projector, range_m) ? 1 : 0;
     }
   return hidden > kHiddenSamples;
 }
@@ -57,6 +58,12 @@ double farthestCorner_px(const Detection& detection, const MarkerPlace& place) {
 
 std::vector<MarkerPlace> placesOf(const PanelMap& map, const CameraModel& camera, const Pose& T_camera_panel,
                                   const cv::Mat& range_m) {
+  return placesOf(map, camera, CameraProjector<double>::nominal(camera), T_camera_panel, range_m);
+}
+
+std::vector<MarkerPlace> placesOf(const PanelMap& map, const CameraModel& camera,
+                                  const CameraProjector<double>& projector, const Pose& T_camera_panel,
+                                  const cv::Mat& range_m) {
   std::vector<MarkerPlace> places;
   for (const Marker& marker : map.markers) {
     MarkerPlace place{&marker};
@@ -65,11 +72,11 @@ std::vector<MarkerPlace> placesOf(const PanelMap& map, const CameraModel& camera
     for (std::size_t k = 0; k < 4 && in_front; ++k) {
       const Vector3d corner = T_camera_panel * corners_panel[k];
       in_front = corner.z() > kNearest_m;
-      place.corners_px[k] = camera.project(corner);
+      place.corners_px[k] = projector.project(corner);
     }
     if (!in_front) continue;
-    place.visible = isWhole(marker, camera, T_camera_panel.inverse()) &&
-                    !isHidden(marker, T_camera_panel, camera, range_m);
+    place.visible = isWhole(marker, camera, projector, T_camera_panel.inverse()) &&
+                    !isHidden(marker, T_camera_panel, projector, range_m);
     places.push_back(place);
   }
   return places;

@@ -7,6 +7,7 @@
 #include "fiducials/detection.h"
 #include "fiducials/panel_pose.h"
 #include "panel/panel_map.h"
+#include "sensors/camera_geometry.h"
 
 /// How well markers were found in an image, where truth is known.
 namespace fathom {
@@ -23,6 +24,10 @@ struct MarkerPlace {
 /// The map's markers that are whole in front of the camera. `range_m` is the View's at this pose (see
 /// render/renderer.h) and tells what hides a marker; empty: nothing does. The pointers are into the map.
 std::vector<MarkerPlace> placesOf(const PanelMap& map, const CameraModel& camera, const Pose& T_camera_panel,
+                                  const cv::Mat& range_m);
+/// The same through a camera's true lines of sight; all rows are read at once. Of `camera`, the size counts.
+std::vector<MarkerPlace> placesOf(const PanelMap& map, const CameraModel& camera,
+                                  const CameraProjector<double>& projector, const Pose& T_camera_panel,
                                   const cv::Mat& range_m);
 
 /// One image read once. Detections of markers that are not visible (a handle hides a corner), in their right

@@ -118,7 +118,10 @@ std::vector<PanelViewResult> evaluatePanel(const PanelMap& map, const Vehicle& v
                                            const Environment& environment,
                                            const PanelEvaluationOptions& options, const std::string& name) {
   std::vector<CameraView> views(options.views);
-  for (std::size_t i = 0; i < views.size(); ++i) views[i] = drawView(options.ranges, options.seed, i);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    views[i] = drawView(options.ranges, options.seed, i);
+    views[i].t_s = options.t_s;
+  }
   return evaluatePanel(map, vehicle, environment, options, views, name);
 }
 
@@ -126,7 +129,7 @@ std::vector<PanelViewResult> evaluatePanel(const PanelMap& map, const Vehicle& v
                                            const Environment& environment,
                                            const PanelEvaluationOptions& options,
                                            const std::vector<CameraView>& views, const std::string& name) {
-  const ViewStudio studio(map, vehicle, environment);
+  const ViewStudio studio(map, vehicle, environment, options.effects);
   const CameraModel& camera = vehicle.camera->model;
   tbb::enumerable_thread_specific<std::unique_ptr<Detector>> detectors(
       [&] { return detectorFor(map, camera, options); });

@@ -59,6 +59,9 @@ struct PanelEvaluationOptions {
   bool fallback = true;  ///< search what the backend misses with the other one, where it can read the family
   Preprocess preprocess = Preprocess::none;
   std::optional<int> jpeg_quality;  ///< of the images; absent: exact
+  /// In the images, see ViewStudio; the estimators know nothing of them.
+  EffectParameters<double> effects;
+  double t_s = 0;  ///< when views that are drawn are taken, see CameraView
 };
 
 /// Draws views, makes their images, detects and judges, all cores at once; results in the order of the

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "effects/drawn.h"
+
 namespace fathom {
 namespace {
 
-/// Random streams: views take their numbers as they are, their images' noise these.
+/// Random streams: views take their numbers as they are, their images' noise and draws these.
 std::uint64_t noiseStream(std::uint64_t number) { return std::uint64_t{1} << 32U | number; }
+std::uint64_t drawStream(std::uint64_t number) { return std::uint64_t{2} << 32U | number; }
 
 constexpr double kQuietZone = 0.125;  ///< of a marker's side
 
@@ -29,6 +32,12 @@ PanelMap atOrigin(PanelMap map) {
 const CameraSheet& cameraOf(const Vehicle& vehicle) {
   if (!vehicle.camera) throw std::invalid_argument("ViewStudio needs a camera");
   return *vehicle.camera;
+}
+
+/// Views are of the panel wherever it is.
+EffectParameters<double> withPanelInPlace(EffectParameters<double> effects) {
+  effects.on.reset(kEffectIndex<PanelMoved>);
+  return effects;
 }
 
 }  // namespace
@@ -73,13 +82,18 @@ CameraView viewOf(const Pose& T_panel_camera) {
 }
 
 bool isWhole(const Marker& marker, const CameraModel& camera, const Pose& T_panel_camera) {
+  return isWhole(marker, camera, CameraProjector<double>::nominal(camera), T_panel_camera);
+}
+
+bool isWhole(const Marker& marker, const CameraModel& camera, const CameraProjector<double>& projector,
+             const Pose& T_panel_camera) {
   const Pose T_camera_panel = T_panel_camera.inverse();
   const Vector3d centre = marker.T_panel_marker.position;
   if (marker.T_panel_marker.rotation.col(2).dot(T_panel_camera.position - centre) <= 0) return false;
   const auto corners = marker.corners_panel();
   return std::all_of(corners.begin(), corners.end(), [&](const Vector3d& corner) {
     const Vector3d outer = T_camera_panel * (centre + (1.0 + 2.0 * kQuietZone) * (corner - centre));
-    return outer.z() > 0 && camera.contains(camera.project(outer));
+    return outer.z() > 0 && camera.contains(projector.project(outer));
   });
 }
 
@@ -89,17 +103,26 @@ std::size_t wholeMarkers(const PanelMap& map, const CameraModel& camera, const P
                     [&](const Marker& marker) { return isWhole(marker, camera, T_panel_camera); }));
 }
 
-ViewStudio::ViewStudio(const PanelMap& map, const Vehicle& vehicle, const Environment& environment)
-    : sheet_(cameraOf(vehicle)), studio_({{atOrigin(map)}, {}, environment}, sheet_, vehicle.lamps, {}) {}
+ViewStudio::ViewStudio(const PanelMap& map, const Vehicle& vehicle, const Environment& environment,
+                       const EffectParameters<double>& effects)
+    : sheet_(cameraOf(vehicle)),
+      effects_(withPanelInPlace(effects)),
+      studio_({{atOrigin(map)}, {}, environment}, sheet_, vehicle.lamps, effects_) {}
 
 CameraShot ViewStudio::shot(const CameraView& view) const {
-  return {view.T_panel_camera() * sheet_.T_robot_camera.inverse(),
-          trueCamera(sheet_.model, sheet_.T_robot_camera, {}, {}, 0)};
+  const TrueCamera camera = trueCamera(sheet_.model, sheet_.T_robot_camera, {}, effects_, view.t_s);
+  return {view.T_panel_camera() * camera.T_robot_camera.inverse(), camera, view.t_s};
+}
+
+CameraShot ViewStudio::shot(const CameraView& view, std::uint64_t seed) const {
+  CameraShot shot = this->shot(view);
+  shot.effects = drawnFor(effects_, Random::stream(seed, drawStream(view.number)).bits(), view.t_s);
+  return shot;
 }
 
 cv::Mat ViewStudio::image(const CameraView& view, std::uint64_t seed) const {
   Random noise = Random::stream(seed, noiseStream(view.number));
-  return studio_.image(shot(view), &noise);
+  return studio_.image(shot(view, seed), &noise);
 }
 
 cv::Mat ViewStudio::imageWithoutNoise(const CameraView& view) const {

@@ -18,6 +18,7 @@ struct CameraView {
   double roll_rad = 0;  ///< of the camera about its optical axis; 0: the panel's y axis is up in the image
   /// Where the optical axis meets the face, m: the panel's centre, or somewhat beside it.
   Vector2d aim_panel = Vector2d::Zero();
+  double t_s = 0;  ///< since a recording's first entry: which effects are active
 
   Pose T_panel_camera() const;
 };
@@ -41,27 +42,40 @@ CameraView viewOf(const Pose& T_panel_camera);
 /// Whether a marker lies in the image whole, quiet zone of an eighth of its side included, with its face
 /// towards the camera.
 bool isWhole(const Marker& marker, const CameraModel& camera, const Pose& T_panel_camera);
+/// The same through a camera's true lines of sight. Of `camera`, the size counts.
+bool isWhole(const Marker& marker, const CameraModel& camera, const CameraProjector<double>& projector,
+             const Pose& T_panel_camera);
 /// How many of a map's markers do.
 std::size_t wholeMarkers(const PanelMap& map, const CameraModel& camera, const Pose& T_panel_camera);
 
 /// Makes the camera's image of a panel that stands alone in endless water, by the simulator's forward model
-/// (CameraStudio). Lamps are on where the environment says so, and move with the camera as they do on the
-/// vehicle. For many threads at once.
+/// (CameraStudio). Lamps are on where the environment or an effect says so, and move with the camera as they
+/// do on the vehicle. For many threads at once.
+///
+/// With effects, lens, light, markers and sensor are as they truly are then. The camera truly is where the
+/// view has it, before the panel where that truly is, and stands still: effects on its mounting, on the
+/// panel's pose and on time do nothing. What is drawn for each image is drawn for each view, by the seed and
+/// its number.
 class ViewStudio {
  public:
   /// Throws std::invalid_argument where the vehicle has no camera.
-  ViewStudio(const PanelMap& map, const Vehicle& vehicle, const Environment& environment);
+  ViewStudio(const PanelMap& map, const Vehicle& vehicle, const Environment& environment,
+             const EffectParameters<double>& effects = {});
 
   /// Blue, green, red; CV_8UC3, or CV_16UC3 where the sheet has more than 8 bits. The noise depends on the
   /// seed and the view's number only.
   cv::Mat image(const CameraView& view, std::uint64_t seed) const;
-  /// Without noise.
+  /// Without noise, and as if nothing had been drawn.
   cv::Mat imageWithoutNoise(const CameraView& view) const;
 
- private:
+  /// What is taken of a view; nothing is drawn for it yet.
   CameraShot shot(const CameraView& view) const;
+  CameraShot shot(const CameraView& view, std::uint64_t seed) const;
+  const CameraStudio& studio() const { return studio_; }
 
+ private:
   CameraSheet sheet_;
+  EffectParameters<double> effects_;
   CameraStudio studio_;  ///< whose odom frame is the panel's
 };
 

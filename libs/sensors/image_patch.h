@@ -14,23 +14,28 @@
 /// the paper.
 namespace fathom {
 
-/// A few pixels of one surface of a panel, in one image. Colours are linear red, green, blue.
-struct ImagePatch {
+/// What the light from a few pixels of one surface depends on besides where they are. Colours are linear red,
+/// green, blue.
+struct PatchSurface {
+  double t_s = 0;                      ///< the image's stamp, since the recording's first entry
+  Vector3d albedo = Vector3d::Zero();  ///< of what is there, with its shading, under full ambient light
+  /// The same blurred, as forward scattering mixes it.
+  std::array<Vector3d, kBlurs.size()> albedo_around{Vector3d::Zero(), Vector3d::Zero()};
+  double image_radius = 0;    ///< see PixelResponse
+  double response_gamma = 1;  ///< by which its radiance was made of the image's numbers
+};
+
+/// A few pixels of one surface of a panel, in one image.
+struct ImagePatch : PatchSurface {
   enum class Surface { black, white, body };  ///< of a marker, or the panel's body
 
-  double t_s = 0;  ///< the image's stamp, since the recording's first entry
   std::size_t image = 0, eye = 0, panel = 0;
   int place = 0;  ///< number of its place among all panels' places: the same in all images
   Surface surface = Surface::body;
   Vector3d point_panel = Vector3d::Zero();  ///< its centre
   /// What varies over it has, to second order, the mean that it has over these.
   std::array<Vector3d, 4> around_panel{};
-  Vector3d albedo = Vector3d::Zero();  ///< of what is there, with its shading, under full ambient light
-  /// The same blurred, as forward scattering mixes it.
-  std::array<Vector3d, kBlurs.size()> albedo_around{};
   Vector2d pixel = Vector2d::Zero();     ///< its centre
-  double image_radius = 0;               ///< see PixelResponse
-  double response_gamma = 1;             ///< by which its radiance was made of the image's numbers
   Vector3d radiance = Vector3d::Zero();  ///< mean, as the camera read it
   /// Of that mean. Infinite for a colour that does not count: saturated, or black up to its noise.
   Vector3d sigma = Vector3d::Constant(std::numeric_limits<double>::infinity());
@@ -48,29 +53,64 @@ struct ImagePatch {
 /// What lamps of irradiance 1 add to a patch's light: at its surface, and on the line of sight.
 template <class T>
 struct PatchUnderLamps {
-  Vector3<T> irradiance, in_water;
+  Vector3<T> irradiance = Vector3<T>::Zero(), in_water = Vector3<T>::Zero();
 };
 
-/// Of a patch on a panel that is here on the robot; panels face the way their z points.
+/// Where the lamps have a patch: its places as ImagePatch::around_panel, and the way that it faces.
 template <class T>
-PatchUnderLamps<T> underLamps(const ImagePatch& patch, const std::vector<LampSheet>& lamps,
-                              const Vector3<T>& panel_robot, const Matrix3<T>& R_robot_panel,
+struct PatchOnRobot {
+  std::array<Vector3<T>, 4> around_robot;
+  Vector3<T> normal_robot;
+};
+
+template <class T>
+PatchUnderLamps<T> underLamps(const PatchOnRobot<T>& patch, const std::vector<LampSheet>& lamps,
                               const Mounting<T, Sensor::camera>& mount, const WaterColumn<T>& water,
                               const Vector3<T>& ambient) {
-  PatchUnderLamps<T> light{Vector3<T>::Zero(), Vector3<T>::Zero()};
+  PatchUnderLamps<T> light;
   Vector3<T> middle_robot = Vector3<T>::Zero();
-  const double share = 1.0 / static_cast<double>(patch.around_panel.size());
-  for (const Vector3d& point_panel : patch.around_panel) {
-    const Vector3<T> point_robot = panel_robot + R_robot_panel * point_panel.cast<T>();
+  const double share = 1.0 / static_cast<double>(patch.around_robot.size());
+  for (const Vector3<T>& point_robot : patch.around_robot) {
     middle_robot += share * point_robot;
     light.irradiance +=
-        share * lampsOnSurface<T>(lamps, point_robot, R_robot_panel.col(2), water.attenuation_per_m);
+        share * lampsOnSurface<T>(lamps, point_robot, patch.normal_robot, water.attenuation_per_m);
   }
   const Vector3<T> way = middle_robot - mount.position_robot;
   const T range_m = way.norm(), z_m = mount.R_robot_sensor.col(2).dot(way);
   const LitSight<T> sight{mount.position_robot, way / range_m, z_m / range_m, water, ambient};
   light.in_water = lampsInWater(lamps, sight, range_m);
   return light;
+}
+
+/// The light that comes to the camera from a patch z_m and range_m away, in a water as waterParameters();
+/// `under_lamps` counts as far as an effect has them shine.
+template <class T>
+Vector3<T> predictPatchLight(const PatchSurface& patch, const T& z_m, const T& range_m,
+                             const PatchUnderLamps<T>& under_lamps, const Vector9<T>& water,
+                             const EffectParameters<T>& effects, double t_s) {
+  const WaterColumn<T> column{water.template head<3>(), water.template segment<3>(3)};
+  SceneLight<T> shining;
+  applyEffects(effects, t_s, shining);
+  const Vector3<T> irradiance =
+      shining.daylight * water.template tail<3>() + shining.lamps * under_lamps.irradiance;
+  SceneRadiance<T> scene(patch.albedo.cast<T>().cwiseProduct(irradiance));
+  for (std::size_t i = 0; i < kBlurs.size(); ++i)
+    scene.around[i] = patch.albedo_around[i].cast<T>().cwiseProduct(irradiance);
+  return predictLight<T>(scene, z_m, range_m, column, effects, t_s) + shining.lamps * under_lamps.in_water;
+}
+
+/// The radiance that the camera's numbers then stand for, by its data sheet; `gain` as in PixelResponse.
+template <class T>
+Vector3<T> predictPatchReading(const Vector3<T>& light, const PatchSurface& patch,
+                               const EffectParameters<T>& effects, double t_s, const T& gain = T(1)) {
+  using std::pow;
+  PixelResponse<T> response{T(patch.image_radius), gain, T(patch.response_gamma), T(0)};
+  applyEffects(effects, t_s, response);
+  Vector3<T> reading;
+  for (int c = 0; c < 3; ++c) reading[c] = predictReading(light[c], response);
+  if (patch.response_gamma != 1)
+    for (int c = 0; c < 3; ++c) reading[c] = pow(reading[c], 1 / patch.response_gamma);
+  return reading;
 }
 
 /// What a patch should read. `state` is the robot's motion at t_s + validityOffset<Sensor::camera>(), `panel`
@@ -80,7 +120,6 @@ template <class T>
 Vector3<T> predictPatch(const KinematicState<T>& state, PanelPlacement<T> panel, const ImagePatch& patch,
                         const std::vector<LampSheet>& lamps, const Vector9<T>& water,
                         const EffectParameters<T>& effects, double t_s) {
-  using std::pow;
   const auto mount = cameraMounting(patch.T_robot_camera, effects, t_s);
   applyEffects(effects, t_s, panel);
   const Matrix3<T> R_robot_panel = state.R_odom_robot.transpose() * panel.R_odom_panel;
@@ -89,27 +128,16 @@ Vector3<T> predictPatch(const KinematicState<T>& state, PanelPlacement<T> panel,
       panel_robot + R_robot_panel * patch.point_panel.cast<T>() - mount.position_robot;
   const T z_m = mount.R_robot_sensor.col(2).dot(from_camera_robot), range_m = from_camera_robot.norm();
 
-  const WaterColumn<T> column{water.template head<3>(), water.template segment<3>(3)};
-  const Vector3<T> ambient = water.template tail<3>(), albedo = patch.albedo.cast<T>();
-  SceneLight<T> shining;
-  applyEffects(effects, t_s, shining);
-  Vector3<T> irradiance = shining.daylight * ambient, in_water = Vector3<T>::Zero();
+  PatchUnderLamps<T> under_lamps;
   if (effects.isActive(kEffectIndex<Lamp>, t_s)) {  // be it 0: its derivative is not
-    const auto lit = underLamps<T>(patch, lamps, panel_robot, R_robot_panel, mount, column, ambient);
-    irradiance += shining.lamps * lit.irradiance;
-    in_water = shining.lamps * lit.in_water;
+    PatchOnRobot<T> place{{}, R_robot_panel.col(2)};
+    for (std::size_t i = 0; i < place.around_robot.size(); ++i)
+      place.around_robot[i] = panel_robot + R_robot_panel * patch.around_panel[i].template cast<T>();
+    under_lamps = underLamps<T>(place, lamps, mount, {water.template head<3>(), water.template segment<3>(3)},
+                                water.template tail<3>());
   }
-  SceneRadiance<T> scene(albedo.cwiseProduct(irradiance));
-  for (std::size_t i = 0; i < kBlurs.size(); ++i)
-    scene.around[i] = patch.albedo_around[i].cast<T>().cwiseProduct(irradiance);
-  const Vector3<T> light = predictLight<T>(scene, z_m, range_m, column, effects, t_s) + in_water;
-  PixelResponse<T> response{T(patch.image_radius), T(1), T(patch.response_gamma), T(0)};
-  applyEffects(effects, t_s, response);
-  Vector3<T> reading;
-  for (int c = 0; c < 3; ++c) reading[c] = predictReading(light[c], response);
-  if (patch.response_gamma != 1)
-    for (int c = 0; c < 3; ++c) reading[c] = pow(reading[c], 1 / patch.response_gamma);
-  return reading;
+  const Vector3<T> light = predictPatchLight<T>(patch, z_m, range_m, under_lamps, water, effects, t_s);
+  return predictPatchReading<T>(light, patch, effects, t_s);
 }
 
 }  // namespace fathom

@@ -4,11 +4,15 @@
 
 namespace fathom {
 
-PanelMap truePanel(const PanelMap& nominal, const EffectParameters<double>& effects, double t_s) {
-  PanelMap panel = nominal;
+Pose truePanelPose(const PanelMap& nominal, const EffectParameters<double>& effects, double t_s) {
   auto placement = nominalPlacement<double>(nominal.T_odom_panel, t_s);
   applyEffects(effects, t_s, placement);
-  panel.T_odom_panel = {placement.R_odom_panel, placement.position_odom};
+  return {placement.R_odom_panel, placement.position_odom};
+}
+
+PanelMap truePanel(const PanelMap& nominal, const EffectParameters<double>& effects, double t_s) {
+  PanelMap panel = nominal;
+  panel.T_odom_panel = truePanelPose(nominal, effects, t_s);
   for (Marker& marker : panel.markers) {
     const auto there = markerPlacement(marker, effects, t_s);
     marker.size_m = there.size_m;

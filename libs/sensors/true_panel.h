@@ -9,6 +9,9 @@ namespace fathom {
 /// with what effects make of them. A marker moved before the face stays a flat sheet there.
 PanelMap truePanel(const PanelMap& nominal, const EffectParameters<double>& effects, double t_s);
 
+/// Its pose alone.
+Pose truePanelPose(const PanelMap& nominal, const EffectParameters<double>& effects, double t_s);
+
 /// Whether these effects can make panels other than their maps.
 bool movesPanels(const EffectParameters<double>& effects);
 

@@ -14,6 +14,7 @@
 #include "render/scene.h"
 #include "sensors/camera_geometry.h"
 #include "sensors/fingerprints.h"
+#include "sensors/true_panel.h"
 #include "similarity/measures.h"
 #include "simulation/simulate_recording.h"
 
@@ -23,6 +24,8 @@ namespace {
 /// Random streams of image k, far from those with which `simulate` made a recording: noise that a recording
 /// was made with must not come out again.
 std::uint64_t noiseStream(std::size_t image) { return std::uint64_t{1} << 62 | image; }
+/// Flakes, too, are others than the recording's.
+std::uint64_t particleSeed(std::uint64_t seed) { return seed ^ std::uint64_t{1} << 62; }
 
 /// Checked; with a camera of 8 bits, as recordings have them.
 SilWorld usable(SilWorld world) {
@@ -49,13 +52,6 @@ double offset_px(const Detection& detection, const std::array<Vector3d, 4>& corn
     squares += (projector.project(corners_camera[k]) - detection.corners_px[k]).squaredNorm();
   }
   return std::sqrt(squares / 4);
-}
-
-/// A panel's pose as it truly is.
-Pose truePanelPose(const PanelMap& map, const EffectParameters<double>& effects, double t_s) {
-  auto placement = nominalPlacement<double>(map.T_odom_panel, t_s);
-  applyEffects(effects, t_s, placement);
-  return {placement.R_odom_panel, placement.position_odom};
 }
 
 }  // namespace
@@ -103,7 +99,8 @@ void PairMaker::requireOwnPose(const PosedImage& posed) const {
 SilPair PairMaker::make(const PosedImage& posed) const {
   const cv::Mat recorded = readImage(posed.image.file, posed.image.camera);
   requireOwnPose(posed);
-  const CameraShot shot = posed.shot();
+  CameraShot shot = posed.shot();
+  shot.particle_seed = particleSeed(options_.seed);
   const View view = studio_.render(shot);
   Random noise = Random::stream(options_.seed, noiseStream(posed.number));
 

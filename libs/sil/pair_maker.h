@@ -50,6 +50,8 @@ class PairMaker {
 
   const SilWorld& world() const { return world_; }
   const CameraSheet& camera() const { return *world_.vehicle.camera; }
+  /// Of the world, with its effects.
+  const CameraStudio& studio() const { return studio_; }
 
   /// Throws Error{file, "", why} where there is no pair: the image cannot be read or is not of its camera's
   /// size, the pose is not its own, no panel is in view, one of the images is saturated.

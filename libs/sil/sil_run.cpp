@@ -43,8 +43,8 @@ std::string inputsOf(const SilWorld& world, const SilOptions& options,
   if (world.sea_floor)
     text += print("sea floor %.17g m, sand %zu\n", world.sea_floor->z_m,
                   static_cast<std::size_t>(world.sea_floor->sand_seed));
-  text += options.pairs.noise ? print("noise of seed %zu\n", static_cast<std::size_t>(options.pairs.seed))
-                              : "no noise\n";
+  text += print("%s of seed %zu\n", options.pairs.noise ? "noise" : "no noise, draws",
+                static_cast<std::size_t>(options.pairs.seed));
   text += print("offset %.17g px\ndetector ", options.pairs.largest_offset_px) +
           std::string(nameOf(options.detection.backend)) + "\n";
   text += print("residuals to %.17g\n", options.residual.full_scale);

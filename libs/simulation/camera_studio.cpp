@@ -2,6 +2,8 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -13,13 +15,47 @@
 #include "sensors/fingerprints.h"
 #include "sensors/image_model.h"
 #include "sensors/lamp_glow.h"
+#include "sensors/marine_snow.h"
+#include "sensors/marker_blur.h"
 #include "sensors/true_panel.h"
 #include "simulation/apparent_scene.h"
 
 namespace fathom {
 namespace {
 
-constexpr double kSameRange_m = 1e-3;  // of a panel, rendered twice
+constexpr double kSameRange_m = 1e-3;                            // of a panel, rendered twice
+constexpr std::uint64_t kFlakesStream = std::uint64_t{1} << 61;  // of random numbers: far from all others
+
+// Of what moves while the shutter is open.
+constexpr double kStepsPerPixel = 2;
+constexpr int kMostSteps = 64;
+constexpr int kGrid_px = 16;  // at which its way in the image is looked at
+
+/// The longest way in the image of what a view shows, while the shutter is open.
+double longestWay_px(const View& view, const cv::Mat& rays, const TrueCamera& camera, double open_s) {
+  double longest = 0;
+  for (int v = 0; v < rays.rows; v += kGrid_px)
+    for (int u = 0; u < rays.cols; u += kGrid_px) {
+      const double range_m = view.range_m.at<float>(v, u);
+      if (!std::isfinite(range_m)) continue;
+      const cv::Vec3f& ray = rays.at<cv::Vec3f>(v, u);
+      const Vector2d velocity_px_s =
+          imageVelocity<double>(camera.lens, range_m * Vector3d(ray[0], ray[1], ray[2]),
+                                camera.projector.velocity_camera, camera.projector.angular_velocity_camera);
+      longest = std::max(longest, open_s * velocity_px_s.norm());
+    }
+  return longest;
+}
+
+/// The same so much later (negative: earlier).
+CameraShot later(const CameraShot& shot, double seconds) {
+  const CameraProjector<double>& moving = shot.camera.projector;
+  const Pose T_camera_later{expSO3<double>(moving.angular_velocity_camera * seconds),
+                            moving.velocity_camera * seconds};
+  CameraShot moved = shot;
+  moved.T_odom_robot = shot.T_odom_camera() * T_camera_later * shot.camera.T_robot_camera.inverse();
+  return moved;
+}
 
 }  // namespace
 
@@ -95,7 +131,7 @@ View CameraStudio::render(const CameraShot& shot, const Lighting& lighting) cons
 
 /// What a lamp of irradiance 1 sheds on the scene: rendered as one that shines evenly all around, then each
 /// pixel's light on its way through the beam and the water.
-cv::Mat CameraStudio::underLamp(const CameraShot& shot, const LampSheet& lamp) const {
+cv::Mat CameraStudio::underLamp(const CameraShot& shot, const LampSheet& lamp, const Water& water) const {
   Lighting lighting{Eigen::Vector3f::Zero(), {}};
   lighting.spots.push_back({shot.T_odom_robot * lamp.T_robot_lamp, std::numbers::pi, {1.0F, 1.0F, 1.0F}});
   View view = render(shot, lighting);
@@ -109,8 +145,7 @@ cv::Mat CameraStudio::underLamp(const CameraShot& shot, const LampSheet& lamp) c
       const Vector3d point_robot =
           shot.camera.T_robot_camera * Vector3d(range_m * Vector3d(ray[0], ray[1], ray[2]));
       const double square = (point_robot - lamp.T_robot_lamp.position).squaredNorm();
-      const Vector3d irradiance =
-          lampIrradiance(lamp, point_robot, world_.environment.water.attenuation_per_m);
+      const Vector3d irradiance = lampIrradiance(lamp, point_robot, water.attenuation_per_m);
       for (int c = 0; c < 3; ++c) radiance[c] *= static_cast<float>(square * irradiance[c]);
     }
   return view.radiance;
@@ -120,7 +155,7 @@ View CameraStudio::render(const CameraShot& shot) const {
   const SceneLight<double> light = sceneLight(shot);
   View view = render(shot, lighting(shot.T_odom_robot, light.daylight));
   for (const LampSheet& lamp : lamps_)
-    if (light.lamps > 0) view.radiance += light.lamps * underLamp(shot, lamp);
+    if (light.lamps > 0) view.radiance += light.lamps * underLamp(shot, lamp, world_.environment.water);
   return view;
 }
 
@@ -137,14 +172,64 @@ cv::Mat CameraStudio::panelMask(const CameraShot& shot, const View& view) const 
   return hit & (panels.range_m <= view.range_m + kSameRange_m);  // not what is buried in the sand
 }
 
-cv::Mat CameraStudio::expose(const CameraShot& shot, const View& view, Random* noise) const {
-  const ImageModel model = eyeOf(shot.camera.lens).model.with(effectsOn(shot));
+/// Particles in the same daylight as the scene.
+void CameraStudio::addSnow(const Environment& environment, const CameraShot& shot, const View& view,
+                           cv::Mat& light) const {
+  SuspendedParticles<double> particles;
+  applyEffects(effectsOn(shot), shot.t_s, particles);
+  if (particles.per_m3 <= 0) return;
+  Environment lit = environment;
+  lit.ambient *= sceneLight(shot).daylight;
+  cv::Mat cosines;
+  cv::extractChannel(eyeOf(shot.camera.lens).model.rays(), cosines, 2);
+  drawSnow(light, view.range_m.mul(cosines), shot.camera.lens, lit, particles.per_m3,
+           Random::stream(shot.particle_seed ^ std::bit_cast<std::uint64_t>(shot.t_s), kFlakesStream));
+}
+
+/// Of a lit view: radiance at the scene to light at the camera.
+cv::Mat CameraStudio::throughWater(const Environment& environment, const CameraShot& shot,
+                                   const View& view) const {
+  const ImageModel model = eyeOf(shot.camera.lens).model.in(environment.water).with(effectsOn(shot));
   cv::Mat light = model.light(view.radiance, view.range_m, shot.t_s);
   if (const double lamps = sceneLight(shot).lamps; lamps > 0)
-    light +=
-        lamps *
-        LampGlow(shot.camera.lens, shot.camera.T_robot_camera, lamps_, world_.environment).upTo(view.range_m);
-  return model.expose(light, noise, shot.t_s);
+    light += lamps *
+             LampGlow(shot.camera.lens, shot.camera.T_robot_camera, lamps_, environment).upTo(view.range_m);
+  addSnow(environment, shot, view, light);
+  return light;
+}
+
+/// The mean over the time for which the shutter is open.
+cv::Mat CameraStudio::lightMeanwhile(const CameraShot& shot, const View& view) const {
+  ExposureTime<double> exposure;
+  applyEffects(effectsOn(shot), shot.t_s, exposure);
+  const double open_s = std::sqrt(exposure.squared_s2);
+  const double way_px =
+      open_s > 0 ? longestWay_px(view, eyeOf(shot.camera.lens).model.rays(), shot.camera, open_s) : 0;
+  if (way_px == 0) return throughWater(world_.environment, shot, view);
+  const int steps = std::clamp(static_cast<int>(std::ceil(kStepsPerPixel * way_px)), 2, kMostSteps);
+  // So far apart that so few steps scatter by as much as all times between.
+  const double spread_s = open_s / std::sqrt(1 - 1.0 / (steps * steps));
+  cv::Mat mean = cv::Mat::zeros(view.radiance.size(), CV_32FC3);
+  for (int step = 0; step < steps; ++step) {
+    const CameraShot then = later(shot, spread_s * ((step + 0.5) / steps - 0.5));
+    mean += throughWater(world_.environment, then, render(then)) / steps;
+  }
+  return mean;
+}
+
+cv::Mat CameraStudio::lightIn(const Environment& environment, const CameraShot& shot,
+                              const View& albedo) const {
+  const SceneLight<double> light = sceneLight(shot);
+  const Vector3d daylight = light.daylight * environment.ambient;
+  // Matt surfaces: each colour's radiance goes with its daylight.
+  View view{albedo.radiance.mul(cv::Scalar(daylight[0], daylight[1], daylight[2])), albedo.range_m};
+  for (const LampSheet& lamp : lamps_)
+    if (light.lamps > 0) view.radiance += light.lamps * underLamp(shot, lamp, environment.water);
+  return throughWater(environment, shot, view);
+}
+
+cv::Mat CameraStudio::exposeLight(const CameraShot& shot, const cv::Mat& light, Random* noise) const {
+  return eyeOf(shot.camera.lens).model.with(effectsOn(shot)).expose(light, noise, shot.t_s);
 }
 
 }  // namespace fathom

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -13,6 +14,8 @@
 #include "sensors/water.h"
 
 namespace fathom {
+
+class ImageModel;
 
 /// What a vehicle's camera sees: panels as their maps have them, on a sea floor or, where that is empty, in
 /// endless water.
@@ -29,14 +32,16 @@ struct CameraShot {
   double t_s = 0;  ///< its stamp, after the recording's first entry
   /// In this very image, see drawnFor(); absent: the studio's, as if nothing had been drawn.
   std::optional<EffectParameters<double>> effects = {};
+  /// With the stamp, of which flakes of marine snow are where.
+  std::uint64_t particle_seed = 0;
 
   Pose T_odom_camera() const { return T_odom_robot * camera.T_robot_camera; }
 };
 
 /// The camera's forward model from the world to the numbers of an image, with the effects that are on at its
 /// stamp: panels and markers where they truly are, lines of sight as the camera has them, daylight and the
-/// vehicle's lamps (where the environment says so), water, sensor. For many threads at once; each keeps a
-/// renderer of its own for each lens.
+/// vehicle's lamps (where the environment says so), water and what drifts in it, the time for which the
+/// shutter is open, sensor. For many threads at once; each keeps a renderer of its own for each lens.
 class CameraStudio {
  public:
   /// Of the sheet only the sensor counts: lens and mounting are each shot's own.
@@ -52,8 +57,16 @@ class CameraStudio {
   View renderAlbedo(const CameraShot& shot) const;
   /// CV_8UC1: 255 where a view that was rendered shows a panel, 0 elsewhere.
   cv::Mat panelMask(const CameraShot& shot, const View& view) const;
-  /// The image that becomes of a view, see ImageModel. Without `noise`: none.
-  cv::Mat expose(const CameraShot& shot, const View& view, Random* noise) const;
+  /// The light that comes to the camera of a view that renderAlbedo() made, CV_32FC3: under this
+  /// environment's daylight and through its water instead of the world's. Lamps shine as effects have them;
+  /// nothing is smeared by motion.
+  cv::Mat lightIn(const Environment& environment, const CameraShot& shot, const View& albedo) const;
+  /// The numbers that become of light, see ImageModel. Without `noise`: none.
+  cv::Mat exposeLight(const CameraShot& shot, const cv::Mat& light, Random* noise) const;
+  /// The image that becomes of a view.
+  cv::Mat expose(const CameraShot& shot, const View& view, Random* noise) const {
+    return exposeLight(shot, lightMeanwhile(shot, view), noise);
+  }
   cv::Mat image(const CameraShot& shot, Random* noise) const { return expose(shot, render(shot), noise); }
 
  private:
@@ -63,10 +76,14 @@ class CameraStudio {
   Eye& eyeOf(const CameraModel& lens) const;
   Surface asSeen(const CameraShot& shot, const Surface& sea_floor_odom) const;
   const EffectParameters<double>& effectsOn(const CameraShot& shot) const;
+  void addSnow(const Environment& environment, const CameraShot& shot, const View& view,
+               cv::Mat& light) const;
   SceneLight<double> sceneLight(const CameraShot& shot) const;
   View render(const CameraShot& shot, const Lighting& lighting) const;
   Lighting lighting(const Pose& T_odom_robot, double daylight) const;
-  cv::Mat underLamp(const CameraShot& shot, const LampSheet& lamp) const;
+  cv::Mat underLamp(const CameraShot& shot, const LampSheet& lamp, const Water& water) const;
+  cv::Mat throughWater(const Environment& environment, const CameraShot& shot, const View& view) const;
+  cv::Mat lightMeanwhile(const CameraShot& shot, const View& view) const;
 
   CameraWorld world_;
   CameraSheet sheet_;

@@ -19,6 +19,9 @@ namespace {
 /// k.
 std::uint64_t noiseStream(std::size_t image, std::size_t side) { return (side + 1) << 32 | image; }
 
+/// Each eye of a pair draws flakes of its own: no two of them show the same one.
+std::uint64_t particleSeed(std::uint64_t seed, std::size_t side) { return seed ^ std::uint64_t{side} << 32; }
+
 /// Everything that one image depends on besides its number.
 struct Dive {
   const SimulationOptions& options;
@@ -43,7 +46,8 @@ struct Dive {
     return studio.image({{state.R_odom_robot, state.position_odom},
                          camera,
                          t_s,
-                         drawnFor(options.effects, options.seed, t_s)},
+                         drawnFor(options.effects, options.seed, t_s),
+                         particleSeed(options.seed, side)},
                         options.noise ? &noise : nullptr);
   }
 };
@@ -76,9 +80,9 @@ std::string inputsOf(const Dive& dive, const CameraWorld& world, std::size_t cou
          fingerprintOf(dive.sheet) + "\nmounting " + mountingFingerprint(dive.sheet) + "\nlamps " +
          fingerprintOf(options.vehicle.lamps) + "\nwater and light " + fingerprintOf(world.environment) +
          "\nscene " + fingerprintOf(sceneOf(world.panels, world.sea_floor_odom)) + "\nposes " +
-         posesFingerprint(dive, count) + "\n" +
-         (options.noise ? "noise of seed " + std::to_string(options.seed) : "no noise") + "\n" +
-         formatText(options.image_format) + formatCalibration(options.effects);
+         posesFingerprint(dive, count) + "\n" + (options.noise ? "noise" : "no noise, draws") + " of seed " +
+         std::to_string(options.seed) + "\n" + formatText(options.image_format) +
+         formatCalibration(options.effects);
 }
 
 }  // namespace

@@ -136,6 +136,11 @@ TEST(CompareFiducials, TellsWhatIsWrong) {
   expectRefused(" --map " + (folder / "absent.yaml").string() + vehicle + out, "absent.yaml");
   expectRefused(map + vehicle + out + " --recording a.rawlog", "excludes");
   expectRefused(out + " --recording " + (folder / "absent.rawlog").string(), "absent.rawlog");
+  expectRefused(map + vehicle + out + " --calibration " + (folder / "absent.yaml").string(), "absent.yaml");
+  expectRefused(" --calibration a.yaml --recording a.rawlog" + out, "excludes");
+  test::writeNew(folder / "calibration.yaml", "effects:\n  - {id: fog}\n");
+  expectRefused(map + vehicle + out + " --calibration " + (folder / "calibration.yaml").string(),
+                "unknown effect `fog`");
   test::writeNew(folder / "grid.yaml", "families: []\n");
   expectRefused(map + vehicle + out + " --grid " + (folder / "grid.yaml").string(),
                 "grid.yaml: families (line 1): must have at least one entry");

@@ -70,6 +70,30 @@ TEST(EvaluatePanelCommand, WritesAllAndTheSameBytesAgain) {
     EXPECT_EQ(readTextFile(folder / "first" / file), readTextFile(folder / "out" / file)) << file;
 }
 
+TEST(EvaluatePanelCommand, ExpectsTheErrorsOfALensThatIsKnown) {
+  const auto folder = scratchFolder();
+  const fs::path lens = folder / "lens.yaml";
+  writeTextFile(lens, "effects:\n  - {id: focal-scale, scale_error: 0.02, active_s: [10, 20]}\n");
+  const auto evaluated = [&](const std::string& more) {
+    const auto result =
+        runFathom(evaluatePanel(kPanelMap, kPanelVehicle, kClear) + " --views 6 --calibration " +
+                  shellQuoted(lens.string()) + more + " --out " + shellQuoted((folder / "out").string()));
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.out.find("Effects that are on: focal-scale"), std::string::npos) << result.out;
+    return nlohmann::json::parse(readTextFile(folder / "out/result.json"));
+  };
+  const auto error_m = [](const nlohmann::json& json) {
+    return json["waters"][0]["all"]["joint"]["position_error_m"]["mean"].get<double>();
+  };
+  const auto during = evaluated(" --at 15");
+  EXPECT_EQ(during["calibration"]["effects"], nlohmann::json({"focal-scale"}));
+  EXPECT_EQ(during["calibration"]["fingerprint"].get<std::string>().size(), 16U);
+  EXPECT_EQ(during["effects_at_s"], 15);
+  EXPECT_GT(error_m(during), 0.015);  // two percent of one to four metres
+  EXPECT_LT(error_m(during), 0.085);
+  EXPECT_LT(error_m(evaluated("")), 0.005);
+}
+
 TEST(EvaluatePanelCommand, RefusesInOneLine) {
   const auto folder = scratchFolder();
   const std::string bare = without(kPanelMap, "markers", folder / "panel.yaml");
@@ -86,6 +110,11 @@ TEST(EvaluatePanelCommand, RefusesInOneLine) {
   test::expectBadInput(runFathom(good + " --nearest 5"), "--nearest");
   test::expectBadInput(runFathom(good + " --water " + kClear), "there twice");
   test::expectBadInput(runFathom(good + " --water =" + kClear), "the name must");
+  test::expectBadInput(runFathom(good + " --at 3"), "--calibration");
+  test::expectBadInput(runFathom(good + " --calibration /no/such.yaml"), "/no/such.yaml");
+  writeTextFile(folder / "damaged.yaml", "effects:\n  - {id: gamma, exponent_error");
+  test::expectBadInput(runFathom(good + " --calibration " + shellQuoted((folder / "damaged.yaml").string())),
+                       "damaged.yaml");
   test::expectBadInput(runFathom("evaluate"), "fathom --help");
 }
 

@@ -12,9 +12,12 @@ namespace {
 namespace fs = std::filesystem;
 
 test::ProgramResult fitWaterOf(const RecordingFiles& recording, const fs::path& out,
-                               const fs::path& water = test::kConfig / "water_clear.yaml") {
+                               const fs::path& water = test::kConfig / "water_clear.yaml",
+                               const fs::path& calibration = {}) {
+  const std::string known =
+      calibration.empty() ? "" : " --calibration " + test::shellQuoted(calibration.string());
   return test::runFathom("fit-water " + test::shellQuoted(recording.rawlog.string()) + " --water " +
-                         test::shellQuoted(water.string()) +
+                         test::shellQuoted(water.string()) + known +
                          " --search-steps 6 --images 12 --held-out 4 --out " +
                          test::shellQuoted(out.string()));
 }
@@ -46,6 +49,20 @@ TEST(FitWaterCommand, WritesAWaterThatSimulateTakes) {
   const std::string before = readTextFile(out / "result.json");
   ASSERT_EQ(fitWaterOf(recording, out).status, 0);
   EXPECT_EQ(readTextFile(out / "result.json"), before);
+  EXPECT_FALSE(json.contains("calibration"));
+
+  // Told of a lens that is darker in the corners, which it was not: another water.
+  const fs::path lens = folder / "lens.yaml";
+  writeTextFile(lens, "effects:\n  - {id: vignetting, corner_loss: 0.3}\n");
+  const auto told = fitWaterOf(recording, folder / "told", test::kConfig / "water_clear.yaml", lens);
+  ASSERT_EQ(told.status, 0) << told.err;
+  const auto with = nlohmann::json::parse(readTextFile(folder / "told/result.json"));
+  EXPECT_EQ(with.at("calibration").at("file"), lens.string());
+  EXPECT_EQ(with.at("calibration").at("effects"), nlohmann::json({"vignetting"}));
+  EXPECT_NE(with.at("fit").at("environment"), json.at("fit").at("environment"));
+  EXPECT_NE(readTextFile(folder / "told/r_water.yaml").find("beside the effects of"), std::string::npos);
+  EXPECT_NE(readTextFile(folder / "told/report.html").find("Effects that are on: vignetting"),
+            std::string::npos);
 }
 
 TEST(FitWaterCommand, WhatCannotBeFittedIsOneLine) {
@@ -57,6 +74,10 @@ TEST(FitWaterCommand, WhatCannotBeFittedIsOneLine) {
   fs::create_directories(folder / "near");
   const auto near = test::simulateForSil(folder / "near", {.images = 2});
   test::expectBadInput(fitWaterOf(near, folder / "out"), "only ");
+  const fs::path clear = test::kConfig / "water_clear.yaml", damaged = folder / "damaged.yaml";
+  test::expectBadInput(fitWaterOf(near, folder / "out", clear, folder / "absent.yaml"), "absent.yaml");
+  writeTextFile(damaged, "effects: [{id: gamma}]\n");
+  test::expectBadInput(fitWaterOf(near, folder / "out", clear, damaged), "exponent_error");
   const fs::path lamps = folder / "lamps.yaml";
   writeTextFile(lamps, readTextFile(test::kSilWater) + "lamps_irradiance_1m: [1, 1, 1]\n");
   test::expectBadInput(fitWaterOf(near, folder / "out", lamps), "water is fitted in daylight only");

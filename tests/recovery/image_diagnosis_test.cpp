@@ -59,7 +59,7 @@ TEST_P(HiddenImageEffect, IsNamed) {
 INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenImageEffect,
                          testing::Values("separate-backscatter", "slant-range", "lamp", "forward-scatter",
                                          "vignetting", "gamma", "dark-offset", "turbidity-plume",
-                                         "dvl-latency"));
+                                         "motion-blur", "marine-snow", "dvl-latency"));
 
 /// What this run's images were given of what is drawn for each: by how much it scatters about its mean.
 double spreadGiven(const test::BatchRun& run, const EffectInfo& effect,
@@ -98,11 +98,16 @@ TEST_P(HiddenDrawnEffect, IsNamed) {
   const EffectEstimate& found = diagnosis.effects[0].estimates[0];
   EXPECT_NEAR(found.value, spreadGiven(hidden.run, effect, input.data.patches), 0.03 * kSpread);
   EXPECT_NEAR(found.value, kSpread, 3 * found.sigma);
+  std::map<std::size_t, double> off;
+  double mean = 0;
   for (const ImagePatch& patch : input.data.patches) {
     const double value = diagnosis.after.state.draws.at({effect.first_scalar, patch.image});
     const auto truth = drawnFor(hidden.run.effects, hidden.run.seed, patch.t_s);
-    EXPECT_NEAR(value, truth.values[effect.first_scalar], 0.01);
+    off[patch.image] = value - truth.values[effect.first_scalar];
   }
+  for (const auto& [image, error] : off) mean += error / static_cast<double>(off.size());
+  for (const auto& [image, error] : off) EXPECT_NEAR(error, mean, 0.003) << image;
+  EXPECT_LT(std::abs(mean), 4 * kSpread / std::sqrt(static_cast<double>(off.size())));
 }
 INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenDrawnEffect, testing::Values("auto-exposure", "sun-flicker"));
 

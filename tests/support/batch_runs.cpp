@@ -143,6 +143,50 @@ std::vector<ImagePatch> BatchRun::patches() const {
   }
 }
 
+// Of the same markers.
+std::vector<MarkerBlur> BatchRun::blurs() const {
+  constexpr double kSigma_px2 = 0.15, kLens_px2 = 0.06;
+  const SimulationOptions simulation = options();
+  Random random = Random::stream(seed, 80);
+  std::vector<MarkerBlur> blurs;
+  for (const ImagePatch& patch : patches()) {
+    if (patch.place % 2 != 0) continue;
+    MarkerBlur blur;
+    blur.t_s = patch.t_s;
+    blur.image = patch.image;
+    blur.place = patch.place / 2;
+    blur.point_panel = patch.point_panel;
+    blur.pixel = patch.pixel;
+    blur.camera = vehicle.camera->model;
+    blur.T_robot_camera = patch.T_robot_camera;
+    blur.covariance_px4 = kSigma_px2 * kSigma_px2 * Matrix3d::Identity();
+    const auto state =
+        path_.at(simulation.begin_s + patch.t_s + validityOffset<Sensor::camera>(effects, patch.t_s));
+    blur.variance_px2 = predictBlur(state, nominalPlacement<double>(panel.T_odom_panel, patch.t_s), blur,
+                                    kLens_px2, effects, patch.t_s);
+    if (noise) blur.variance_px2 += kSigma_px2 * random.normal3();
+    blurs.push_back(blur);
+  }
+  return blurs;
+}
+
+// In each of the images that show markers, before some square decimetres of panel.
+std::vector<ImageSpecks> BatchRun::specks() const {
+  Random random = Random::stream(seed, 81);
+  std::vector<ImageSpecks> specks;
+  for (const ImagePatch& patch : patches()) {
+    if (!specks.empty() && specks.back().image == patch.image) continue;
+    ImageSpecks seen{.t_s = patch.t_s, .image = patch.image};
+    seen.volumes.visible_m3 = {0.03, 0.02, 0.002};
+    const BySpeckClass expected = predictSpecks(seen.volumes, effects, patch.t_s);
+    seen.sigma = (1 + expected).sqrt();
+    const Vector3d error = noise ? random.normal3() : Vector3d(Vector3d::Zero());
+    seen.counted = expected + seen.sigma * error.array();
+    specks.push_back(seen);
+  }
+  return specks;
+}
+
 BatchInput BatchRun::input(const std::vector<Sample>& all,
                            const EffectParameters<double>& calibration) const {
   BatchInput input =
@@ -150,6 +194,8 @@ BatchInput BatchRun::input(const std::vector<Sample>& all,
                  detections(), vehicle, {panel}, calibration);
   if (!pixels) return input;
   input.data.patches = patches();
+  input.data.blurs = blurs();
+  input.data.specks = specks();
   input.data.water = environmentOf(1.02 * coastalWater());  // the fit starts a little off
   return input;
 }

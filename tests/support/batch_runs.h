@@ -27,8 +27,9 @@ struct BatchRun {
   bool noise = true;
   double corner_sigma_px = 0.15;
   std::uint64_t seed = 1;
-  PanelMap panel;       ///< as the map has it
-  bool pixels = false;  ///< black and white of each marker, straight from the forward model of light
+  PanelMap panel;  ///< as the map has it
+  bool pixels =
+      false;  ///< black, white and edges of each marker and specks, straight from the forward models
 
   // What no effect describes.
   std::optional<PanelMap> true_panel;  ///< where it is not as the map has it
@@ -42,6 +43,8 @@ struct BatchRun {
   std::vector<Sample> samples() const;
   Detections detections() const;
   std::vector<ImagePatch> patches() const;
+  std::vector<MarkerBlur> blurs() const;
+  std::vector<ImageSpecks> specks() const;
   BatchInput input(const EffectParameters<double>& calibration = {}) const {
     return input(samples(), calibration);
   }

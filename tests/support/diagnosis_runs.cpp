@@ -183,7 +183,9 @@ bool withinLimits(const EffectParameters<double>& effects) {
     std::size_t scalar = effect.first_scalar;
     for (const Parameter& parameter : effect.parameters)
       for (int i = 0; i < parameter.size; ++i, ++scalar)
-        if (effects.on[effect.index] && std::abs(effects.values[scalar]) > parameter.limit) return false;
+        if (effects.on[effect.index] &&
+            std::abs(asNamed(parameter, effects.values[scalar])) > parameter.limit)
+          return false;
   }
   return true;
 }

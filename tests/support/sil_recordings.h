@@ -48,20 +48,28 @@ inline RecordingFiles simulateBeforePanel(const std::filesystem::path& folder, c
                            {folder, "r", kRov, kDexrovMap, "a test", readEnvironment(water)});
 }
 
+/// A station 2 m before the panel: the text of its file, and the path that it is.
+inline std::string silTrajectory(double yaw_deg = 1) {
+  return "kind: station\npose: {x: 3.9, y: 0.05, z: -4.25, yaw_deg: " + std::to_string(yaw_deg) +
+         "}\nduration_s: 20\nsway:\n  - {axis: y, amplitude_m: 0.1, period_s: 7}\n"
+         "  - {axis: roll, amplitude_deg: 4, period_s: 5}\n";
+}
+inline constexpr double kSilBegin_s = 5;  ///< on that path, of the recording
+inline Trajectory silPath() {
+  const std::filesystem::path file = scratchFolder() / "path.yaml";
+  writeTextFile(file, silTrajectory());
+  return readTrajectory(file);
+}
+
 inline RecordingFiles simulateForSil(const std::filesystem::path& folder,
                                      const SilRecordingOptions& wanted = {}) {
   SimulationOptions options = smallCameraOptions();
-  options.begin_s = 5;
+  options.begin_s = kSilBegin_s;
   options.duration_s = wanted.images - 0.5;
   options.noise = wanted.noise;
   options.effects = wanted.effects;
   if (wanted.stereo) options.vehicle.camera->T_left_right = Pose{Matrix3d::Identity(), {0.1, 0, 0}};
-  return simulateBeforePanel(
-      folder,
-      "kind: station\npose: {x: 3.9, y: 0.05, z: -4.25, yaw_deg: " + std::to_string(wanted.yaw_deg) +
-          "}\nduration_s: 20\nsway:\n  - {axis: y, amplitude_m: 0.1, period_s: 7}\n"
-          "  - {axis: roll, amplitude_deg: 4, period_s: 5}\n",
-      kSilWater, options);
+  return simulateBeforePanel(folder, silTrajectory(wanted.yaw_deg), kSilWater, options);
 }
 
 /// What the simulator above knew. Its vehicle's camera differs from the vehicle file's in size only.

@@ -6,9 +6,11 @@ namespace fathom::test {
 
 /// An approach to the shipped panel in this water, one image of 320 x 240 px a second, from 3.5 to 1.4 m.
 inline RecordingFiles simulateApproach(const std::filesystem::path& folder, const std::string& water,
-                                       std::uint64_t seed = 1, double seconds = 24) {
+                                       std::uint64_t seed = 1, double seconds = 24,
+                                       const EffectParameters<double>& effects = {}) {
   SimulationOptions options = smallCameraOptions();
   options.seed = seed;
+  options.effects = effects;
   options.duration_s = seconds - 1;
   return simulateBeforePanel(
       folder,

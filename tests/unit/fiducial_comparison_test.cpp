@@ -25,9 +25,9 @@ FiducialGrid smallGrid() {
 std::vector<FiducialResult> compared(const FiducialGrid& grid, const fs::path& folder, std::size_t threads) {
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
   fs::create_directories(folder);
-  const CameraSheet sheet = *readVehicle(test::writeSmallVehicle(folder)).camera;
+  const Vehicle vehicle = readVehicle(test::writeSmallVehicle(folder));
   const PanelMap map = readPanelMap(std::string(FATHOM_SOURCE_DIR) + "/maps/dexrov/panel.yaml");
-  return compareFiducials(grid, map, sheet, folder);
+  return compareFiducials(grid, map, vehicle, folder);
 }
 
 TEST(FiducialComparison, NearMarkersAreFoundAndFarOnesAreNot) {
@@ -52,6 +52,22 @@ TEST(FiducialComparison, NearMarkersAreFoundAndFarOnesAreNot) {
       EXPECT_TRUE(std::isnan(group.score.cornerRms_px()));
     }
   }
+}
+
+// One blur does not add to the next: what is found of four alike differs by noise only. (Two of them added up
+// would be 2.1 px, and four 3 px: a third of a cell.)
+TEST(FiducialComparison, EachBlurIsOfTheSharpImage) {
+  FiducialGrid grid = smallGrid();
+  grid.families = {"tag36h11"};
+  grid.ranges_m = {1.2};
+  grid.tilts_rad = {0};
+  grid.waters.resize(1);
+  grid.blurs_px = {1.5, 1.5, 1.5, 1.5};
+  std::array<int, 4> found{};
+  for (const FiducialResult& result : compared(grid, test::scratchFolder() / "chunks", 2))
+    found.at(result.image.blur) += result.score.found;
+  EXPECT_GT(found[0], 4);
+  for (const int of_blur : found) EXPECT_NEAR(of_blur, found[0], 3);
 }
 
 TEST(FiducialComparison, AllFamiliesShowTheSameMarkers) {
@@ -86,6 +102,14 @@ TEST(FiducialComparison, OtherInputsBeginAnew) {
   const auto other = formatResults(grid, compared(grid, folder / "a", 2));
   EXPECT_NE(first, other);
   EXPECT_EQ(other, formatResults(grid, compared(grid, folder / "b", 2)));
+  grid.effects.add<Gamma>({0.5});
+  const auto with_effect = formatResults(grid, compared(grid, folder / "a", 2));
+  EXPECT_NE(with_effect, other);
+  EXPECT_EQ(with_effect, formatResults(grid, compared(grid, folder / "c", 2)));
+  grid.effects.active_s[kEffectIndex<Gamma>] = {10, 20};  // the views are taken at 0
+  EXPECT_EQ(formatResults(grid, compared(grid, folder / "a", 2)), other);
+  grid.t_s = 15;
+  EXPECT_EQ(formatResults(grid, compared(grid, folder / "a", 2)), with_effect);
 }
 
 TEST(FiducialComparison, RefusesAnEmptyGrid) {

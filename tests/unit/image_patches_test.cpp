@@ -1,4 +1,5 @@
-// Patches of images: with every effect on light, what they should read is what the image has.
+// Patches, edges and specks of images: with every effect on light, what they should read is what the image
+// has.
 #include "environment/image_patches.h"
 
 #include <gtest/gtest.h>
@@ -6,6 +7,8 @@
 #include "effects/catalogue.h"
 #include "effects/drawn.h"
 #include "sensors/image_patch.h"
+#include "sensors/marine_snow.h"
+#include "sensors/marker_blur.h"
 #include "support/sil_recordings.h"
 
 namespace fathom {
@@ -24,6 +27,8 @@ EffectParameters<double> withOnly(const EffectInfo& effect) {
 
 struct Seen {
   std::vector<ImagePatch> patches;
+  std::vector<MarkerBlur> blurs;
+  std::vector<ImageSpecks> specks;
   std::vector<PosedImage> posed;
 };
 
@@ -35,7 +40,15 @@ Seen seenWith(const EffectParameters<double>& effects) {
       posedImages(recording.rawlog, readPanelMaps(test::kDexrovMap), test::silDetection()), recording.rawlog);
   const PairMaker maker(test::silWorld(), {}, test::silDetection());
   const Time time_zero = RawlogReader(recording.rawlog).next()->time;
-  return {imagePatches(images.posed, maker, time_zero).patches, images.posed};
+  ImagePatches found = imagePatches(images.posed, maker, time_zero);
+  return {std::move(found.patches), std::move(found.blurs), std::move(found.specks), images.posed};
+}
+
+KinematicState<double> stateOf(const PosedImage& posed) {
+  KinematicState<double> state;
+  state.position_odom = posed.T_odom_robot.pose.position;
+  state.R_odom_robot = posed.T_odom_robot.pose.rotation;
+  return state;
 }
 
 class PatchesWithEffect : public testing::TestWithParam<std::size_t> {};
@@ -52,9 +65,7 @@ TEST_P(PatchesWithEffect, ReadWhatTheImageHas) {
   double error = 0, change = 0, count = 0;
   for (const ImagePatch& patch : seen.patches) {
     const PosedImage& posed = seen.posed.at(patch.image);
-    KinematicState<double> state;
-    state.position_odom = posed.T_odom_robot.pose.position;
-    state.R_odom_robot = posed.T_odom_robot.pose.rotation;
+    const KinematicState<double> state = stateOf(posed);
     const auto panel = nominalPlacement<double>(world.panels[patch.panel].T_odom_panel, patch.t_s);
     const auto with = [&](const EffectParameters<double>& these) {
       return predictPatch(state, panel, patch, world.vehicle.lamps, water, these, patch.t_s);
@@ -70,18 +81,89 @@ TEST_P(PatchesWithEffect, ReadWhatTheImageHas) {
   EXPECT_GT(change / count, 3) << effect.id;
 }
 
+/// By the stage that an effect acts at it is seen in edges, as specks, or else in patches.
+template <class Stage>
+bool actsAt(std::size_t effect) {
+  EffectParameters<double> alone;
+  alone.on.set(effect);
+  return anyActsAt<Stage>(alone);
+}
+bool showsInEdges(std::size_t effect) { return actsAt<ExposureTime<double>>(effect); }
+bool showsAsSpecks(std::size_t effect) { return actsAt<SuspendedParticles<double>>(effect); }
+bool showsInPatches(std::size_t effect) { return !showsInEdges(effect) && !showsAsSpecks(effect); }
+
 std::vector<std::size_t> lightEffects() {
   std::vector<std::size_t> effects;
   for (const EffectInfo& effect : allEffects())
     if (effect.text.channel == EffectChannel::image) effects.push_back(effect.index);
   return effects;
 }
-INSTANTIATE_TEST_SUITE_P(ImagePatches, PatchesWithEffect, testing::ValuesIn(lightEffects()),
-                         [](const auto& info) {
-                           std::string name(allEffects()[info.param].id);
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+std::vector<std::size_t> effectsInPatches() {
+  std::vector<std::size_t> effects = lightEffects();
+  std::erase_if(effects, [](std::size_t effect) { return !showsInPatches(effect); });
+  return effects;
+}
+std::string nameOfTest(const testing::TestParamInfo<std::size_t>& info) {
+  std::string name(allEffects()[info.param].id);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+INSTANTIATE_TEST_SUITE_P(ImagePatches, PatchesWithEffect, testing::ValuesIn(effectsInPatches()), nameOfTest);
+
+class EdgesWithEffect : public testing::TestWithParam<std::size_t> {};
+
+// Whatever else is done to light, edges are as soft as rendered, but for what smears them: by so many of
+// their own sigmas. The mean square is of some dozens, whose shapes are the panel's: up to two.
+TEST_P(EdgesWithEffect, AreAsSoftAsPredicted) {
+  const EffectInfo& effect = allEffects()[GetParam()];
+  EffectParameters<double> effects = withOnly(effect);
+  if (showsInEdges(effect.index)) effects.values[effect.first_scalar] = 0.1 * 0.1;
+  const SilWorld world = test::silWorld();
+  const Seen seen = seenWith(effects);
+  ASSERT_GT(seen.blurs.size(), 15U);
+  const Trajectory path = test::silPath();
+  double error = 0, change = 0;
+  for (const MarkerBlur& blur : seen.blurs) {
+    const auto panel = nominalPlacement<double>(world.panels[blur.panel].T_odom_panel, blur.t_s);
+    const KinematicState<double> state = path.at(test::kSilBegin_s + blur.t_s);
+    const auto squareWith = [&](const EffectParameters<double>& these) {
+      const Vector3d off = blur.variance_px2 - predictBlur(state, panel, blur, 0.0, these, blur.t_s);
+      return off.dot(blur.covariance_px4.ldlt().solve(off)) / 3;
+    };
+    error += squareWith(effects);
+    change += squareWith({});
+  }
+  const auto count = static_cast<double>(seen.blurs.size());
+  EXPECT_LT(error / count, 2) << effect.id;
+  if (showsInEdges(effect.index)) {
+    EXPECT_GT(change / count, 10) << effect.id;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(ImagePatches, EdgesWithEffect, testing::ValuesIn(lightEffects()), nameOfTest);
+
+class SpecksWithEffect : public testing::TestWithParam<std::size_t> {};
+
+// Only what drifts in the water makes specks: as many as the volumes say, by Poisson's law.
+TEST_P(SpecksWithEffect, AreAsManyAsPredicted) {
+  const EffectInfo& effect = allEffects()[GetParam()];
+  EffectParameters<double> effects = withOnly(effect);
+  if (showsAsSpecks(effect.index)) effects.values[effect.first_scalar] = 500;
+  BySpeckClass counted = BySpeckClass::Zero(), expected = BySpeckClass::Zero();
+  for (const ImageSpecks& specks : seenWith(effects).specks) {
+    counted += specks.counted;
+    expected += predictSpecks(specks.volumes, effects, specks.t_s);
+    EXPECT_GT(specks.volumes.visible_m3.sum(), 0.01);
+  }
+  if (!showsAsSpecks(effect.index)) {
+    EXPECT_LE(counted.sum(), 1) << effect.id;
+    EXPECT_EQ(expected.sum(), 0) << effect.id;
+    return;
+  }
+  EXPECT_GT(expected.sum(), 10);
+  for (int k = 0; k < kSpeckClasses; ++k)
+    EXPECT_NEAR(counted[k], expected[k], 4 * std::sqrt(1 + expected[k])) << effect.id << " " << k;
+}
+INSTANTIATE_TEST_SUITE_P(ImagePatches, SpecksWithEffect, testing::ValuesIn(lightEffects()), nameOfTest);
 
 }  // namespace
 }  // namespace fathom

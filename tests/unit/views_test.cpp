@@ -144,6 +144,43 @@ TEST(ViewStudio, ShowsMarkersWhereTheViewHasThem) {
   EXPECT_THROW(ViewStudio(dexrov(), blind, water), std::invalid_argument);
 }
 
+/// A view from two metres, with these effects.
+cv::Mat imageWith(const EffectParameters<double>& effects, CameraView view = {}) {
+  static const Environment water = readEnvironment(kSource / "config/water_clear.yaml");
+  view.range_m = 2;
+  return ViewStudio(dexrov(), rov(), water, effects).image(view, 1);
+}
+
+TEST(ViewStudio, DrawsEffectsForEachView) {
+  EffectParameters<double> effects;
+  effects.add<AutoExposure>({0.3});
+  CameraView other;
+  other.number = 1;
+  const double nominal = cv::mean(imageWith({}))[1], one = cv::mean(imageWith(effects))[1],
+               another = cv::mean(imageWith(effects, other))[1];
+  EXPECT_GT(std::abs(one / nominal - 1), 0.01);
+  EXPECT_GT(std::abs(another / one - 1), 0.01);
+  EXPECT_EQ(cv::norm(imageWith(effects), imageWith(effects), cv::NORM_INF), 0);
+}
+
+TEST(ViewStudio, HasTheEffectsOfTheViewsTime) {
+  EffectParameters<double> effects;
+  effects.add<Gamma>({0.5});
+  effects.active_s[kEffectIndex<Gamma>] = {10, 20};
+  CameraView later;
+  later.t_s = 15;
+  EXPECT_EQ(cv::norm(imageWith(effects), imageWith({}), cv::NORM_INF), 0);
+  EXPECT_LT(cv::mean(imageWith(effects, later))[1], 0.8 * cv::mean(imageWith({}))[1]);
+}
+
+TEST(ViewStudio, KeepsCameraAndPanelWhereTheViewHasThem) {
+  EffectParameters<double> effects;
+  effects.add<CameraMisalignment>({3, 2, 1});
+  effects.add<PanelMoved>({0, 0.2, 0.1, 0.1, 5});
+  const cv::Mat with = imageWith(effects), nominal = imageWith({});
+  EXPECT_LT(cv::norm(with, nominal, cv::NORM_L1) / static_cast<double>(nominal.total()), 0.01);
+}
+
 TEST(CameraView, AViewIsFoundFromItsPose) {
   for (std::uint64_t k = 0; k < 20; ++k) {
     const CameraView view = drawView({}, 3, k);

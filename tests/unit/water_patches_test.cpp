@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "environment/patches.h"
-#include "environment/water_camera.h"
+#include "sensors/image_model.h"
 #include "support/shipped.h"
 
 namespace fathom {
@@ -28,7 +28,15 @@ struct WallScene {
   View clean = wall(sheet.model);
   cv::Mat z_per_range = cosinesOf(sheet.model);
   Environment water = readEnvironment(test::kConfig / "water_moderate.yaml");
-  cv::Mat image = WaterCamera(sheet, sheet.model, std::nullopt, 1).image(clean, water, 0);
+  cv::Mat image = seenThrough(water);
+
+  cv::Mat seenThrough(const Environment& environment) const {
+    const ImageModel model(sheet, environment.water);
+    const Vector3d& ambient = environment.ambient;
+    const cv::Mat scene = clean.radiance.mul(cv::Scalar(ambient[0], ambient[1], ambient[2]));
+    Random noise = Random::stream(1, 0);
+    return model.expose(model.light(scene, clean.range_m), &noise);
+  }
 
   PatchSet patches() const {
     return patchesOf(image, clean, everywhere(clean), z_per_range, squareLabels(image.size()), sheet);

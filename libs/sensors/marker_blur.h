@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+
+#include "sensors/camera_geometry.h"
+
+/// How much softer a marker's edges are in an image than rendered.
+namespace fathom {
+
+/// Standard deviation of the smoothing under which edges are compared, see environment/edge_blur.h.
+inline constexpr double kEdgeSmoothing_px = 1.5;
+
+/// Of one marker in one image: a normal blur's covariance, as xx, xy, yy.
+struct MarkerBlur {
+  double t_s = 0;  ///< the image's stamp, since the recording's first entry
+  std::size_t image = 0, eye = 0, panel = 0;
+  int place = 0;                            ///< number of the marker among all panels'
+  Vector3d point_panel = Vector3d::Zero();  ///< its centre
+  Vector2d pixel = Vector2d::Zero();        ///< where that is seen
+  CameraModel camera;
+  Pose T_robot_camera;  ///< nominal mounting of this very eye
+  Vector3d variance_px2 = Vector3d::Zero();
+  Matrix3d covariance_px4 = Matrix3d::Identity();  ///< of that
+};
+
+/// Velocity in the image (px/s, without the lens' distortion) of what is at a point in the camera's frame,
+/// seen by a camera that moves so, in its own frame.
+template <class T>
+Vector2<T> imageVelocity(const CameraModel& camera, const Vector3<T>& point_camera,
+                         const Vector3<T>& velocity_camera, const Vector3<T>& angular_velocity_camera) {
+  const Vector3<T> motion = -velocity_camera - angular_velocity_camera.cross(point_camera);
+  const T& z = point_camera.z();
+  return {camera.fx_px * (motion.x() - point_camera.x() / z * motion.z()) / z,
+          camera.fy_px * (motion.y() - point_camera.y() / z * motion.z()) / z};
+}
+
+/// What a marker's blur should be: px², xx, xy, yy. `state` is the robot's motion when the image was valid,
+/// `panel` its panel's nominal pose, `lens_px2` what lens and pixels blur, alike to all sides. What moves
+/// across the image by w px while the shutter is open has a uniform blur, of variance v = w²/12 along w. The
+/// normal blur that is nearest to it where a step is smoothed by s is a little wider: by 0.15 v² / (v + s²),
+/// to first order in the fourth cumulant, -1.2 v².
+template <class T>
+Vector3<T> predictBlur(const KinematicState<T>& state, const PanelPlacement<T>& panel,
+                       const MarkerBlur& marker, const T& lens_px2, const EffectParameters<T>& effects,
+                       double t_s) {
+  const auto mount = cameraMounting(marker.T_robot_camera, effects, t_s);
+  const auto moving = movingWith(state, mount, CameraProjector<T>::nominal(marker.camera));
+  const Vector3<T> point_odom = panel.position_odom + panel.R_odom_panel * marker.point_panel.cast<T>();
+  const Vector3<T> point_camera =
+      mount.R_robot_sensor.transpose() *
+      (state.R_odom_robot.transpose() * (point_odom - state.position_odom) - mount.position_robot);
+  const Vector2<T> velocity_px_s =
+      imageVelocity<T>(marker.camera, point_camera, moving.velocity_camera, moving.angular_velocity_camera);
+  ExposureTime<T> exposure;
+  applyEffects(effects, t_s, exposure);
+  const T variance_px2 = exposure.squared_s2 / 12.0 * velocity_px_s.squaredNorm();
+  const T wider = 1.0 + 0.15 * variance_px2 / (variance_px2 + kEdgeSmoothing_px * kEdgeSmoothing_px);
+  const T share = wider * exposure.squared_s2 / 12.0;
+  return {lens_px2 + share * velocity_px_s.x() * velocity_px_s.x(),
+          share * velocity_px_s.x() * velocity_px_s.y(),
+          lens_px2 + share * velocity_px_s.y() * velocity_px_s.y()};
+}
+
+}  // namespace fathom
