@@ -16,9 +16,9 @@ struct MarineSnow {
       .channel = EffectChannel::image,
       .title = "Flakes drift between the camera and the scene: specks in the image, others in each",
       .equation =
-          "light = (1 - covered) light + covered (0.5 ambient exp(-a z) + veil (1 - exp(-a z))), covered:\n"
-          "share of the pixel behind discs of 3 mm, z away, strewn over the water by Poisson's law with\n"
-          "the density particles_per_m3",
+          "light = (1 - covered) light + covered flake, a flake's light being\n"
+          "0.5 ambient exp(-a z) + veil (1 - exp(-a z)); covered: share of the pixel behind\n"
+          "discs of 3 mm, z away, strewn by Poisson's law with density particles_per_m3",
       .source =
           "Alldredge & Silver 1988 (aggregates from half a millimetre to centimetres, some a litre of the "
           "smallest at the coast); of one size, flat and gray here",

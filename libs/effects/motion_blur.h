@@ -16,8 +16,8 @@ struct MotionBlur {
       .channel = EffectChannel::image,
       .title = "The shutter is open for so long that what moves is smeared along its way",
       .equation =
-          "light = mean of the light along w exposure_s, w the pixel's velocity in the image;\n"
-          "of an edge's blur, a covariance, w w^T exposure_s^2 / 12 more",
+          "light = mean of the light along w exposure_s, w the pixel's velocity; an edge's\n"
+          "blur, a covariance, is w w^T exposure_s^2 / 12 more",
       .source =
           "Potmesil & Chakravarty 1983, modeling motion blur: an image is the mean over the time for which "
           "the shutter is open; a uniform distribution's variance is its width's square by 12",

@@ -17,7 +17,7 @@ namespace fathom {
 namespace {
 
 constexpr std::size_t kFewestOfLabel = 60;    // pixels, for ten times as many as the polynomial has terms
-constexpr std::size_t kEnoughOfLabel = 4000;  // more are left out of its fit
+constexpr std::size_t kEnoughOfLabel = 1000;  // more are left out of its fit
 constexpr double kFullScale = 0.98;           // brighter ones may be clipped
 constexpr int kCell_px = 16;                  // over which volumes a pixel are taken for one
 
@@ -83,7 +83,7 @@ class PlainFit {
 
   /// From the median on, each time with Tukey's weights (Beaton & Tukey 1974).
   Terms solve() const {
-    constexpr int kRounds = 10;
+    constexpr int kRounds = 6;
     constexpr double kTukey = 4.685;
     Terms solution = Terms::Zero();
     solution[0] = quantile({light_.begin(), light_.end()}, 0.5);

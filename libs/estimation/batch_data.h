@@ -10,6 +10,7 @@
 #include "landmarks/tie_points.h"
 #include "panel/panel_map.h"
 #include "recording/sample_source.h"
+#include "sensors/detected_corners.h"
 #include "sensors/image_patch.h"
 #include "sensors/marine_snow.h"
 #include "sensors/marker_blur.h"
@@ -84,6 +85,7 @@ struct BatchMarker {
   CameraModel camera;   ///< of this eye
   Pose T_robot_camera;  ///< nominal mounting of the left one
   Pose T_left_right;    ///< of the left eye: identity
+  EdgeLight light;      ///< as it would be at an estimate; set by BatchProblem
 };
 
 /// One point that both eyes of a pair see, wherever it is: their lines of sight should meet. A reading in

@@ -351,15 +351,18 @@ void BatchProblem::addReadings() {
 
 void BatchProblem::addMarkers() {
   for (std::size_t i = 0; i < data_.markers.size(); ++i) {
-    const BatchMarker& seen = data_.markers[i];
+    BatchMarker seen = data_.markers[i];
     if (!hasPose(seen.image)) continue;
     const Pose T_odom_camera =
         motionAt(seen.t_s, seen.image).T_odom_robot * seen.T_robot_camera * seen.T_left_right;
     const Vector3d centre_odom = reference_.T_odom_panel[seen.panel] * seen.marker.T_panel_marker.position;
-    if ((T_odom_camera.inverse() * centre_odom).z() < seen.marker.size_m) {
+    const double z_m = (T_odom_camera.inverse() * centre_odom).z();
+    if (z_m < seen.marker.size_m) {
       ++behind_camera_;
       continue;
     }
+    seen.light = {data_.vehicle.camera ? data_.vehicle.camera->response_gamma : 1.0,
+                  darkOverBright(data_.panels[seen.panel], environmentOf(reference_.water), z_m)};
     Vector8d corners;
     for (std::size_t k = 0; k < 4; ++k)
       corners.segment<2>(static_cast<Eigen::Index>(2 * k)) = seen.detection.corners_px[k];

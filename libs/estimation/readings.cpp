@@ -203,16 +203,17 @@ struct UsblReader {
 
 struct MarkerReader {
   static constexpr Sensor kSensor = Sensor::camera;
-  using Stages =
-      StageList<Mounting<double, Sensor::camera>, ValidityOffset<double, Sensor::camera>, FlatPort<double>,
-                Intrinsics<double>, Shutter<double>, MarkerPlacement<double>, PanelPlacement<double>>;
+  using Stages = StageList<Mounting<double, Sensor::camera>, ValidityOffset<double, Sensor::camera>,
+                           FlatPort<double>, Intrinsics<double>, Shutter<double>, MarkerPlacement<double>,
+                           PanelPlacement<double>, PixelResponse<double>>;
   static std::vector<int> motion() { return triples({kPositionColumn, kOrientationColumn}); }
   BatchMarker seen;
   double t_s;
   template <class T>
   Eigen::Matrix<T, 8, 1> predict(const Inputs<T>& in) const {
-    const auto corners = predictCorners(in.state, in.panel, seen.marker, seen.camera, seen.T_robot_camera,
-                                        in.effects, t_s, seen.T_left_right);
+    const auto corners =
+        predictDetectedCorners(in.state, in.panel, seen.marker, seen.camera, seen.T_robot_camera, seen.light,
+                               in.effects, t_s, seen.T_left_right);
     Eigen::Matrix<T, 8, 1> all;
     for (Eigen::Index k = 0; k < 4; ++k)
       all.template segment<2>(2 * k) = corners[static_cast<std::size_t>(k)];

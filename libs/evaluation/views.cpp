@@ -116,7 +116,8 @@ CameraShot ViewStudio::shot(const CameraView& view) const {
 
 CameraShot ViewStudio::shot(const CameraView& view, std::uint64_t seed) const {
   CameraShot shot = this->shot(view);
-  shot.effects = drawnFor(effects_, Random::stream(seed, drawStream(view.number)).bits(), view.t_s);
+  shot.particle_seed = Random::stream(seed, drawStream(view.number)).bits();
+  shot.effects = drawnFor(effects_, shot.particle_seed, view.t_s);
   return shot;
 }
 

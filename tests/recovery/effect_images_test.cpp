@@ -8,7 +8,7 @@
 #include "fiducials/single_marker_pose.h"
 #include "landmarks/landmark_source.h"
 #include "render/scene.h"
-#include "sensors/camera_geometry.h"
+#include "sensors/detected_corners.h"
 #include "simulation/image_simulator.h"
 #include "simulation/read_trajectory.h"
 #include "support/shared_data.h"
@@ -101,8 +101,13 @@ class EffectImages : public testing::Test {
       if (marker == nullptr) continue;
       const auto predicted = [&](const KinematicState<double>& motion,
                                  const EffectParameters<double>& effects) {
-        return predictCorners(motion, panel, *marker, sheet.model, sheet.T_robot_camera, effects, 0,
-                              T_left_eye);
+        const Vector3d centre_odom = world_.panels[0].T_odom_panel * marker->T_panel_marker.position;
+        const Pose T_odom_camera = Pose{motion.R_odom_robot, motion.position_odom} * sheet.T_robot_camera;
+        const double z_m = (T_odom_camera.inverse() * centre_odom).z();
+        const EdgeLight light{sheet.response_gamma,
+                              darkOverBright(world_.panels[0], world_.environment, z_m)};
+        return predictDetectedCorners(motion, panel, *marker, sheet.model, sheet.T_robot_camera, light,
+                                      effects, 0, T_left_eye);
       };
       const auto with = predicted(state, options_.effects), nominal = predicted(at_stamp, {});
       for (std::size_t k = 0; k < 4; ++k, ++corners) {
@@ -168,6 +173,14 @@ TEST_F(EffectImages, ACameraCalibratedInAirSeesThroughItsPort) {
   standAt(3.6);
   const Case effect = only<FlatPortRefraction>(20, 0.3, {0.03, 0.01, 0.5, 0, 0.34});
   expectFound(effect, simulated(effect.effects), 0.5, 1.0);
+}
+
+/// White spreads over black: by a tenth of a pixel, to a fifth of that.
+TEST_F(EffectImages, AnotherResponseShiftsMarkersEdges) {
+  const Found found = simulated(only<Gamma>(0, 0, {-0.4}).effects);
+  EXPECT_GE(found.corners, 16);
+  EXPECT_GT(found.without_px, 0.1);
+  EXPECT_LT(found.rms_px, 0.05);
 }
 
 TEST_F(EffectImages, APairSeesAllEffectsAtOnce) {

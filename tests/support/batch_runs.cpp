@@ -77,8 +77,13 @@ Detections BatchRun::detections() const {
     Pose T_robot_camera = sheet.T_robot_camera;
     T_robot_camera.rotation *= expSO3<double>(camera_shake_rad * shaking.normal3());
     for (const Marker& marker : markers) {
-      const auto corners = predictCorners(state, nominalPlacement<double>(panel.T_odom_panel, t_s), marker,
-                                          sheet.model, T_robot_camera, effects, t_s);
+      const Pose T_camera_panel =
+          (Pose{state.R_odom_robot, state.position_odom} * T_robot_camera).inverse() * panel.T_odom_panel;
+      const double z_m = (T_camera_panel * marker.T_panel_marker.position).z();
+      const Environment water = pixels ? environmentOf(coastalWater()) : Environment{};
+      const auto corners = predictDetectedCorners(
+          state, nominalPlacement<double>(panel.T_odom_panel, t_s), marker, sheet.model, T_robot_camera,
+          {sheet.response_gamma, darkOverBright(panel, water, z_m)}, effects, t_s);
       const Vector8d error = root * cornerErrors(random);
       const bool visible = std::all_of(corners.begin(), corners.end(),
                                        [&](const Vector2d& c) { return sheet.model.contains(c); });

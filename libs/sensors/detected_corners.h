@@ -1,0 +1,81 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "panel/panel_map.h"
+#include "sensors/camera_geometry.h"
+#include "sensors/image_model.h"
+
+/// Where a detector sees a marker's corners: on the edges between black and white as the image has them,
+/// which the camera's response shifts.
+namespace fathom {
+
+/// What a marker's edges are between.
+struct EdgeLight {
+  double response_gamma = 1;       ///< nominal
+  double dark_over_bright = 0.05;  ///< of the light that reaches the camera, linear
+};
+
+/// Of a marker so far away along the optical axis, in green, which is most of what a gray image shows.
+/// Without light: of the panel itself.
+inline double darkOverBright(const PanelMap& panel, const Environment& environment, double z_m) {
+  constexpr int kGreen = 1;
+  const double through = std::exp(-environment.water.attenuation_per_m[kGreen] * std::max(0.0, z_m));
+  const double signal = environment.ambient[kGreen] * through,
+               veil = environment.water.veil[kGreen] * (1 - through);
+  if (!(signal > 0)) return panel.black_albedo / panel.white_albedo;
+  return (panel.black_albedo * signal + veil) / (panel.white_albedo * signal + veil);
+}
+
+/// By how many pixels white spreads over black where the numbers are a power of the light: a pixel on the
+/// edge, of which a share f is white, has ((r + (1 - r) f)^g - r^g) / (1 - r^g) of the step, r being dark
+/// over bright, and all f are as likely. Of a lens that is sharper than its pixels; 0 for g = 1.
+template <class T>
+T spreadOfWhite_px(const T& exponent, double dark_over_bright) {
+  using std::pow;
+  const double r = std::clamp(dark_over_bright, 1e-3, 0.95);
+  const T dark = pow(T(r), exponent);
+  const T mean = (1.0 - r * dark) / ((exponent + 1.0) * (1.0 - r));
+  return (mean - dark) / (1.0 - dark) - 0.5;
+}
+
+/// Corners of a black square whose sides have all moved inward by so much.
+template <class T>
+std::array<Vector2<T>, 4> shrunk(const std::array<Vector2<T>, 4>& corners, const T& by_px) {
+  std::array<Vector2d, 4> at;
+  for (std::size_t k = 0; k < 4; ++k) at[k] = {valueOf(corners[k].x()), valueOf(corners[k].y())};
+  const Vector2d middle = 0.25 * (at[0] + at[1] + at[2] + at[3]);
+  const auto inward = [&](std::size_t side) {
+    const Vector2d along = (at[(side + 1) % 4] - at[side]).normalized();
+    const Vector2d normal(-along.y(), along.x());
+    return Vector2d(normal.dot(middle - at[side]) < 0 ? -normal : normal);
+  };
+  std::array<Vector2<T>, 4> moved = corners;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vector2d before = inward((k + 3) % 4), after = inward(k);
+    const double sine = before.x() * after.y() - before.y() * after.x();
+    if (std::abs(sine) < 0.1) continue;  // seen nearly from its side
+    const Vector2d way((after.y() - before.y()) / sine, (before.x() - after.x()) / sine);
+    moved[k] += by_px * way.cast<T>();
+  }
+  return moved;
+}
+
+/// predictCorners(), as a detector finds them in an image whose response may be another than stated.
+template <class T>
+std::array<Vector2<T>, 4> predictDetectedCorners(const KinematicState<T>& state,
+                                                 const PanelPlacement<T>& panel, const Marker& marker,
+                                                 const CameraModel& camera, const Pose& T_robot_camera,
+                                                 const EdgeLight& light, const EffectParameters<T>& effects,
+                                                 double t_s, const Pose& T_left_right = {}) {
+  const auto corners =
+      predictCorners(state, panel, marker, camera, T_robot_camera, effects, t_s, T_left_right);
+  PixelResponse<T> response{T(0), T(1), T(light.response_gamma), T(0)};
+  applyEffects(effects, t_s, response);
+  if (!anyActsAt<PixelResponse<double>>(effects)) return corners;
+  return shrunk<T>(corners, spreadOfWhite_px(response.exponent, light.dark_over_bright) -
+                                spreadOfWhite_px(T(light.response_gamma), light.dark_over_bright));
+}
+
+}  // namespace fathom
