@@ -56,7 +56,7 @@ TiePoints tiePointsOf(const fs::path& rawlog, std::vector<std::string>& remarks)
 }
 
 /// The images where they show panels, reduced to patches.
-void addPatches(const EffectParameters<double>& effects, BatchRecording& recording) {
+void addPatches(const EffectParameters<double>& effects, bool open_water, BatchRecording& recording) {
   const FoundMarkers& found = recording.found;
   BatchData& data = recording.input.data;
   const std::vector<PanelMap>& panels = data.panels;
@@ -72,7 +72,7 @@ void addPatches(const EffectParameters<double>& effects, BatchRecording& recordi
     return;
   }
   const PairMaker maker({data.vehicle, panels, {}, effects, {}}, {}, detectionSettings(panels));
-  ImagePatches patches = imagePatches(images.posed, maker, data.time_zero);
+  ImagePatches patches = imagePatches(images.posed, maker, data.time_zero, open_water);
   if (!patches.rejected.empty())
     recording.remarks.push_back(print("pixels of %zu images are not compared; %s: %s",
                                       patches.rejected.size(), patches.rejected[0].file.filename().c_str(),
@@ -133,7 +133,8 @@ BatchRecording readBatchRecording(const BatchRecordingOptions& options,
   BatchDataOptions beside;
   beside.tie_points = tiePointsOf(options.rawlog, recording.remarks);
   recording.input = batchInput(open, recording.found.detections, vehicle, panels, calibration, start, beside);
-  if (options.pixels && !givenCornersOf(options.rawlog)) addPatches(calibration, recording);
+  if (options.pixels && !givenCornersOf(options.rawlog))
+    addPatches(calibration, options.open_water, recording);
   return recording;
 }
 

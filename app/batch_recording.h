@@ -17,6 +17,7 @@ struct BatchRecordingOptions {
   std::string vehicle, map;      ///< files; empty: those that the recording names
   std::string start = "auto";    ///< see startPose()
   bool pixels = false;           ///< take patches of the images too
+  bool open_water = true;        ///< of them, what is above the horizon and beside the panels too
   std::filesystem::path folder;  ///< of the results
 };
 /// All of it, as options of a command.

@@ -121,7 +121,7 @@ void addDiagnose(const RunContext& context) {
       "  insufficient  the recording could not show it either way\n"
       "Effects that the recording cannot tell apart are named together. Images count by the markers'\n"
       "corners and, where they are exact (PNG), by their light: recorded against rendered, where a panel\n"
-      "is in view.\n"
+      "is in view, and open water above the horizon.\n"
       "\n"
       "Writes report.html, result.json, calibration.yaml (what was found, for `simulate` and `localize`),\n"
       "water.yaml (where light is compared: the water with it, for `simulate` and `sil`) and trajectory.tum\n"
@@ -139,6 +139,9 @@ void addDiagnose(const RunContext& context) {
   addBatchRecordingOptions(*command, options->recording);
   command->add_option("--calibration", options->calibration, "Effects known to be there already")
       ->type_name(values::kYaml);
+  command->add_flag(
+      "!--no-open-water", options->recording.open_water,
+      "What is above the horizon, beside the panels, is not endless water: a tank's wall, a ship's hull");
   addFitOptions(*command, *options);
   command
       ->add_option("--judge", options->judge,

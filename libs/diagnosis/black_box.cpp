@@ -29,10 +29,10 @@ Eigen::SparseMatrix<double> BlackBox::columns(const Linearization& linear) const
     if (direction != directions.end() && covariate != covariates.end())
       for (std::size_t i = 0; i < linear.rows.size(); ++i)
         if (const double value = direction->second.values[i];
-            linear.rows[i].channel == channel_ && value != 0) {
-          const std::size_t bin = binOf(spline.limits, covariate->second.of(linear.rows[i]));
-          entries.emplace_back(static_cast<int>(i), static_cast<int>(first) + static_cast<int>(bin), value);
-        }
+            linear.rows[i].channel == channel_ && value != 0)
+          if (const auto bin = binOf(spline.limits, covariate->second.of(linear.rows[i])))
+            entries.emplace_back(static_cast<int>(i), static_cast<int>(first) + static_cast<int>(*bin),
+                                 value);
     first += std::ssize(spline.limits) - 1;
   }
   Eigen::SparseMatrix<double> columns(std::ssize(linear.rows), count_);

@@ -161,7 +161,7 @@ double noiseUnit(const Linearization& linear, BatchChannel channel) {
 std::vector<double> binLimits(const Linearization& linear, BatchChannel channel, const Covariate& covariate) {
   std::vector<double> values;
   for (const RowInfo& row : linear.rows)
-    if (row.channel == channel) values.push_back(covariate.of(row));
+    if (row.channel == channel && std::isfinite(covariate.of(row))) values.push_back(covariate.of(row));
   std::sort(values.begin(), values.end());
   std::vector<double> limits;
   for (int bin = 0; bin <= covariate.bins; ++bin) {
@@ -173,9 +173,10 @@ std::vector<double> binLimits(const Linearization& linear, BatchChannel channel,
   return limits;
 }
 
-std::size_t binOf(const std::vector<double>& limits, double value) {
+std::optional<std::size_t> binOf(const std::vector<double>& limits, double value) {
+  if (!std::isfinite(value)) return std::nullopt;
   const auto above = std::upper_bound(limits.begin() + 1, limits.end() - 1, value);
-  return static_cast<std::size_t>(above - limits.begin()) - 1;
+  return static_cast<std::size_t>(above - limits.begin() - 1);
 }
 
 }  // namespace fathom

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,9 +49,10 @@ ReadingUnit unitOf(BatchChannel channel);
 /// What one unit of noise is in the reading's own unit: of readings that count by what they tell.
 double noiseUnit(const Linearization& linear, BatchChannel channel);
 
-/// Readings by equal shares of a covariate: each bin's limits, from the first's lower one.
+/// Readings by equal shares of a covariate, those that have it: each bin's limits, from the first's lower
+/// one.
 std::vector<double> binLimits(const Linearization& linear, BatchChannel channel, const Covariate& covariate);
-/// The number of a value's bin.
-std::size_t binOf(const std::vector<double>& limits, double value);
+/// The number of a value's bin; none of what is not finite.
+std::optional<std::size_t> binOf(const std::vector<double>& limits, double value);
 
 }  // namespace fathom

@@ -49,7 +49,7 @@ class Planner {
         }
         for (std::size_t i = 0; i < linear_.rows.size(); ++i)
           if (linear_.rows[i].channel == channel && direction.values[i] != 0)
-            plan.rows[binOf(limits, covariate.of(linear_.rows[i]))].push_back(i);
+            if (const auto bin = binOf(limits, covariate.of(linear_.rows[i]))) plan.rows[*bin].push_back(i);
         for (std::size_t bin = 0; bin < plan.rows.size(); ++bin)
           plan.columns[bin] = {addColumn(plan.rows[bin], direction.values)};
         plans.push_back(std::move(plan));

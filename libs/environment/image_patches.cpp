@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "environment/marker_edges.h"
+#include "environment/open_water.h"
 #include "environment/specks.h"
 #include "sensors/fingerprints.h"
 
@@ -95,8 +96,8 @@ Vector3d pointOf(const Patch& patch, const CameraModel& camera) {
   return patch.z_m * (stretch * middle).homogeneous();
 }
 
-ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vector<PanelMap>& panels,
-                   const std::vector<Places>& places, const CameraSheet& sheet, Time time_zero) {
+ImagePatch patchOf(const Patch& plain, ImagePatch::Surface surface, const PosedImage& posed,
+                   const std::vector<PanelMap>& panels, const CameraSheet& sheet, Time time_zero) {
   const CameraModel& camera = posed.camera.lens;
   ImagePatch patch;
   patch.t_s = secondsBetween(time_zero, posed.time);
@@ -104,7 +105,7 @@ ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vecto
   patch.eye = posed.eye;
   patch.panel = posed.panel;
   patch.place = plain.label;
-  patch.surface = places[posed.panel].surface(plain.label);
+  patch.surface = surface;
   const Pose T_panel_camera = panelFromCamera(posed, panels);
   patch.point_panel = T_panel_camera * pointOf(plain, camera);
   patch.around_panel = placesAround(plain, camera, T_panel_camera);
@@ -120,9 +121,7 @@ ImagePatch patchOf(const Patch& plain, const PosedImage& posed, const std::vecto
 }
 
 SpeckCount specksIn(const CleanPair& pair, const cv::Mat& rays, const cv::Mat& labels,
-                    const PatchOptions& options, const CameraSheet& nominal, const CameraModel& lens) {
-  CameraSheet sheet = nominal;
-  sheet.bits = 8;
+                    const PatchOptions& options, const CameraSheet& sheet, const CameraModel& lens) {
   cv::Mat cosines;
   cv::extractChannel(rays, cosines, 2);
   return countSpecks({radianceOf(pair.recorded, sheet), flatInterior(pair.clean, pair.panel_mask, options),
@@ -152,7 +151,8 @@ std::vector<ImageSpecks> withSigmas(const std::vector<PosedImage>& posed,
 
 }  // namespace
 
-ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker& maker, Time time_zero) {
+ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker& maker, Time time_zero,
+                          bool open_water) {
   const std::vector<PanelMap>& panels = maker.world().panels;
   const std::vector<Places> places = placesOf(panels);
   std::map<std::string, cv::Mat> rays;
@@ -177,11 +177,16 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
   std::iota(all.begin(), all.end(), 0);
   std::vector<std::vector<MarkerBlur>> blurs(posed.size());
   std::vector<std::optional<SpeckCount>> specks(posed.size());
+  std::vector<std::vector<Patch>> beside(posed.size());
   const auto look = [&](std::size_t i, const CleanPair& pair, const cv::Mat& labels,
                         const PatchOptions& options) {
     blurs[i] = markerEdges(posed[i], pair, panels, maker.camera(), time_zero);
-    specks[i] = specksIn(pair, rays.at(fingerprintOf(posed[i].camera.lens)), labels, options, maker.camera(),
-                         posed[i].camera.lens);
+    const cv::Mat& own_rays = rays.at(fingerprintOf(posed[i].camera.lens));
+    CameraSheet sheet = maker.camera();
+    sheet.bits = 8;
+    specks[i] = specksIn(pair, own_rays, labels, options, sheet, posed[i].camera.lens);
+    if (open_water)
+      beside[i] = openWaterOf(pair, own_rays, posed[i].T_odom_camera().rotation, sheet, options.margin_px);
   };
   const SynchronizedImages synchronized = synchronize(posed, all, maker, labelsOf, look);
 
@@ -189,10 +194,14 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
   for (const auto& of_image : blurs)
     result.blurs.insert(result.blurs.end(), of_image.begin(), of_image.end());
   result.rejected = synchronized.rejected;
-  for (const Patch& patch : synchronized.patches)
+  const auto add = [&](const Patch& patch, ImagePatch::Surface surface, const PosedImage& seen) {
     if (!patch.sigma.array().isInf().all())
-      result.patches.push_back(
-          patchOf(patch, posed[synchronized.images[patch.image]], panels, places, maker.camera(), time_zero));
+      result.patches.push_back(patchOf(patch, surface, seen, panels, maker.camera(), time_zero));
+  };
+  for (const Patch& patch : synchronized.patches) {
+    const PosedImage& seen = posed[synchronized.images[patch.image]];
+    add(patch, places[seen.panel].surface(patch.label), seen);
+  }
   WaterFitOptions options;
   options.start.water = {Vector3d::Constant(0.1), Vector3d::Constant(0.1)};
   options.gain = WaterFitOptions::Gain::fixed;
@@ -202,6 +211,12 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
   if (!fit.solved) result.patches.clear();
   result.start = fit.environment;
   if (fit.solved) result.specks = withSigmas(posed, specks, result.start, time_zero);
+  if (fit.solved)
+    for (std::size_t i = 0; i < posed.size(); ++i)
+      for (Patch patch : beside[i]) {
+        patch.label += places.back().end();
+        add(patch, ImagePatch::Surface::water, posed[i]);
+      }
   // Or else what is not flat would be taken for physics.
   const Water& water = result.start.water;
   for (ImagePatch& patch : result.patches) {

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/text.h"
+#include "environment/rounding.h"
 #include "sensors/image_model.h"
 
 namespace fathom {
@@ -57,27 +58,19 @@ double quantum(double radiance, const CameraSheet& sheet) {
   return radianceOf(below + 1, sheet) - radianceOf(below, sheet);
 }
 
-/// By what a mean of numbers rounded to whole ones errs, where they scatter by `scatter` about x before: all
-/// of one brightness err alike (Widrow & Kollar 2008, quantization noise; the first term).
-double roundingError(double x, double scatter) {
-  constexpr double kTurn = 2 * std::numbers::pi;
-  return -std::exp(-0.5 * kTurn * kTurn * scatter * scatter) * std::sin(kTurn * x) / std::numbers::pi;
-}
-
 /// What a colour's pixels say of it. They vary by the sensor's noise, or by more where there is texture or
-/// something misplaced. Of a linear camera the mean is freed from what rounding does to it; as much again is
-/// left in doubt.
+/// something misplaced. Of a linear camera the mean is freed from what rounding does to it.
 struct Measured {
   double radiance = 0, sigma = 0;
 };
 Measured measured(double mean, double mean_square, int pixels, const CameraSheet& sheet) {
-  const double n = pixels, step = quantum(mean, sheet), rounding = step * step / 12;
+  const double n = pixels, step = quantum(mean, sheet), noise = radianceSigma(mean, sheet);
   const double seen = n / (n - 1) * std::max(0.0, mean_square - mean * mean);
-  const double scatter = std::sqrt(std::max(0.0, seen - rounding));
-  const double bias = step * roundingError(mean / step, scatter / step);
-  const double noise = radianceSigma(mean, sheet);
-  return {sheet.response_gamma == 1 ? mean - bias : mean,
-          std::sqrt(std::max(seen, noise * noise + rounding) / n + bias * bias)};
+  if (sheet.response_gamma == 1) {
+    const BeforeRounding before = beforeRounding(mean / step, seen / (step * step), n, noise / step);
+    return {step * before.mean, step * before.sigma};
+  }
+  return {mean, std::sqrt(std::max(seen, noise * noise + step * step / 12) / n)};
 }
 
 Patch patchFrom(const Sums& sums, const CameraSheet& sheet, PatchSet& set) {

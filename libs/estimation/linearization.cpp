@@ -78,6 +78,7 @@ RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const Row
   if (patch != nullptr) {
     setPlace(info, *patch, motion, problem.reference());
     info.image_radius = patch->image_radius;
+    if (patch->surface == ImagePatch::Surface::water) info.range_m = info.incidence_rad = RowInfo::kNone;
   }
   if (blur != nullptr) setPlace(info, *blur, motion, problem.reference());
   if (seen == nullptr) return info;

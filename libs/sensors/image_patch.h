@@ -25,9 +25,12 @@ struct PatchSurface {
   double response_gamma = 1;  ///< by which its radiance was made of the image's numbers
 };
 
-/// A few pixels of one surface of a panel, in one image.
+/// Along the optical axis: so far away that nothing of what is there would arrive.
+inline constexpr double kOpenWater_m = 1e4;
+
+/// A few pixels of one surface of a panel, in one image, or of open water: a black surface at kOpenWater_m.
 struct ImagePatch : PatchSurface {
-  enum class Surface { black, white, body };  ///< of a marker, or the panel's body
+  enum class Surface { black, white, body, water };  ///< of a marker, the panel's body, open water
 
   std::size_t image = 0, eye = 0, panel = 0;
   int place = 0;  ///< number of its place among all panels' places: the same in all images

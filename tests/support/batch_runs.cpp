@@ -105,9 +105,21 @@ Vector9d coastalWater() {
   return water;
 }
 
-// Of the markers that are detected: two patches each, with noise as of 100 pixels.
+namespace {
+
+constexpr double kLightSigma = 0.0003;  // of 100 pixels
+
+}  // namespace
+
 std::vector<ImagePatch> BatchRun::patches() const {
-  constexpr double kSigma = 0.0003;
+  std::vector<ImagePatch> all = patchesOfMarkers();
+  const std::vector<ImagePatch> water = patchesOfWater();
+  all.insert(all.end(), water.begin(), water.end());
+  return all;
+}
+
+// Of the markers that are detected: two patches each.
+std::vector<ImagePatch> BatchRun::patchesOfMarkers() const {
   const SimulationOptions simulation = options();
   const CameraSheet& sheet = *vehicle.camera;
   Random random = Random::stream(seed, 79);
@@ -118,7 +130,7 @@ std::vector<ImagePatch> BatchRun::patches() const {
     if (patch.t_s > duration_s) return patches;
     patch.image = image;
     patch.T_robot_camera = sheet.T_robot_camera;
-    patch.sigma.setConstant(kSigma);
+    patch.sigma.setConstant(kLightSigma);
     const auto state =
         path_.at(simulation.begin_s + patch.t_s + validityOffset<Sensor::camera>(effects, patch.t_s));
     const Pose T_camera_panel =
@@ -141,9 +153,43 @@ std::vector<ImagePatch> BatchRun::patches() const {
         patch.radiance =
             predictPatch(state, nominalPlacement<double>(panel.T_odom_panel, patch.t_s), patch, vehicle.lamps,
                          coastalWater(), drawnFor(effects, seed, patch.t_s), patch.t_s);
-        if (noise) patch.radiance += kSigma * random.normal3();
+        if (noise) patch.radiance += kLightSigma * random.normal3();
         patches.push_back(patch);
       }
+    }
+  }
+}
+
+// Two patches above the panel, in all images.
+std::vector<ImagePatch> BatchRun::patchesOfWater() const {
+  const SimulationOptions simulation = options();
+  const CameraSheet& sheet = *vehicle.camera;
+  Random random = Random::stream(seed, 82);
+  std::vector<ImagePatch> patches;
+  for (std::size_t image = 0;; ++image) {
+    ImagePatch patch;
+    patch.t_s = secondsBetween(simulation.start, imageTime(simulation, image));
+    if (patch.t_s > duration_s) return patches;
+    patch.image = image;
+    patch.T_robot_camera = sheet.T_robot_camera;
+    patch.surface = ImagePatch::Surface::water;
+    patch.sigma.setConstant(kLightSigma);
+    const auto state =
+        path_.at(simulation.begin_s + patch.t_s + validityOffset<Sensor::camera>(effects, patch.t_s));
+    const Pose T_panel_camera =
+        panel.T_odom_panel.inverse() * Pose{state.R_odom_robot, state.position_odom} * sheet.T_robot_camera;
+    for (const double share : {0.25, 0.75}) {
+      patch.place = share < 0.5 ? -2 : -1;
+      patch.pixel = {share * sheet.model.width_px, 0.1 * sheet.model.height_px};
+      const Vector2d direction = sheet.model.idealAt(patch.pixel);
+      patch.image_radius = direction.norm();
+      patch.point_panel = T_panel_camera * Vector3d(kOpenWater_m * direction.homogeneous());
+      patch.around_panel.fill(patch.point_panel);
+      patch.radiance =
+          predictPatch(state, nominalPlacement<double>(panel.T_odom_panel, patch.t_s), patch, vehicle.lamps,
+                       coastalWater(), drawnFor(effects, seed, patch.t_s), patch.t_s);
+      if (noise) patch.radiance += kLightSigma * random.normal3();
+      patches.push_back(patch);
     }
   }
 }
@@ -154,7 +200,7 @@ std::vector<MarkerBlur> BatchRun::blurs() const {
   const SimulationOptions simulation = options();
   Random random = Random::stream(seed, 80);
   std::vector<MarkerBlur> blurs;
-  for (const ImagePatch& patch : patches()) {
+  for (const ImagePatch& patch : patchesOfMarkers()) {
     if (patch.place % 2 != 0) continue;
     MarkerBlur blur;
     blur.t_s = patch.t_s;
@@ -179,7 +225,7 @@ std::vector<MarkerBlur> BatchRun::blurs() const {
 std::vector<ImageSpecks> BatchRun::specks() const {
   Random random = Random::stream(seed, 81);
   std::vector<ImageSpecks> specks;
-  for (const ImagePatch& patch : patches()) {
+  for (const ImagePatch& patch : patchesOfMarkers()) {
     if (!specks.empty() && specks.back().image == patch.image) continue;
     ImageSpecks seen{.t_s = patch.t_s, .image = patch.image};
     seen.volumes.visible_m3 = {0.03, 0.02, 0.002};

@@ -27,9 +27,9 @@ struct BatchRun {
   bool noise = true;
   double corner_sigma_px = 0.15;
   std::uint64_t seed = 1;
-  PanelMap panel;  ///< as the map has it
-  bool pixels =
-      false;  ///< black, white and edges of each marker and specks, straight from the forward models
+  PanelMap panel;       ///< as the map has it
+  bool pixels = false;  ///< black, white and edges of each marker, open water and specks, straight from the
+                        ///< forward models
 
   // What no effect describes.
   std::optional<PanelMap> true_panel;  ///< where it is not as the map has it
@@ -59,6 +59,8 @@ struct BatchRun {
  private:
   static constexpr double kBegin_s = 4.0;  ///< the path's own beginning has no acceleration
   SimulationOptions options() const;
+  std::vector<ImagePatch> patchesOfMarkers() const;
+  std::vector<ImagePatch> patchesOfWater() const;
   Vector8d cornerErrors(Random& random) const;
   Trajectory path_;
 };

@@ -380,19 +380,25 @@ DiagnosisRun outsideLight(const BatchRun& nominal, std::size_t number, std::uint
   DiagnosisRun run{"", nominal, {}, {}, 0, nullptr};
   Random random = Random::stream(seed, 5000 + number);
   run.run.seed = random.bits();
-  const std::size_t size = number / 3 % 3;
+  const std::size_t size = number / 4 % 3;
   const auto named = [&](const char* what, double amount) {
     run.name = std::string(what) + " " + std::to_string(amount).substr(0, 5);
   };
-  if (number % 3 == 0) {
+  if (number % 4 == 0) {
     const double darkest = std::array{0.02, 0.05, 0.2}[size];
     const Vector2d centre_px(random.uniform(200, 440), random.uniform(150, 330));
     named("dark blotch on the port", darkest);
     run.change_light = [=](std::vector<ImagePatch>& patches) { blotch(patches, centre_px, darkest); };
-  } else if (number % 3 == 1) {
+  } else if (number % 4 == 1) {
     const double exponent_error = std::array{0.01, 0.03, 0.1}[size];
     named("response by colour", exponent_error);
     run.change_light = [=](std::vector<ImagePatch>& patches) { bendResponse(patches, exponent_error); };
+  } else if (number % 4 == 3) {
+    const double blur_px2 = std::array{0.25, 0.5, 1.0}[size];
+    named("out of focus, px^2", blur_px2);
+    run.change_edges = [=](std::vector<MarkerBlur>& blurs) {
+      for (MarkerBlur& blur : blurs) blur.variance_px2 += Vector3d(blur_px2, 0, blur_px2);
+    };
   } else {
     const double share = std::array{0.05, 0.1, 0.3}[size];
     const std::uint64_t stream = random.bits();

@@ -31,12 +31,14 @@ struct DiagnosisRun {
   double sqrt_lambda = 0;                                             ///< its size
   std::shared_ptr<const Excitation> excitation;  ///< where sensors are other than the path's usual ones
   std::function<void(std::vector<ImagePatch>&)> change_light = {};  ///< of the patches, afterwards
+  std::function<void(std::vector<MarkerBlur>&)> change_edges = {};  ///< likewise
 
   BatchInput input() const {
     std::vector<Sample> all = run.samples();
     if (change) change(run, all);
     BatchInput input = run.input(all);
     if (change_light) change_light(input.data.patches);
+    if (change_edges) change_edges(input.data.blurs);
     return input;
   }
 };
@@ -121,8 +123,8 @@ void makeGyroSensitive(std::vector<Sample>& samples, const Matrix3d& G);
 /// Four kinds in turn, each in three sizes.
 DiagnosisRun outsideCatalogue(const BatchRun& nominal, std::size_t number, std::uint64_t seed);
 
-/// The same of light, three kinds in turn: a dark blotch on the port, a response curve of another exponent
-/// for each colour, bubbles that pass before a few patches of every other image.
+/// The same of light, four kinds in turn: a dark blotch on the port, a response curve of another exponent
+/// for each colour, bubbles that pass before a few patches of every other image, a lens out of focus.
 DiagnosisRun outsideLight(const BatchRun& nominal, std::size_t number, std::uint64_t seed);
 
 // What nothing can be learnt from.

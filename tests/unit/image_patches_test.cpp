@@ -62,6 +62,9 @@ TEST_P(PatchesWithEffect, ReadWhatTheImageHas) {
   const Vector9d water = waterParameters(world.environment);
   const Seen seen = seenWith(effects);
   ASSERT_GT(seen.patches.size(), 30U);
+  EXPECT_TRUE(std::any_of(seen.patches.begin(), seen.patches.end(), [](const ImagePatch& patch) {
+    return patch.surface == ImagePatch::Surface::water;
+  }));
   double error = 0, change = 0, count = 0;
   for (const ImagePatch& patch : seen.patches) {
     const PosedImage& posed = seen.posed.at(patch.image);

@@ -1,0 +1,74 @@
+#include "environment/rounding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace fathom {
+namespace {
+
+constexpr double kUniform = 0.2887;    // sigma of a number of which only the rounded one is known
+constexpr double kSmooth = 0.7;        // from this scatter on rounding shifts means by less than 1e-4
+constexpr double kLeastScatter = 0.1;  // less is like none
+constexpr double kShapeDoubt = 0.1;    // of the shift: numbers scatter not quite normally
+constexpr double kClearSigmas = 2;
+constexpr int kHalvings = 16;
+
+double normalBelow(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
+
+struct Moments {
+  double mean = 0, variance = 0;
+};
+
+/// Of x + s z, z normal, once rounded.
+Moments rounded(double x, double s) {
+  const int first = static_cast<int>(std::floor(x - 5 * s)), last = static_cast<int>(std::ceil(x + 5 * s));
+  double below = 0, sum = 0, square = 0;
+  for (int number = first; number <= last; ++number) {
+    const double up_to = number == last ? 1 : normalBelow((number + 0.5 - x) / s);
+    sum += (up_to - below) * (number - x);
+    square += (up_to - below) * (number - x) * (number - x);
+    below = up_to;
+  }
+  return {x + sum, square - sum * sum};
+}
+
+/// Where a function that grows is zero.
+template <class Function>
+double rootOf(const Function& f, double low, double high) {
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (f(middle) > 0 ? high : low) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+double meanWith(double scatter, double mean) {
+  return rootOf([&](double x) { return rounded(x, scatter).mean - mean; }, mean - 0.5, mean + 0.5);
+}
+
+double scatterOf(double mean, double variance, double least) {
+  return rootOf([&](double s) { return rounded(meanWith(s, mean), s).variance - variance; }, least, kSmooth);
+}
+
+}  // namespace
+
+BeforeRounding beforeRounding(double mean, double variance, double count, double least_scatter) {
+  const double least = std::max(least_scatter, kLeastScatter);
+  const double of_mean = std::sqrt(std::max(variance, least * least) / count);
+  if (variance > kSmooth * kSmooth || least >= kSmooth) return {mean, of_mean};
+  // Else what is above the least by chance would count, and not what is below.
+  const double clearly = variance * (1 - kClearSigmas * std::sqrt(2 / count));
+  const bool more_than_least = rounded(meanWith(least, mean), least).variance < clearly;
+  const double scatter = more_than_least ? scatterOf(mean, variance, least) : least;
+  const double x = meanWith(scatter, mean);
+  constexpr double kStep = 0.02;
+  const double slope = (rounded(x + kStep, scatter).mean - rounded(x - kStep, scatter).mean) / (2 * kStep);
+  const double by_mean = of_mean / std::max(slope, 1e-3);
+  const double more = variance * (1 + std::sqrt(2 / count));
+  const double by_scatter = meanWith(scatterOf(mean, more, least), mean) - x;
+  const double sigma = std::hypot(by_mean, by_scatter, kShapeDoubt * (x - mean));
+  return {x, std::min(sigma, kUniform)};
+}
+
+}  // namespace fathom
