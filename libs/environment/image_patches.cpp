@@ -149,6 +149,18 @@ std::vector<ImageSpecks> withSigmas(const std::vector<PosedImage>& posed,
   return specks;
 }
 
+/// Near enough for an estimate to start from: by some of the patches, evenly.
+WaterFit startWater(const SynchronizedImages& synchronized) {
+  constexpr std::size_t kEnough = 2000;
+  const std::size_t step = std::max<std::size_t>(1, synchronized.patches.size() / kEnough);
+  std::vector<Patch> some;
+  for (std::size_t i = 0; i < synchronized.patches.size(); i += step) some.push_back(synchronized.patches[i]);
+  WaterFitOptions options;
+  options.start.water = {Vector3d::Constant(0.1), Vector3d::Constant(0.1)};
+  options.gain = WaterFitOptions::Gain::fixed;
+  return fitWater(some, synchronized.images.size(), options);
+}
+
 }  // namespace
 
 ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker& maker, Time time_zero,
@@ -202,12 +214,7 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
     const PosedImage& seen = posed[synchronized.images[patch.image]];
     add(patch, places[seen.panel].surface(patch.label), seen);
   }
-  WaterFitOptions options;
-  options.start.water = {Vector3d::Constant(0.1), Vector3d::Constant(0.1)};
-  options.gain = WaterFitOptions::Gain::fixed;
-  const WaterFit fit = result.patches.size() < kFewestPieces
-                           ? WaterFit{}
-                           : fitWater(synchronized.patches, synchronized.images.size(), options);
+  const WaterFit fit = result.patches.size() < kFewestPieces ? WaterFit{} : startWater(synchronized);
   if (!fit.solved) result.patches.clear();
   result.start = fit.environment;
   if (fit.solved) result.specks = withSigmas(posed, specks, result.start, time_zero);

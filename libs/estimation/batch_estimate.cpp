@@ -21,19 +21,28 @@ using Kind = UnknownBlock::Kind;
 /// do not depend on the number of threads.
 class Preparation : public ceres::EvaluationCallback {
  public:
-  Preparation(const BatchProblem& problem, const Eigen::VectorXd& x) : problem_(problem), x_(x) {}
+  Preparation(const BatchProblem& problem, const std::vector<BatchCost*>& costs, const Eigen::VectorXd& x)
+      : problem_(problem), costs_(costs), x_(x) {
+    poses_stay_ = costs.size() < problem.costs().size();
+    if (poses_stay_) at_ = problem.pointAt(x, true);
+  }
   void PrepareForEvaluation(bool with_jacobians, bool new_point) override {
     if (!new_point && (!with_jacobians || has_jacobians_)) return;
-    const BatchPoint at = problem_.pointAt(x_, with_jacobians);
-    tbb::parallel_for(std::size_t{0}, problem_.costs().size(),
-                      [&](std::size_t i) { problem_.costs()[i]->prepare(at, with_jacobians); });
+    if (poses_stay_)
+      at_.x = x_;
+    else
+      at_ = problem_.pointAt(x_, with_jacobians);
+    tbb::parallel_for(std::size_t{0}, costs_.size(),
+                      [&](std::size_t i) { costs_[i]->prepare(at_, with_jacobians); });
     has_jacobians_ = with_jacobians;
   }
 
  private:
   const BatchProblem& problem_;
+  const std::vector<BatchCost*>& costs_;
   const Eigen::VectorXd& x_;
-  bool has_jacobians_ = false;
+  BatchPoint at_;
+  bool poses_stay_ = false, has_jacobians_ = false;
 };
 
 class Watch : public ceres::IterationCallback {
@@ -51,17 +60,18 @@ class Watch : public ceres::IterationCallback {
   const BatchOptions& options_;
 };
 
-ceres::Solver::Summary solve(const BatchProblem& problem, const BatchOptions& options, Eigen::VectorXd& x) {
-  Preparation preparation(problem, x);
+ceres::Solver::Summary solve(const BatchProblem& problem, const std::vector<BatchCost*>& costs,
+                             const BatchOptions& options, Eigen::VectorXd& x) {
+  Preparation preparation(problem, costs, x);
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ownership.evaluation_callback = &preparation;
   ceres::Problem ceres_problem(ownership);
-  for (const auto& cost : problem.costs()) {
+  for (BatchCost* cost : costs) {
     std::vector<double*> parameters;
     for (const std::size_t b : cost->blocks) parameters.push_back(x.data() + problem.blocks()[b].column);
     ceres_problem.AddResidualBlock(
-        cost.get(), cost->robust_threshold > 0 ? new ceres::HuberLoss(cost->robust_threshold) : nullptr,
+        cost, cost->robust_threshold > 0 ? new ceres::HuberLoss(cost->robust_threshold) : nullptr,
         parameters);
   }
   ceres::Solver::Options solver;
@@ -202,6 +212,25 @@ void addResiduals(BatchEstimate& estimate, const BatchProblem& problem, const Li
   }
 }
 
+/// Effects in which two estimates differ, as far as the second has been taken over already; all, where the
+/// first was minimized with other options otherwise.
+std::bitset<kEffectCount> changedEffects(const BatchEstimate& from, const BatchEstimate& to,
+                                         const BatchOptions& options) {
+  std::bitset<kEffectCount> changed;
+  if (!from.options || from.options->problem.noise_scale != options.problem.noise_scale ||
+      from.options->problem.robust_probability != options.problem.robust_probability ||
+      options.problem.path_prior)
+    return changed.set();
+  const EffectParameters<double>&before = from.state.effects, &after = to.state.effects;
+  for (std::size_t e = 0; e < kEffectCount; ++e) {
+    changed[e] = before.on[e] != after.on[e] || !(before.active_s[e] == after.active_s[e]) ||
+                 from.options->problem.estimate[e] != options.problem.estimate[e];
+    for (std::size_t s = kEffectOffsets[e]; s < kEffectOffsets[e + 1]; ++s)
+      changed[e] = changed[e] || before.values[s] != after.values[s];
+  }
+  return changed;
+}
+
 /// What the calibration says now, but the present values of those that were and are estimated.
 void takeOver(const EffectParameters<double>& calibration, const std::bitset<kEffectCount>& keep,
               EffectParameters<double>& effects) {
@@ -239,10 +268,14 @@ BatchEstimate minimumFrom(const BatchData& data, const BatchEstimate& from, cons
   estimate.state = from.state;
   takeOver(options.calibration, options.problem.estimate & from.state.effects.on, estimate.state.effects);
   estimate.path_prior = options.problem.path_prior ? options.problem.path_prior : from.path_prior;
+  estimate.options = std::make_shared<const BatchOptions>(options);
+  const std::bitset<kEffectCount> changed = changedEffects(from, estimate, options);
   std::unique_ptr<BatchProblem> problem = problemAt(data, estimate, options);
   for (bool settled = false; !settled && estimate.rounds < options.max_rounds; ++estimate.rounds) {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(problem->unknowns());
-    const ceres::Solver::Summary summary = solve(*problem, options, x);
+    const std::vector<BatchCost*> costs = problem->touchedBy(changed);
+    const bool poses_stay = costs.size() < problem->costs().size();
+    const ceres::Solver::Summary summary = solve(*problem, costs, options, x);
     estimate.stopped = summary.message;
     estimate.iterations += static_cast<int>(summary.iterations.size()) - 1;
     if (estimate.rounds == 0) estimate.cost_start = summary.initial_cost;
@@ -255,7 +288,7 @@ BatchEstimate minimumFrom(const BatchData& data, const BatchEstimate& from, cons
     estimate.state = problem->at(x);
     // What light was compared at is where things were before.
     const bool has_moved = latencyChange(before, estimate.state.effects) > kSettled_s ||
-                           (!data.patches.empty() && estimate.rounds == 0);
+                           (!data.patches.empty() && !poses_stay && estimate.rounds == 0);
     const bool has_gained = summary.initial_cost - summary.final_cost >= options.cost_tolerance;
     settled = !has_moved || (estimate.rounds > 0 && !has_gained);
     if (!settled) problem = problemAt(data, estimate, options);

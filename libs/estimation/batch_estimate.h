@@ -56,12 +56,14 @@ struct BatchEstimate {
   std::string failure = "not run";  ///< where it has not
   std::string stopped;              ///< why the last round stopped
   int iterations = 0, rounds = 0;
-  double cost_start = 0.0, cost = 0.0;  ///< half the sum of squares, robust
+  /// Half the sum of squares, robust; of what was minimized, see minimumFrom().
+  double cost_start = 0.0, cost = 0.0;
   std::size_t rows = 0, unknowns = 0;
   std::size_t markers_behind_camera = 0;
 
   BatchState state;
-  std::optional<PathPrior> path_prior;  ///< as it was taken
+  std::shared_ptr<const BatchOptions> options;  ///< that it was minimized with
+  std::optional<PathPrior> path_prior;          ///< as it was taken
   std::vector<PathPose> path;
   std::vector<EffectEstimate> effects;
   Eigen::MatrixXd effect_covariance;  ///< of `effects`, in their order
@@ -81,7 +83,8 @@ BatchEstimate estimateBatch(const BatchData& data, const StartPath& start, const
 BatchEstimate reestimate(const BatchData& data, const BatchEstimate& from, const BatchOptions& options);
 
 /// reestimate() in two steps, for whoever tries many: where the minimum is, `state` and `cost` alone; then
-/// all that follows from it, path, covariances and residuals.
+/// all that follows from it, path, covariances and residuals. What options that differ in their effects alone
+/// do not touch (BatchProblem::touchedBy()) stays as it was.
 BatchEstimate minimumFrom(const BatchData& data, const BatchEstimate& from, const BatchOptions& options);
 BatchEstimate described(const BatchData& data, BatchEstimate minimum, const BatchOptions& options);
 

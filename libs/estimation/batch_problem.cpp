@@ -182,6 +182,34 @@ BatchState BatchProblem::at(const Eigen::VectorXd& x) const {
   return state;
 }
 
+std::vector<BatchCost*> BatchProblem::touchedBy(const std::bitset<kEffectCount>& effects) const {
+  std::vector<BatchCost*> all, touched;
+  std::vector<std::vector<BatchCost*>> sharing(blocks_.size());
+  std::vector<std::size_t> reached;
+  std::set<BatchCost*> seen;
+  const auto touch = [&](BatchCost* cost) {
+    if (seen.insert(cost).second) reached.insert(reached.end(), cost->blocks.begin(), cost->blocks.end());
+  };
+  for (const auto& cost : costs_) {
+    all.push_back(cost.get());
+    for (const std::size_t b : cost->blocks) sharing[b].push_back(cost.get());
+    for (std::size_t e = 0; e < kEffectCount; ++e)
+      if (effects[e] && cost->dependsOn(e)) touch(cost.get());
+  }
+  std::vector<bool> done(blocks_.size());
+  while (!reached.empty()) {
+    const std::size_t block = reached.back();
+    reached.pop_back();
+    if (done[block]) continue;
+    done[block] = true;
+    if (blocks_[block].kind == Kind::pose) return all;
+    for (BatchCost* cost : sharing[block]) touch(cost);
+  }
+  std::copy_if(all.begin(), all.end(), std::back_inserter(touched),
+               [&](BatchCost* cost) { return seen.contains(cost); });
+  return touched;
+}
+
 MotionNode BatchProblem::nodeOf(double t_s, std::size_t image) const {
   if (reference_.path.isSpline()) return reference_.path.nodeAt(t_s);
   return {static_cast<int>(image_pose_[image]), 1, 0.0};
@@ -393,7 +421,7 @@ void BatchProblem::addPatches() {
     const std::vector<int> colours = seen.colours();
     const Eigen::VectorXd reading = seen.radiance(colours), sigma = seen.sigma(colours);
     add(patchModel(seen, data_.vehicle),
-        {BatchChannel::pixels, seen.t_s, -1, -1, static_cast<std::ptrdiff_t>(i)}, {seen.t_s}, reading,
+        {BatchChannel::pixels, seen.t_s, -1, -1, static_cast<std::ptrdiff_t>(i)}, {}, reading,
         whitener(sigma));
   }
 }

@@ -116,6 +116,9 @@ class BatchCost : public ceres::CostFunction {
   /// its interval open.
   virtual void effectColumns(const Motions&, Eigen::Ref<Eigen::MatrixXd> columns) const { columns.setZero(); }
 
+  /// Whether an effect, where it is there, could change the rows.
+  virtual bool dependsOn(std::size_t) const { return false; }
+
   /// Residuals, a column each, in the reading's unit: reading - prediction.
   virtual Eigen::MatrixXd raw(const Eigen::MatrixXd& residuals) const { return residuals; }
 
@@ -149,6 +152,10 @@ class BatchProblem {
   const UnknownBlock* find(UnknownBlock::Kind kind, std::size_t index) const;
   int unknowns() const { return unknowns_; }
   const std::vector<std::unique_ptr<BatchCost>>& costs() const { return costs_; }
+  /// Those that must be minimized anew where they had been at their minimum before these effects changed:
+  /// what shares unknowns with one that depends on them, directly or through others. All of them where poses
+  /// are among these unknowns: light is looked at from where they are.
+  std::vector<BatchCost*> touchedBy(const std::bitset<kEffectCount>& effects) const;
   /// Of effects that are on, or estimated: by effect, then by image.
   const std::vector<Draw>& draws() const { return draws_; }
   bool estimates(std::size_t effect) const { return options_.estimate[effect]; }

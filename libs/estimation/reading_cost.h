@@ -101,6 +101,8 @@ class ReadingCost final : public BatchCost {
     for (std::size_t b = 0; b < blocks.size(); ++b) turnByRightJacobian(at.x, b, *derivative);
   }
 
+  bool dependsOn(std::size_t effect) const override { return model->dependsOn(effect); }
+
   Eigen::MatrixXd raw(const Eigen::MatrixXd& residuals) const override {
     const Eigen::FullPivLU<Eigen::MatrixXd> factors(whitening);
     Eigen::MatrixXd all(residuals.rows(), residuals.cols());

@@ -39,6 +39,48 @@ TEST(ImageDiagnosis, TheWaterIsFound) {
   EXPECT_LT(sigma.maxCoeff(), 0.002);
 }
 
+BatchEstimate withOneMore(const BatchInput& input, const BatchEstimate& from, const char* effect) {
+  BatchOptions options;
+  options.calibration.on.set(findEffect(effect)->index);
+  options.problem.estimate.set(findEffect(effect)->index);
+  BatchEstimate estimate = minimumFrom(input.data, from, options);
+  EXPECT_TRUE(estimate.succeeded) << estimate.failure;
+  return estimate;
+}
+
+// One more effect on light leaves poses where they are, and ends where it would if all were minimized again;
+// one on the DVL moves them, and the water with them, as light is then looked at from elsewhere.
+TEST(ImageDiagnosis, OnlyWhatAnEffectTouchesIsEstimatedAgain) {
+  test::BatchRun run = lightDive();
+  run.effects.add<SlantRange>({0.5});
+  run.effects.add<DvlScale>({0.02});
+  const BatchInput input = run.input();
+  const BatchEstimate nominal = estimateBatch(input.data, input.start, {});
+  ASSERT_TRUE(nominal.succeeded) << nominal.failure;
+  BatchEstimate unknown_before = nominal;
+  unknown_before.options.reset();
+  const auto positions = [](const BatchEstimate& estimate) {
+    std::vector<double> all;
+    for (const Pose& pose : estimate.state.path.poses)
+      all.insert(all.end(), pose.position.begin(), pose.position.end());
+    return all;
+  };
+
+  const BatchEstimate slant = withOneMore(input, nominal, "slant-range"),
+                      slant_anew = withOneMore(input, unknown_before, "slant-range");
+  EXPECT_EQ(positions(slant), positions(nominal));
+  EXPECT_NEAR(*slant.state.effects.of<SlantRange>(), *slant_anew.state.effects.of<SlantRange>(), 1e-4);
+  EXPECT_NEAR(*slant.state.effects.of<SlantRange>(), 0.5, 0.05);
+  EXPECT_LT((slant.state.water - slant_anew.state.water).norm(), 1e-4);
+
+  const BatchEstimate scale = withOneMore(input, nominal, "dvl-scale"),
+                      scale_anew = withOneMore(input, unknown_before, "dvl-scale");
+  EXPECT_NE(positions(scale), positions(nominal));
+  EXPECT_EQ(positions(scale), positions(scale_anew));
+  EXPECT_EQ(scale.state.water, scale_anew.state.water);
+  EXPECT_NE(scale.state.water, nominal.state.water);
+}
+
 TEST(ImageDiagnosis, SaysThatNothingIsMissing) {
 #ifdef FATHOM_SANITIZE
   GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
