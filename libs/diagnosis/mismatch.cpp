@@ -290,6 +290,36 @@ std::vector<Mismatch> spectra(const WhitenedModel& model, std::uint64_t seed) {
   return maps;
 }
 
+/// What all images have alike and only a prior holds: an estimate takes it up, so that no residual of an edge
+/// or a count shows it, but the prior's does.
+std::vector<Mismatch> imageFlaws(const WhitenedModel& model) {
+  const Linearization& linear = model.linear();
+  const auto block = std::find_if(linear.blocks.begin(), linear.blocks.end(),
+                                  [](const UnknownBlock& b) { return b.kind == UnknownBlock::Kind::flaws; });
+  std::vector<Mismatch> maps;
+  if (block == linear.blocks.end()) return maps;
+  const Eigen::VectorXd left = model.nuisances().project(model.residual());
+  for (const int flaw : {kLensBlur, kFalseSpecks})
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(linear.J, block->column + flaw); entry; ++entry) {
+      const bool is_prior = linear.rows[static_cast<std::size_t>(entry.row())].channel == BatchChannel::prior;
+      if (!is_prior || entry.value() == 0) continue;
+      const double sigmas = std::abs(left[entry.row()]);
+      Mismatch map;
+      map.channel = flaw == kLensBlur ? BatchChannel::edges : BatchChannel::specks;
+      map.statistic = "size beyond what is usual";
+      map.against = "all images";
+      map.where = "all alike";
+      map.size_sigma = sigmas;
+      map.size_raw = sigmas / entry.value();
+      map.statistic_value = sigmas * sigmas;
+      map.dof = 1;
+      map.log_p = chiSquareLogTail(1, map.statistic_value);
+      map.when_s = readingsSpan(linear);
+      maps.push_back(std::move(map));
+    }
+  return maps;
+}
+
 }  // namespace
 
 double materialSize(BatchChannel channel) {
@@ -338,6 +368,7 @@ std::vector<Mismatch> mismatchMaps(const WhitenedModel& model, std::uint64_t see
   const Reduced reduced =
       model.nuisances().reduce(model.whitened(planner.columns()), model.residual(), planner.blocks());
   std::vector<Mismatch> maps = spectra(model, seed);
+  for (Mismatch& map : imageFlaws(model)) maps.push_back(std::move(map));
   for (Plan& plan : planner.plans) {
     finish(plan, model, reduced);
     if (plan.map.dof > 0) maps.push_back(std::move(plan.map));

@@ -24,7 +24,7 @@ struct MismatchBin {
 /// How a channel's residuals depend on one covariate.
 struct Mismatch {
   BatchChannel channel = BatchChannel::prior;
-  std::string statistic;  ///< "mean residual", "mean in an image", "spectrum"
+  std::string statistic;  ///< "mean residual", "shift of an image", "spectrum", …
   std::string direction;  ///< axis, or way in the image; empty: all
   std::string against;    ///< "marker id", "time", "range", …
   std::string unit;       ///< of the covariate

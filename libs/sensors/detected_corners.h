@@ -69,8 +69,7 @@ std::array<Vector2<T>, 4> predictDetectedCorners(const KinematicState<T>& state,
                                                  const CameraModel& camera, const Pose& T_robot_camera,
                                                  const EdgeLight& light, const EffectParameters<T>& effects,
                                                  double t_s, const Pose& T_left_right = {}) {
-  const auto corners =
-      predictCorners(state, panel, marker, camera, T_robot_camera, effects, t_s, T_left_right);
+  auto corners = predictCorners(state, panel, marker, camera, T_robot_camera, effects, t_s, T_left_right);
   PixelResponse<T> response{T(0), T(1), T(light.response_gamma), T(0)};
   applyEffects(effects, t_s, response);
   if (!anyActsAt<PixelResponse<double>>(effects)) return corners;

@@ -115,6 +115,19 @@ double spreadGiven(const test::BatchRun& run, const EffectInfo& effect,
   return std::sqrt((squares - sum * sum / count) / (count - 1));
 }
 
+// All edges alike and to all sides: neither what is forward scattered, which grows with range, nor what
+// moves.
+TEST(ImageDiagnosis, ALensOutOfFocusIsOutsideTheCatalogue) {
+#ifdef FATHOM_SANITIZE
+  GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
+#endif
+  constexpr std::size_t kOutOfFocus = 11;  // by 1 px²
+  const test::Answer answer =
+      test::answerOf(test::outsideLight(lightDive(), kOutOfFocus, 1), lightExcitation());
+  EXPECT_EQ(nameOf(answer.outcome), "unexplained") << test::told(answer);
+  EXPECT_NE(answer.why.find("of edges against all images"), std::string::npos) << test::told(answer);
+}
+
 /// What is drawn anew for each image: by how much it scatters, over some two dozen of them.
 class HiddenDrawnEffect : public testing::TestWithParam<const char*> {};
 TEST_P(HiddenDrawnEffect, IsNamed) {
