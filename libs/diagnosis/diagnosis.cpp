@@ -19,6 +19,8 @@ constexpr double kLogOdds = 8.0;        // ln of the odds against an effect besi
 constexpr double kSameSupport = 2.7;    // half of the 5.4 by which the right one loses once in a hundred
 constexpr double kContenderMargin = 8;  // ln p to first order, plus a share of the best's:
 constexpr double kContenderShare = 0.1;
+constexpr double kFarFromLinear = 1000;  // support from which on an effect may be
+constexpr double kFarShare = 0.3;        // of the largest support: what may be right then
 constexpr std::size_t kLooked = 40, kContenders = 5, kRivals = 4;
 constexpr double kDiscovery = 5;     // sqrt(lambda) from which on an effect is named: noise has tails, too
 constexpr double kTolerance = 0.01;  // of a likelihood: a hundredth of what decides
@@ -84,6 +86,7 @@ class Course {
   static double oddsAgainst(std::size_t effects) { return kLogOdds * (static_cast<double>(effects) - 1); }
   double segment_s() const { return (data_.last_s - data_.first_s) / options_.segments; }
   std::optional<Refit> bestOf(const Refit& from, const Screening& screening, std::size_t size);
+  std::vector<Candidate> farContenders(const Screening& screening) const;
   Refit settled(Refit fit);
   Refit without(const Refit& from, std::vector<Candidate> effects, std::size_t one);
   Refit without(const Refit& from, std::size_t one) { return without(from, from.effects, one); }
@@ -94,7 +97,7 @@ class Course {
   void accept(Refit better);
   bool takeNoise(const NoiseModel& shown);
   bool takeLeastNoise();
-  /// Whole pixels off, perhaps, where the first order tells little; but its fits are quick.
+  /// Its fits are quick.
   bool isCameraAlone() const { return !data_.hasMotion(); }
   HeldOutResult heldOut(const Refit& fit, bool yardsticks) const;
   void addAlternatives(std::size_t effect);
@@ -203,14 +206,30 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
     for (const std::size_t m : set.members) effects.push_back(screening.candidates()[m].candidate);
     tryOne(effects);
   }
-  if (isCameraAlone())
-    for (const TestedCandidate& tested : screening.candidates())
-      if (tested.candidate.isForGood() && !tested.candidate.marker_id) {
-        std::vector<Candidate> effects = from.effects;
-        effects.push_back(tested.candidate);
-        tryOne(effects);
-      }
+  for (const Candidate& alone : farContenders(screening)) {
+    std::vector<Candidate> effects = from.effects;
+    effects.push_back(alone);
+    tryOne(effects);
+  }
   return best;
+}
+
+/// What the first order tells little of, to be tried by itself: of a camera alone, whole pixels off perhaps,
+/// whatever lasts; elsewhere what comes near to an effect that is far from linear.
+std::vector<Candidate> Course::farContenders(const Screening& screening) const {
+  std::vector<Candidate> contenders;
+  double largest = 0;
+  for (const TestedCandidate& tested : screening.candidates()) largest = std::max(largest, tested.support);
+  std::map<std::size_t, const TestedCandidate*> nearest;  // by effect
+  for (const TestedCandidate& tested : screening.candidates()) {
+    const Candidate& candidate = tested.candidate;
+    if (isCameraAlone() && candidate.isForGood() && !candidate.marker_id) contenders.push_back(candidate);
+    if (isCameraAlone() || largest < kFarFromLinear || tested.support < kFarShare * largest) continue;
+    const TestedCandidate*& own = nearest[candidate.effect];
+    if (own == nullptr || tested.support > own->support) own = &tested;
+  }
+  for (const auto& [effect, tested] : nearest) contenders.push_back(tested->candidate);
+  return contenders;
 }
 
 /// Refitted with one effect fewer.

@@ -299,13 +299,16 @@ std::vector<Mismatch> imageFlaws(const WhitenedModel& model) {
   std::vector<Mismatch> maps;
   if (block == linear.blocks.end()) return maps;
   const Eigen::VectorXd left = model.nuisances().project(model.residual());
-  for (const int flaw : {kLensBlur, kFalseSpecks})
+  for (int flaw = 0; flaw < kFlaws; ++flaw)
     for (Eigen::SparseMatrix<double>::InnerIterator entry(linear.J, block->column + flaw); entry; ++entry) {
       const bool is_prior = linear.rows[static_cast<std::size_t>(entry.row())].channel == BatchChannel::prior;
       if (!is_prior || entry.value() == 0) continue;
       const double sigmas = std::abs(left[entry.row()]);
       Mismatch map;
-      map.channel = flaw == kLensBlur ? BatchChannel::edges : BatchChannel::specks;
+      map.channel = flaw == kLensBlur      ? BatchChannel::edges
+                    : flaw == kFalseSpecks ? BatchChannel::specks
+                                           : BatchChannel::pixels;
+      if (flaw >= kFalseLight) map.direction = nameOfAxis(map.channel, flaw - kFalseLight);
       map.statistic = "size beyond what is usual";
       map.against = "all images";
       map.where = "all alike";

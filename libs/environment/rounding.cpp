@@ -47,26 +47,27 @@ double meanWith(double scatter, double mean) {
   return rootOf([&](double x) { return rounded(x, scatter).mean - mean; }, mean - 0.5, mean + 0.5);
 }
 
-double scatterOf(double mean, double variance, double least) {
-  return rootOf([&](double s) { return rounded(meanWith(s, mean), s).variance - variance; }, least, kSmooth);
+double scatterOf(double mean, double variance) {
+  return rootOf([&](double s) { return rounded(meanWith(s, mean), s).variance - variance; }, kLeastScatter,
+                kSmooth);
 }
 
 }  // namespace
 
-BeforeRounding beforeRounding(double mean, double variance, double count, double least_scatter) {
-  const double least = std::max(least_scatter, kLeastScatter);
-  const double of_mean = std::sqrt(std::max(variance, least * least) / count);
-  if (variance > kSmooth * kSmooth || least >= kSmooth) return {mean, of_mean};
-  // Else what is above the least by chance would count, and not what is below.
-  const double clearly = variance * (1 - kClearSigmas * std::sqrt(2 / count));
-  const bool more_than_least = rounded(meanWith(least, mean), least).variance < clearly;
-  const double scatter = more_than_least ? scatterOf(mean, variance, least) : least;
+BeforeRounding beforeRounding(double mean, double variance, double count, double usual_scatter) {
+  const double usual = std::max(usual_scatter, kLeastScatter);
+  const double of_mean = std::sqrt(std::max(variance, usual * usual) / count);
+  if (variance > kSmooth * kSmooth || usual >= kSmooth) return {mean, of_mean};
+  const double expected = rounded(meanWith(usual, mean), usual).variance;
+  const double unsure = kClearSigmas * std::sqrt(2 / count) * std::max(variance, expected);
+  const bool is_usual = std::abs(expected - variance) < unsure;
+  const double scatter = is_usual ? usual : scatterOf(mean, variance);
   const double x = meanWith(scatter, mean);
   constexpr double kStep = 0.02;
   const double slope = (rounded(x + kStep, scatter).mean - rounded(x - kStep, scatter).mean) / (2 * kStep);
   const double by_mean = of_mean / std::max(slope, 1e-3);
   const double more = variance * (1 + std::sqrt(2 / count));
-  const double by_scatter = meanWith(scatterOf(mean, more, least), mean) - x;
+  const double by_scatter = meanWith(scatterOf(mean, more), mean) - x;
   const double sigma = std::hypot(by_mean, by_scatter, kShapeDoubt * (x - mean));
   return {x, std::min(sigma, kUniform)};
 }

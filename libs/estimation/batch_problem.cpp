@@ -16,8 +16,8 @@ namespace {
 
 using Kind = UnknownBlock::Kind;
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-/// One standard deviation of each of ImageFlaw.
-const Vector2d kFlawSigma(0.1, 0.3);
+/// One standard deviation of each of ImageFlaw. Of light: what rounding leaves in means that it shifts alike.
+const Flaws kFlawSigma{0.1, 0.3, 0.02 / 255, 0.02 / 255, 0.02 / 255};
 
 /// W with W C W^T = 1. The symmetric one, so that each row stays as near to its own coordinate as can be.
 Eigen::MatrixXd whitener(const Eigen::MatrixXd& covariance) {
@@ -116,7 +116,8 @@ void BatchProblem::layOut() {
     if (isDrawn(e) && (options_.estimate[e] || reference_.effects.on[e])) addDraws(e);
   for (std::size_t i = 0; i < draws_.size(); ++i) blocks_.push_back({Kind::draw, i, 1, 0});
   if (!data_.patches.empty()) blocks_.push_back({Kind::water, 0, 9, 0});
-  if (!data_.blurs.empty() || !data_.specks.empty()) blocks_.push_back({Kind::flaws, 0, 2, 0});
+  if (!data_.patches.empty() || !data_.blurs.empty() || !data_.specks.empty())
+    blocks_.push_back({Kind::flaws, 0, kFlaws, 0});
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (const auto size = std::ssize(continuousScalars(e)); options_.estimate[e] && size > 0)
       blocks_.push_back({Kind::effect, e, static_cast<int>(size), 0});
@@ -304,7 +305,7 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, st
   if (marker != nullptr && block_of_.contains({Kind::panel, panel})) other(Kind::panel, panel, kPanelColumn);
   if (source.tie_point >= 0) other(Kind::right_camera, 0, kRightColumn);
   if (patch != nullptr) other(Kind::water, 0, kWaterColumn);
-  if (blur != nullptr || source.specks >= 0) other(Kind::flaws, 0, kFlawColumn);
+  if (patch != nullptr || blur != nullptr || source.specks >= 0) other(Kind::flaws, 0, kFlawColumn);
   const bool is_gyro = source.channel == BatchChannel::gyro,
              is_force = source.channel == BatchChannel::accelerometer;
   if ((is_gyro || is_force) && !reference_.bias.empty()) {

@@ -36,7 +36,7 @@ struct BatchState {
   std::vector<Pose> T_odom_panel;
   Pose T_left_right;                  ///< of a pair of cameras that sees tie points
   Vector9d water = Vector9d::Zero();  ///< waterParameters(), where there are patches
-  Vector2d flaws = Vector2d::Zero();  ///< of images, see ImageFlaw
+  Flaws flaws = Flaws::Zero();        ///< of images, see ImageFlaw
   EffectParameters<double> effects;   ///< all that are on, estimated or not
   std::map<Draw, double> draws;       ///< of effects that are drawn anew for each image; missing: 0
 

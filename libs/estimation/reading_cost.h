@@ -156,7 +156,7 @@ class ReadingCost final : public BatchCost {
       if (first == kPanelColumn) point.T_odom_panel = retracted(point.T_odom_panel, x.segment<6>(at));
       if (first == kRightColumn) point.T_left_right = retracted(point.T_left_right, x.segment<6>(at));
       if (first == kWaterColumn) point.water += x.segment<9>(at);
-      if (first == kFlawColumn) point.flaws += x.segment<2>(at);
+      if (first == kFlawColumn) point.flaws += x.segment<kFlaws>(at);
     }
     for (const Link& link : links)
       point.effects[link.scalar] += link.factor * x[blockAt(link.block).column + link.coordinate];

@@ -20,7 +20,7 @@ struct Inputs {
   Vector3<T> right_in_left;
   Matrix3<T> R_left_right;
   Vector9<T> water;
-  Vector2<T> flaws;
+  Eigen::Matrix<T, kFlaws, 1> flaws;
   EffectParameters<T> effects;
 };
 
@@ -247,7 +247,8 @@ struct PatchReader {
   std::vector<LampSheet> lamps;
   template <class T>
   Eigen::Matrix<T, Eigen::Dynamic, 1, 0, 3, 1> predict(const Inputs<T>& in) const {
-    const Vector3<T> all = predictPatch(in.state, in.panel, seen, lamps, in.water, in.effects, t_s);
+    const Vector3<T> all = predictPatch(in.state, in.panel, seen, lamps, in.water, in.effects, t_s) +
+                           in.flaws.template segment<3>(kFalseLight);
     return all(colours);
   }
 };

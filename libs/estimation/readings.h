@@ -16,8 +16,11 @@ namespace fathom {
 inline constexpr std::size_t kEffectScalars = kEffectOffsets[kEffectCount];
 
 /// What is not quite as rendered in any camera's images: by how many px² lens and pixels blur more, to all
-/// sides, and how many of the smallest specks an image has that nothing made.
-enum ImageFlaw { kLensBlur, kFalseSpecks };
+/// sides; how many of the smallest specks an image has that nothing made; and what is read besides the light
+/// in red and the two behind it, as a share of full scale.
+enum ImageFlaw { kLensBlur, kFalseSpecks, kFalseLight };
+inline constexpr int kFlaws = kFalseLight + 3;
+using Flaws = Eigen::Matrix<double, kFlaws, 1>;
 
 /// Columns of a prediction's derivative: the motion's (MotionColumn), the panel's pose (position in odom, m;
 /// rotation vector in panel axes, rad), the right camera's pose likewise in the left one's frame, the water
@@ -26,7 +29,7 @@ inline constexpr int kPanelColumn = kMotionSize;
 inline constexpr int kRightColumn = kPanelColumn + 6;
 inline constexpr int kWaterColumn = kRightColumn + 6;
 inline constexpr int kFlawColumn = kWaterColumn + 9;
-inline constexpr int kEffectColumn = kFlawColumn + 2;
+inline constexpr int kEffectColumn = kFlawColumn + kFlaws;
 
 /// All that a prediction depends on.
 struct ForwardPoint {
@@ -36,7 +39,7 @@ struct ForwardPoint {
   double validity_s = 0.0;
   Pose T_odom_panel, T_left_right;
   Vector9d water = Vector9d::Zero();
-  Vector2d flaws = Vector2d::Zero();
+  Flaws flaws = Flaws::Zero();
   std::array<double, kEffectScalars> effects{};
   std::bitset<kEffectCount> on;  ///< those that act, and those by which is differentiated
 };

@@ -26,7 +26,7 @@ TEST(Rounding, IsUndone) {
         }
         const double mean = sum / kCount;
         const BeforeRounding before = beforeRounding(
-            mean, (sum_of_squares - kCount * mean * mean) / (kCount - 1), kCount, 0.9 * scatter);
+            mean, (sum_of_squares - kCount * mean * mean) / (kCount - 1), kCount, 1.05 * scatter);
         error += (before.mean - x) / kTrials;
         square += std::pow((before.mean - x) / before.sigma, 2) / kTrials;
         plain += (mean - x) / kTrials;
