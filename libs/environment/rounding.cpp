@@ -52,6 +52,20 @@ double scatterOf(double mean, double variance) {
                 kSmooth);
 }
 
+/// Largest by which rounding shifts a mean: of one a quarter off a whole number.
+double largestShift(double scatter) { return std::abs(rounded(0.25, scatter).mean - 0.25); }
+
+/// Of a mean of which rounding leaves least: of a whole number. A sigma that depended on the mean would
+/// prefer means that are off to one side.
+double sigmaOf(double scatter, double count) {
+  constexpr double kStep = 0.02;
+  const double slope = rounded(kStep, scatter).mean / kStep;
+  const double by_mean = std::sqrt(rounded(0, scatter).variance / count) / std::max(slope, 1e-9);
+  const double other = scatter * (1 + 1 / std::sqrt(2 * count));
+  const double by_scatter = largestShift(scatter) - largestShift(other);
+  return std::min(std::hypot(by_mean, by_scatter, kShapeDoubt * largestShift(scatter)), kUniform);
+}
+
 }  // namespace
 
 BeforeRounding beforeRounding(double mean, double variance, double count, double usual_scatter) {
@@ -62,14 +76,7 @@ BeforeRounding beforeRounding(double mean, double variance, double count, double
   const double unsure = kClearSigmas * std::sqrt(2 / count) * std::max(variance, expected);
   const bool is_usual = std::abs(expected - variance) < unsure;
   const double scatter = is_usual ? usual : scatterOf(mean, variance);
-  const double x = meanWith(scatter, mean);
-  constexpr double kStep = 0.02;
-  const double slope = (rounded(x + kStep, scatter).mean - rounded(x - kStep, scatter).mean) / (2 * kStep);
-  const double by_mean = of_mean / std::max(slope, 1e-3);
-  const double more = variance * (1 + std::sqrt(2 / count));
-  const double by_scatter = meanWith(scatterOf(mean, more), mean) - x;
-  const double sigma = std::hypot(by_mean, by_scatter, kShapeDoubt * (x - mean));
-  return {x, std::min(sigma, kUniform)};
+  return {meanWith(scatter, mean), sigmaOf(scatter, count)};
 }
 
 }  // namespace fathom
