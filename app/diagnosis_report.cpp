@@ -213,12 +213,10 @@ void addImages(const DiagnosisStory& story, HtmlReport& report) {
   if (story.images.empty()) return;
   report.heading("Recorded and simulated");
   report.paragraph(
-      "From where each image was taken, with the water estimated; around the panels nothing is known, and "
-      "nothing is "
-      "compared. Left of the slider is the recorded image, right of it the simulated one. The maps show "
-      "recorded less "
-      "simulated, red where the recorded image is brighter, on the same scale without and with what was "
-      "found.");
+      "From where each image was taken, with the water estimated. Left of the slider is the recorded image, "
+      "right of it the simulated one. The maps show recorded less simulated on the panels (what else is "
+      "around them is not known, but for open water), red where the recorded image is brighter, on the same "
+      "scale without and with what was found.");
   for (const ComparedImage& image : story.images) {
     report.subheading(print("%s, %.1f m from the panel", image.name.c_str(), image.range_m));
     const auto show = [&](const SimulatedImage& simulated, const std::string& which) {

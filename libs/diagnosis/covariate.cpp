@@ -30,6 +30,9 @@ std::vector<Covariate> allOf(BatchChannel channel) {
     if (channel == BatchChannel::tie_points) return all;
     all.push_back(
         {"incidence", "deg", [](const RowInfo& row) { return row.incidence_rad; }, degrees(1.0), 6});
+    if (channel == BatchChannel::markers) return all;  // they have a map of their own, marker by marker
+    all.push_back({"panel x", "m", [](const RowInfo& row) { return row.point_panel.x(); }, 1, 6});
+    all.push_back({"panel y", "m", [](const RowInfo& row) { return row.point_panel.y(); }, 1, 6});
     if (channel == BatchChannel::pixels)
       all.push_back({"brightness", "DN", [](const RowInfo& row) { return row.level; }, 255, 6});
     return all;

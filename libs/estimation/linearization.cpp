@@ -39,6 +39,7 @@ void setPlace(RowInfo& info, const Seen& seen, const Motion& motion, const Batch
   info.image = static_cast<std::ptrdiff_t>(seen.image);
   info.eye = static_cast<std::ptrdiff_t>(seen.eye);
   info.pixel = seen.pixel;
+  info.point_panel = seen.point_panel.template head<2>();
   const Pose T_camera_panel =
       (motion.T_odom_robot * seen.T_robot_camera).inverse() * state.T_odom_panel[seen.panel];
   const Vector3d point_camera = T_camera_panel * seen.point_panel;
@@ -78,7 +79,10 @@ RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const Row
   if (patch != nullptr) {
     setPlace(info, *patch, motion, problem.reference());
     info.image_radius = patch->image_radius;
-    if (patch->surface == ImagePatch::Surface::water) info.range_m = info.incidence_rad = RowInfo::kNone;
+    if (patch->surface == ImagePatch::Surface::water) {
+      info.range_m = info.incidence_rad = RowInfo::kNone;
+      info.point_panel.setConstant(RowInfo::kNone);
+    }
   }
   if (blur != nullptr) setPlace(info, *blur, motion, problem.reference());
   if (seen == nullptr) return info;

@@ -39,9 +39,10 @@ struct RowInfo {
   int marker_id = -1;
   std::ptrdiff_t panel = -1, image = -1, eye = -1;
   Vector2d pixel = Vector2d::Constant(kNone);  ///< the corner, or the point
-  double image_radius = kNone;   ///< its distance from the principal point over the focal length
-  double range_m = kNone;        ///< of the marker's centre
-  double incidence_rad = kNone;  ///< between the marker's normal and the line of sight
+  double image_radius = kNone;  ///< its distance from the principal point over the focal length
+  Vector2d point_panel = Vector2d::Constant(kNone);  ///< of a patch or edges: where on the panel, m
+  double range_m = kNone;                            ///< of the marker's centre
+  double incidence_rad = kNone;                      ///< between the marker's normal and the line of sight
 
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 };
