@@ -218,14 +218,18 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
 /// whatever lasts; elsewhere what comes near to an effect that is far from linear.
 std::vector<Candidate> Course::farContenders(const Screening& screening) const {
   std::vector<Candidate> contenders;
+  if (isCameraAlone()) {
+    for (const TestedCandidate& tested : screening.candidates())
+      if (tested.candidate.isForGood() && !tested.candidate.marker_id) contenders.push_back(tested.candidate);
+    return contenders;
+  }
   double largest = 0;
   for (const TestedCandidate& tested : screening.candidates()) largest = std::max(largest, tested.support);
+  if (largest < kFarFromLinear) return contenders;
   std::map<std::size_t, const TestedCandidate*> nearest;  // by effect
   for (const TestedCandidate& tested : screening.candidates()) {
-    const Candidate& candidate = tested.candidate;
-    if (isCameraAlone() && candidate.isForGood() && !candidate.marker_id) contenders.push_back(candidate);
-    if (isCameraAlone() || largest < kFarFromLinear || tested.support < kFarShare * largest) continue;
-    const TestedCandidate*& own = nearest[candidate.effect];
+    if (tested.support < kFarShare * largest) continue;
+    const TestedCandidate*& own = nearest[tested.candidate.effect];
     if (own == nullptr || tested.support > own->support) own = &tested;
   }
   for (const auto& [effect, tested] : nearest) contenders.push_back(tested->candidate);

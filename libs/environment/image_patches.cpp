@@ -217,13 +217,14 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
   const WaterFit fit = result.patches.size() < kFewestPieces ? WaterFit{} : startWater(synchronized);
   if (!fit.solved) result.patches.clear();
   result.start = fit.environment;
-  if (fit.solved) result.specks = withSigmas(posed, specks, result.start, time_zero);
-  if (fit.solved)
+  if (fit.solved) {
+    result.specks = withSigmas(posed, specks, result.start, time_zero);
     for (std::size_t i = 0; i < posed.size(); ++i)
       for (Patch patch : beside[i]) {
         patch.label += places.back().end();
         add(patch, ImagePatch::Surface::water, posed[i]);
       }
+  }
   // Or else what is not flat would be taken for physics.
   const Water& water = result.start.water;
   for (ImagePatch& patch : result.patches) {

@@ -70,8 +70,8 @@ double sigmaOf(double scatter, double count) {
 
 BeforeRounding beforeRounding(double mean, double variance, double count, double usual_scatter) {
   const double usual = std::max(usual_scatter, kLeastScatter);
-  const double of_mean = std::sqrt(std::max(variance, usual * usual) / count);
-  if (variance > kSmooth * kSmooth || usual >= kSmooth) return {mean, of_mean};
+  if (variance > kSmooth * kSmooth || usual >= kSmooth)
+    return {mean, std::sqrt(std::max(variance, usual * usual) / count)};
   const double expected = rounded(meanWith(usual, mean), usual).variance;
   const double unsure = kClearSigmas * std::sqrt(2 / count) * std::max(variance, expected);
   const bool is_usual = std::abs(expected - variance) < unsure;

@@ -72,7 +72,7 @@ Detections BatchRun::detections() const {
   for (std::size_t image = 0;; ++image) {
     const double t_s = secondsBetween(simulation.start, imageTime(simulation, image));
     if (t_s > duration_s) return detections;
-    const auto state = path_.at(simulation.begin_s + t_s + validityOffset<Sensor::camera>(effects, t_s));
+    const auto state = stateAtImage(t_s);
     auto& found = detections.by_file["/images/" + imageFiles(sheet, {}, image)[0]];
     Pose T_robot_camera = sheet.T_robot_camera;
     T_robot_camera.rotation *= expSO3<double>(camera_shake_rad * shaking.normal3());
@@ -118,21 +118,38 @@ std::vector<ImagePatch> BatchRun::patches() const {
   return all;
 }
 
-// Of the markers that are detected: two patches each.
-std::vector<ImagePatch> BatchRun::patchesOfMarkers() const {
+std::vector<ImagePatch> BatchRun::emptyPatches() const {
   const SimulationOptions simulation = options();
-  const CameraSheet& sheet = *vehicle.camera;
-  Random random = Random::stream(seed, 79);
   std::vector<ImagePatch> patches;
   for (std::size_t image = 0;; ++image) {
     ImagePatch patch;
     patch.t_s = secondsBetween(simulation.start, imageTime(simulation, image));
     if (patch.t_s > duration_s) return patches;
     patch.image = image;
-    patch.T_robot_camera = sheet.T_robot_camera;
+    patch.T_robot_camera = vehicle.camera->T_robot_camera;
     patch.sigma.setConstant(kLightSigma);
-    const auto state =
-        path_.at(simulation.begin_s + patch.t_s + validityOffset<Sensor::camera>(effects, patch.t_s));
+    patches.push_back(patch);
+  }
+}
+
+KinematicState<double> BatchRun::stateAtImage(double t_s) const {
+  return path_.at(options().begin_s + t_s + validityOffset<Sensor::camera>(effects, t_s));
+}
+
+Vector3d BatchRun::readingOf(const ImagePatch& patch, Random& random) const {
+  const Vector3d light =
+      predictPatch(stateAtImage(patch.t_s), nominalPlacement<double>(panel.T_odom_panel, patch.t_s), patch,
+                   vehicle.lamps, coastalWater(), drawnFor(effects, seed, patch.t_s), patch.t_s);
+  return noise ? Vector3d(light + kLightSigma * random.normal3()) : light;
+}
+
+// Of the markers that are detected: two patches each.
+std::vector<ImagePatch> BatchRun::patchesOfMarkers() const {
+  const CameraSheet& sheet = *vehicle.camera;
+  Random random = Random::stream(seed, 79);
+  std::vector<ImagePatch> patches;
+  for (ImagePatch patch : emptyPatches()) {
+    const auto state = stateAtImage(patch.t_s);
     const Pose T_camera_panel =
         (Pose{state.R_odom_robot, state.position_odom} * sheet.T_robot_camera).inverse() * panel.T_odom_panel;
     for (const Marker& marker : panel.markers) {
@@ -150,32 +167,22 @@ std::vector<ImagePatch> BatchRun::patchesOfMarkers() const {
         patch.albedo_around = {
             Vector3d((1 - share) * patch.albedo + Vector3d::Constant(share * other)),
             Vector3d((1 - 1.5 * share) * patch.albedo + Vector3d::Constant(1.5 * share * other))};
-        patch.radiance =
-            predictPatch(state, nominalPlacement<double>(panel.T_odom_panel, patch.t_s), patch, vehicle.lamps,
-                         coastalWater(), drawnFor(effects, seed, patch.t_s), patch.t_s);
-        if (noise) patch.radiance += kLightSigma * random.normal3();
+        patch.radiance = readingOf(patch, random);
         patches.push_back(patch);
       }
     }
   }
+  return patches;
 }
 
 // Two patches above the panel, in all images.
 std::vector<ImagePatch> BatchRun::patchesOfWater() const {
-  const SimulationOptions simulation = options();
   const CameraSheet& sheet = *vehicle.camera;
   Random random = Random::stream(seed, 82);
   std::vector<ImagePatch> patches;
-  for (std::size_t image = 0;; ++image) {
-    ImagePatch patch;
-    patch.t_s = secondsBetween(simulation.start, imageTime(simulation, image));
-    if (patch.t_s > duration_s) return patches;
-    patch.image = image;
-    patch.T_robot_camera = sheet.T_robot_camera;
+  for (ImagePatch patch : emptyPatches()) {
     patch.surface = ImagePatch::Surface::water;
-    patch.sigma.setConstant(kLightSigma);
-    const auto state =
-        path_.at(simulation.begin_s + patch.t_s + validityOffset<Sensor::camera>(effects, patch.t_s));
+    const auto state = stateAtImage(patch.t_s);
     const Pose T_panel_camera =
         panel.T_odom_panel.inverse() * Pose{state.R_odom_robot, state.position_odom} * sheet.T_robot_camera;
     for (const double share : {0.25, 0.75}) {
@@ -185,19 +192,16 @@ std::vector<ImagePatch> BatchRun::patchesOfWater() const {
       patch.image_radius = direction.norm();
       patch.point_panel = T_panel_camera * Vector3d(kOpenWater_m * direction.homogeneous());
       patch.around_panel.fill(patch.point_panel);
-      patch.radiance =
-          predictPatch(state, nominalPlacement<double>(panel.T_odom_panel, patch.t_s), patch, vehicle.lamps,
-                       coastalWater(), drawnFor(effects, seed, patch.t_s), patch.t_s);
-      if (noise) patch.radiance += kLightSigma * random.normal3();
+      patch.radiance = readingOf(patch, random);
       patches.push_back(patch);
     }
   }
+  return patches;
 }
 
 // Of the same markers.
 std::vector<MarkerBlur> BatchRun::blurs() const {
   constexpr double kSigma_px2 = 0.15, kLens_px2 = 0.06;
-  const SimulationOptions simulation = options();
   Random random = Random::stream(seed, 80);
   std::vector<MarkerBlur> blurs;
   for (const ImagePatch& patch : patchesOfMarkers()) {
@@ -211,8 +215,7 @@ std::vector<MarkerBlur> BatchRun::blurs() const {
     blur.camera = vehicle.camera->model;
     blur.T_robot_camera = patch.T_robot_camera;
     blur.covariance_px4 = kSigma_px2 * kSigma_px2 * Matrix3d::Identity();
-    const auto state =
-        path_.at(simulation.begin_s + patch.t_s + validityOffset<Sensor::camera>(effects, patch.t_s));
+    const auto state = stateAtImage(patch.t_s);
     blur.variance_px2 = predictBlur(state, nominalPlacement<double>(panel.T_odom_panel, patch.t_s), blur,
                                     kLens_px2, effects, patch.t_s);
     if (noise) blur.variance_px2 += kSigma_px2 * random.normal3();

@@ -59,6 +59,9 @@ struct BatchRun {
  private:
   static constexpr double kBegin_s = 4.0;  ///< the path's own beginning has no acceleration
   SimulationOptions options() const;
+  KinematicState<double> stateAtImage(double t_s) const;
+  std::vector<ImagePatch> emptyPatches() const;  ///< one an image, with what all of its patches share
+  Vector3d readingOf(const ImagePatch& patch, Random& random) const;
   std::vector<ImagePatch> patchesOfMarkers() const;
   std::vector<ImagePatch> patchesOfWater() const;
   Vector8d cornerErrors(Random& random) const;

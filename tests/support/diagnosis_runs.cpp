@@ -393,19 +393,19 @@ DiagnosisRun outsideLight(const BatchRun& nominal, std::size_t number, std::uint
     const double exponent_error = std::array{0.01, 0.03, 0.1}[size];
     named("response by colour", exponent_error);
     run.change_light = [=](std::vector<ImagePatch>& patches) { bendResponse(patches, exponent_error); };
-  } else if (number % 4 == 3) {
-    const double blur_px2 = std::array{0.25, 0.5, 1.0}[size];
-    named("out of focus, px^2", blur_px2);
-    run.change_edges = [=](std::vector<MarkerBlur>& blurs) {
-      for (MarkerBlur& blur : blurs) blur.variance_px2 += Vector3d(blur_px2, 0, blur_px2);
-    };
-  } else {
+  } else if (number % 4 == 2) {
     const double share = std::array{0.05, 0.1, 0.3}[size];
     const std::uint64_t stream = random.bits();
     named("bubbles before patches", share);
     run.change_light = [=](std::vector<ImagePatch>& patches) {
       Random places(stream);
       addBubbles(patches, share, places);
+    };
+  } else {
+    const double blur_px2 = std::array{0.25, 0.5, 1.0}[size];
+    named("out of focus, px^2", blur_px2);
+    run.change_edges = [=](std::vector<MarkerBlur>& blurs) {
+      for (MarkerBlur& blur : blurs) blur.variance_px2 += Vector3d(blur_px2, 0, blur_px2);
     };
   }
   return run;
