@@ -107,6 +107,7 @@ Json effectJson(const FoundEffect& effect, const DiagnosisStory& story) {
   if (const auto& id = effect.candidate.marker_id) json["parameters"]["marker_id"] = *id;
   json["active_s"] = intervalJson(activeIn(effect.candidate, story.read.input.data));
   json["sqrt_lambda"] = effect.sqrt_lambda;
+  json["confidence"] = effect.confidence;
   json["evidence"] = {{"heldout_log_likelihood_gain", effect.heldout_log_likelihood_gain},
                       {"bic_gain", effect.bic_gain},
                       {"support", effect.support},
@@ -124,6 +125,7 @@ Json effectsJson(const std::vector<FoundEffect>& effects, const DiagnosisStory& 
 Json adviceJson(const Advice& advice) {
   if (advice.manoeuvre.empty()) return nullptr;
   return {{"manoeuvre", advice.manoeuvre},
+          {"from_s", advice.from_s},
           {"separation", advice.separation},
           {"separation_now", advice.separation_now}};
 }

@@ -105,7 +105,7 @@ const std::vector<FoundEffect>& modelledEffects(const Diagnosis& diagnosis) {
 }
 
 Table effectTable(const DiagnosisStory& story) {
-  Table table{{"effect", "parameter", "value ± sigma", "when", "size [sqrt lambda]"}, {}};
+  Table table{{"effect", "parameter", "value ± sigma", "when", "size [sqrt lambda]", "confidence"}, {}};
   for (const FoundEffect& effect : modelledEffects(story.diagnosis)) {
     bool first = true;
     for (const FoundParameter& parameter : parametersOf(effect, story.diagnosis)) {
@@ -113,7 +113,8 @@ Table effectTable(const DiagnosisStory& story) {
       if (first)
         table.rows.back().insert(
             table.rows.back().end(),
-            {textOf(activeIn(effect.candidate, story.read.input.data)), fixed(effect.sqrt_lambda, 1)});
+            {textOf(activeIn(effect.candidate, story.read.input.data)), fixed(effect.sqrt_lambda, 1),
+             effect.confidence > 0.99 ? "> 99 %" : print("%.0f %%", 100 * effect.confidence)});
       first = false;
     }
   }

@@ -8,13 +8,13 @@
 
 #include "core/progress.h"
 #include "core/text.h"
+#include "diagnosis/nominal.h"
 #include "diagnosis/onset.h"
 #include "diagnosis/verdict.h"
 
 namespace fathom {
 namespace {
 
-constexpr int kNoisePasses = 2;
 constexpr double kLogOdds = 8.0;        // ln of the odds against an effect besides another, before looking
 constexpr double kSameSupport = 2.7;    // half of the 5.4 by which the right one loses once in a hundred
 constexpr double kContenderMargin = 8;  // ln p to first order, plus a share of the best's:
@@ -22,10 +22,9 @@ constexpr double kContenderShare = 0.1;
 constexpr double kFarFromLinear = 1000;  // support from which on an effect may be
 constexpr double kFarShare = 0.3;        // of the largest support: what may be right then
 constexpr std::size_t kLooked = 40, kContenders = 5, kRivals = 4;
-constexpr double kDiscovery = 5;     // sqrt(lambda) from which on an effect is named: noise has tails, too
-constexpr double kTolerance = 0.01;  // of a likelihood: a hundredth of what decides
-constexpr double kLessNoise = 0.9;   // times the noise taken before: less than chance
-constexpr double kConfirmed = 0.3;   // of the likelihood it gains, on stretches that it was not fitted to
+constexpr double kDiscovery = 5;    // sqrt(lambda) from which on an effect is named: noise has tails, too
+constexpr double kLessNoise = 0.9;  // times the noise taken before: less than chance
+constexpr double kConfirmed = 0.2;  // of the likelihood it gains, on stretches that it was not fitted to
 
 /// To compare what a camera by itself shows: its noise and the markers' scatter, multiplied.
 double cameraNoise(const NoiseModel& noise) {
@@ -51,9 +50,7 @@ bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
 class Course {
  public:
   Course(const BatchInput& input, const DiagnosisOptions& options)
-      : data_(input.data), start_(input.start), options_(options) {
-    base_.calibration = options.calibration;
-  }
+      : data_(input.data), start_(input.start), options_(options) {}
 
   Diagnosis run() {
     if (!estimateNominal()) return std::move(diagnosis_);
@@ -111,6 +108,7 @@ class Course {
   std::set<std::size_t>
       lasting_only_;  // effects of which a part of the recording was tried, and not confirmed
   std::map<std::string, Refit> fitted_;  // by the effects' names
+  std::vector<double> confidence_;       // of each effect in the final model
   Diagnosis diagnosis_;
 };
 
@@ -135,28 +133,11 @@ bool Course::insufficient(const std::string& why) {
 }
 
 bool Course::estimateNominal() {
-  base_.cost_tolerance = kTolerance;
-  BatchEstimate estimate = estimateBatch(data_, start_, base_);
-  if (!estimate.succeeded)
-    return insufficient("The nominal model could not be fitted: " + estimate.failure + ".");
-  try {
-    for (int pass = 0; pass < kNoisePasses; ++pass) {
-      Linearization linear = linearize(data_, *problemAt(data_, estimate, base_));
-      applyRobustWeights(linear);
-      diagnosis_.noise = shownNoise(linear, diagnosis_.noise, options_.seed);
-      base_.problem.noise_scale = diagnosis_.noise.noiseScale();
-      estimate = minimumFrom(data_, estimate, base_);
-      if (!estimate.succeeded)
-        return insufficient(
-            "The nominal model could not be fitted with the noise shown: " + estimate.failure + ".");
-    }
-  } catch (const std::runtime_error& e) {
-    return insufficient(
-        print("The recording does not determine what the nominal model estimates (%s).", e.what()));
-  }
-  nominal_ = refit(data_, estimate, base_, {}, diagnosis_.noise);
-  if (!nominal_.succeeded)
-    return insufficient("The nominal model could not be fitted: " + nominal_.estimate.failure + ".");
+  NominalFit nominal = nominalFit(data_, start_, options_.calibration, options_.seed);
+  if (!nominal.failure.empty()) return insufficient(nominal.failure);
+  base_ = nominal.options;
+  diagnosis_.noise = nominal.noise;
+  nominal_ = std::move(nominal.fit);
   final_ = nominal_;
   return true;
 }
@@ -215,7 +196,8 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
 }
 
 /// What the first order tells little of, to be tried by itself: of a camera alone, whole pixels off perhaps,
-/// whatever lasts; elsewhere what comes near to an effect that is far from linear.
+/// whatever lasts; elsewhere what comes near to an effect that is far from linear, as a peak's time and width
+/// always are.
 std::vector<Candidate> Course::farContenders(const Screening& screening) const {
   std::vector<Candidate> contenders;
   if (isCameraAlone()) {
@@ -225,10 +207,10 @@ std::vector<Candidate> Course::farContenders(const Screening& screening) const {
   }
   double largest = 0;
   for (const TestedCandidate& tested : screening.candidates()) largest = std::max(largest, tested.support);
-  if (largest < kFarFromLinear) return contenders;
   std::map<std::size_t, const TestedCandidate*> nearest;  // by effect
   for (const TestedCandidate& tested : screening.candidates()) {
-    if (tested.support < kFarShare * largest) continue;
+    const bool is_far = largest >= kFarFromLinear || tested.candidate.peak;
+    if (!is_far || tested.support < kFarShare * largest) continue;
     const TestedCandidate*& own = nearest[tested.candidate.effect];
     if (own == nullptr || tested.support > own->support) own = &tested;
   }
@@ -295,6 +277,7 @@ void Course::attribute() {
     if (leaveOutUnconfirmed(better)) continue;
     accept(std::move(better));
   }
+  confidence_.assign(final_.effects.size(), 1 - diagnosis_.alarm_p);
   for (std::size_t i = 0; i < final_.effects.size(); ++i) addAlternatives(i);
 }
 
@@ -411,6 +394,7 @@ void Course::addAlternatives(std::size_t effect) {
   Alternatives set{{final_.effects[effect]}, {0}, {1}, {}};
   std::optional<SizedEffect> like;
   const double first_order = candidates[*own].support;
+  double odds = 1;  // of it and all others in its place, against it
   std::size_t tried = 0;
   for (const std::size_t m : order) {
     if (candidates[m].support < first_order - kContenderMargin - kContenderShare * std::abs(first_order) ||
@@ -425,12 +409,14 @@ void Course::addAlternatives(std::size_t effect) {
     const Refit rival = fit(rest, effects);
     if (!rival.succeeded) continue;
     const double difference = worth(rival) - worth(final_);
+    odds += std::exp(difference);
     if (difference < -kSameSupport) continue;
     set.candidates.push_back(candidates[m].candidate);
     set.support.push_back(difference);
     set.alignment.push_back(screening.alignment(*own, m));
     if (set.candidates.size() == 2) like = sized(rival, candidates[m].candidate);
   }
+  confidence_[effect] = (1 - diagnosis_.alarm_p) / odds;
   if (!like) return;
   try {
     set.advice = adviseManoeuvre(data_, *rest.model, final_.estimate.state,
@@ -452,6 +438,7 @@ FoundEffect Course::describe(std::size_t effect) {
   if (found.candidate.peak)
     found.candidate.peak = peakOf(final_.estimate.state.effects, found.candidate.effect);
   found.sqrt_lambda = sqrtLambda(final_, found.candidate.effect);
+  found.confidence = confidence_[effect];
   const Refit rest = without(final_, effect);
   if (rest.succeeded) {
     found.support = supportOver(final_, rest);

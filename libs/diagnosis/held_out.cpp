@@ -135,7 +135,7 @@ class HoldOut {
   const NoiseModel& noise_;
   HeldOutOptions options_;
   Eigen::SparseMatrix<double> physics_;
-  Eigen::VectorXd found_;  // the effects' values
+  Eigen::VectorXd found_, sigma_;  // the effects' values, and what they may be off by
   WhitenedModel model_;
   const Linearization& bare_;
   std::vector<BatchChannel> channels_;  // that the effects act on, those they change most first
@@ -163,6 +163,21 @@ Eigen::VectorXd valuesOf(const Linearization& linear, const std::vector<Candidat
   return Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values));
 }
 
+/// Of a peak's time at most as far from the one found as it is wide: beyond that its columns, which were
+/// taken there, tell nothing.
+Eigen::VectorXd trainedSigmas(const Linearization& linear, const std::vector<Candidate>& effects,
+                              const BatchState& found) {
+  Eigen::VectorXd sigma = priorSigmas(linear, effects);
+  Eigen::Index column = 0;
+  for (const Candidate& effect : effects)
+    for (const CandidateColumn& c : columnsOf(linear, effect.effect)) {
+      double& own = sigma[column++];
+      if (parameterOf(linear.columns[c.column].scalar).kind == ParameterKind::peak_time)
+        own = std::min(own, peakOf(found.effects, effect.effect).width_s);
+    }
+  return sigma;
+}
+
 HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effects, const BatchState& found,
                  const NoiseModel& noise, const BatchData& data, const HeldOutOptions& options)
     : linear_(linear),
@@ -177,6 +192,7 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
       stretches_(data, options.folds),
       random_(options.seed),
       pieces_(static_cast<std::size_t>(stretches_.count()) * kParts) {
+  sigma_ = trainedSigmas(bare_, effects, found);
   gain_.by_effect.assign(effects.size(), 0);
   columns_ = model_.whitened(columnsOf(bare_, effects));
   for (const Candidate& effect : effects)
@@ -194,14 +210,11 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
 
 Fitted HoldOut::physics(std::optional<std::size_t> but) const {
   Fitted what;
-  std::vector<Candidate> kept;
   Eigen::Index column = 0;
-  for (std::size_t e = 0; e < effects_.size(); ++e) {
-    if (e != but) kept.push_back(effects_[e]);
+  for (std::size_t e = 0; e < effects_.size(); ++e)
     for (std::size_t k = 0; k < columnsOf(bare_, effects_[e].effect).size(); ++k, ++column)
       if (e != but) what.columns.push_back(column);
-  }
-  what.sigma = priorSigmas(bare_, kept);
+  what.sigma = sigma_(what.columns);
   return what;
 }
 

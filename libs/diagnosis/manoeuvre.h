@@ -16,10 +16,14 @@ struct Manoeuvre {
 /// The library, the simplest first.
 const std::vector<Manoeuvre>& manoeuvres();
 
+/// Where the robot was then, levelled: nobody holds station tilted.
+Pose stationAt(const Pose& T_odom_robot);
+
 /// Which manoeuvre would tell two effects apart: how much of one's size (in units of what can be resolved)
 /// the other could not imitate, the smaller of both ways round.
 struct Advice {
-  std::string manoeuvre;
+  std::string manoeuvre;      ///< a Manoeuvre's text; empty: none would
+  double from_s = 0;          ///< begun where the robot was then, levelled: see stationAt()
   double separation = 0;      ///< after a minute of it, at the sizes found
   double separation_now = 0;  ///< in the recording
 };

@@ -10,7 +10,7 @@ namespace fathom {
 
 struct Gamma {
   template <class T>
-  using Stage = PixelResponse<T>;
+  using Stage = ResponseCurve<T>;
   static constexpr std::string_view id = "gamma";
   static constexpr EffectText text{
       .channel = EffectChannel::image,
@@ -28,8 +28,8 @@ struct Gamma {
                 .limit = 0.9,
                 .usual = "0 as stated; -0.55 where a linear camera turns out to be one of 1/2.2"}};
   template <class T>
-  static void apply(const T* p, Stage<T>& pixel) {
-    pixel.exponent *= 1.0 + p[0];
+  static void apply(const T* p, Stage<T>& curve) {
+    curve.exponent *= 1.0 + p[0];
   }
 };
 

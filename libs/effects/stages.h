@@ -133,13 +133,19 @@ struct SuspendedParticles {
 };
 
 /// How one pixel answers to the light that reaches it: DN = full scale * ((gain * radiance) ^ exponent +
-/// offset). Starts as the vehicle file has it, with a gain of 1.
+/// offset), the exponent of ResponseCurve. Starts with a gain of 1 and no offset.
 template <class T>
 struct PixelResponse {
   T image_radius = T(0);  ///< tangent of the line of sight's angle to the optical axis
   T gain = T(1);
-  T exponent = T(1);
   T offset = T(0);  ///< share of full scale
+};
+
+/// By which curve all pixels answer: starts as the vehicle file has it. A stage of its own because it moves
+/// edges too, where a detector sees them (sensors/detected_corners.h).
+template <class T>
+struct ResponseCurve {
+  T exponent = T(1);
 };
 
 /// For how long the shutter is open, squared, about the time at which the image is valid: what moves

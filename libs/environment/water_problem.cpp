@@ -109,16 +109,19 @@ PatchModel::PatchModel(const KnownLight& known)
     : effects_(withoutDraws(known.effects)),
       jet_effects_(asJets(effects_)),
       lamps_(known.lamps),
-      changes_response_(anyActsAt<PixelResponse<double>>(effects_)) {}
+      changes_response_(anyActsAt<PixelResponse<double>>(effects_) ||
+                        anyActsAt<ResponseCurve<double>>(effects_)) {}
 
 Vector3d PatchModel::lightSeen(const Patch& patch) const {
   if (!changes_response_) return patch.radiance;
-  PixelResponse<double> response{patch.image_radius, 1.0, patch.response_gamma, 0.0};
+  PixelResponse<double> response{patch.image_radius};
+  ResponseCurve<double> curve{patch.response_gamma};
   applyEffects(effects_, patch.t_s, response);
+  applyEffects(effects_, patch.t_s, curve);
   Vector3d light;
   for (int c = 0; c < 3; ++c) {
     const double reading = std::pow(patch.radiance[c], patch.response_gamma) - response.offset;
-    light[c] = std::pow(std::max(0.0, reading), 1 / response.exponent) / response.gain;
+    light[c] = std::pow(std::max(0.0, reading), 1 / curve.exponent) / response.gain;
   }
   return light;
 }

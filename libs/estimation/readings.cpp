@@ -205,7 +205,7 @@ struct MarkerReader {
   static constexpr Sensor kSensor = Sensor::camera;
   using Stages = StageList<Mounting<double, Sensor::camera>, ValidityOffset<double, Sensor::camera>,
                            FlatPort<double>, Intrinsics<double>, Shutter<double>, MarkerPlacement<double>,
-                           PanelPlacement<double>, PixelResponse<double>>;
+                           PanelPlacement<double>, ResponseCurve<double>>;
   static std::vector<int> motion() { return triples({kPositionColumn, kOrientationColumn}); }
   BatchMarker seen;
   double t_s;
@@ -237,9 +237,9 @@ struct TiePointReader {
 
 struct PatchReader {
   static constexpr Sensor kSensor = Sensor::camera;
-  using Stages =
-      StageList<Mounting<double, Sensor::camera>, ValidityOffset<double, Sensor::camera>,
-                PanelPlacement<double>, SceneLight<double>, WaterRay<double>, PixelResponse<double>>;
+  using Stages = StageList<Mounting<double, Sensor::camera>, ValidityOffset<double, Sensor::camera>,
+                           PanelPlacement<double>, SceneLight<double>, WaterRay<double>,
+                           PixelResponse<double>, ResponseCurve<double>>;
   static std::vector<int> motion() { return {}; }
   ImagePatch seen;
   double t_s;

@@ -57,12 +57,11 @@ std::string_view nameOf(Preprocess preprocess) {
 GrayRange expectedRange(const Vector3d& black_radiance, const Vector3d& white_radiance, const Water& water,
                         const CameraSheet& sheet, double range_m) {
   const Vector3d weights(0.299, 0.587, 0.114);  // as cv::COLOR_BGR2GRAY
-  PixelResponse<double> response;
-  response.exponent = sheet.response_gamma;
+  const ResponseCurve<double> curve{sheet.response_gamma};
   const auto gray = [&](const Vector3d& radiance) {
     const Vector3d light = predictLight<double>(radiance, range_m, range_m, water, {});
     double sum = 0;
-    for (int c = 0; c < 3; ++c) sum += 255.0 * weights[c] * predictReading(light[c], response);
+    for (int c = 0; c < 3; ++c) sum += 255.0 * weights[c] * predictReading(light[c], {}, curve);
     return sum;
   };
   return {gray(black_radiance), gray(white_radiance)};

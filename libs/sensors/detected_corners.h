@@ -70,10 +70,10 @@ std::array<Vector2<T>, 4> predictDetectedCorners(const KinematicState<T>& state,
                                                  const EdgeLight& light, const EffectParameters<T>& effects,
                                                  double t_s, const Pose& T_left_right = {}) {
   auto corners = predictCorners(state, panel, marker, camera, T_robot_camera, effects, t_s, T_left_right);
-  if (!anyActsAt<PixelResponse<double>>(effects)) return corners;
-  PixelResponse<T> response{T(0), T(1), T(light.response_gamma), T(0)};
-  applyEffects(effects, t_s, response);
-  return shrunk<T>(corners, spreadOfWhite_px(response.exponent, light.dark_over_bright) -
+  if (!anyActsAt<ResponseCurve<double>>(effects)) return corners;
+  ResponseCurve<T> curve{T(light.response_gamma)};
+  applyEffects(effects, t_s, curve);
+  return shrunk<T>(corners, spreadOfWhite_px(curve.exponent, light.dark_over_bright) -
                                 spreadOfWhite_px(T(light.response_gamma), light.dark_over_bright));
 }
 

@@ -176,17 +176,16 @@ cv::Mat ImageModel::lightWithEffects(const cv::Mat& radiance, const cv::Mat& ran
 
 /// Of each number in a row.
 struct ImageModel::RowResponse {
-  std::vector<float> gain, exponent, offset;
+  std::vector<float> gain, offset;
 };
 
 void ImageModel::respondAlong(int row, double t_s, RowResponse& along) const {
   for (int u = 0; u < z_per_range_.cols; ++u) {
     const double cosine = z_per_range_.at<float>(row, u);
-    PixelResponse<double> response{std::sqrt(1 / (cosine * cosine) - 1), 1.0, sheet_.response_gamma};
+    PixelResponse<double> response{std::sqrt(1 / (cosine * cosine) - 1)};
     applyEffects(effects_, t_s, response);
     const auto i = 3 * static_cast<std::ptrdiff_t>(u);
     std::fill_n(along.gain.begin() + i, 3, static_cast<float>(response.gain));
-    std::fill_n(along.exponent.begin() + i, 3, static_cast<float>(response.exponent));
     std::fill_n(along.offset.begin() + i, 3, static_cast<float>(response.offset));
   }
 }
@@ -199,22 +198,23 @@ cv::Mat ImageModel::expose(const cv::Mat& light, Random* noise, double t_s) cons
              full_scale = static_cast<float>(fullScale(sheet_));
   cv::Mat result(light.size(), sheet_.bits > 8 ? CV_16UC3 : CV_8UC3);
   std::vector<float> normal(row_size, 0.0F), reading(row_size);
-  RowResponse along{std::vector<float>(row_size, 1.0F),
-                    std::vector<float>(row_size, static_cast<float>(sheet_.response_gamma)),
-                    std::vector<float>(row_size, 0.0F)};
-  const bool plain = !anyActsAt<PixelResponse<double>>(effects_);
+  RowResponse along{std::vector<float>(row_size, 1.0F), std::vector<float>(row_size, 0.0F)};
+  const bool pixels_differ = anyActsAt<PixelResponse<double>>(effects_);
+  ResponseCurve<double> curve{sheet_.response_gamma};
+  applyEffects(effects_, t_s, curve);
+  const auto exponent = static_cast<float>(curve.exponent);
   for (int v = 0; v < light.rows; ++v) {
     const auto* radiance = light.ptr<float>(v);
-    if (!plain) respondAlong(v, t_s, along);
+    if (pixels_differ) respondAlong(v, t_s, along);
     if (noise != nullptr) NormalTable::instance().fill(normal, *noise);
     for (std::size_t i = 0; i < row_size; ++i) {
       const float exposed = along.gain[i] * radiance[i];
       const float sigma = std::sqrt(exposed * shot_variance + read_variance);
       reading[i] = std::clamp(exposed + sigma * normal[i], 0.0F, 1.0F);
     }
-    if (!plain || sheet_.response_gamma != 1.0)
+    if (pixels_differ || exponent != 1.0F)
       for (std::size_t i = 0; i < row_size; ++i)
-        reading[i] = std::clamp(std::pow(reading[i], along.exponent[i]) + along.offset[i], 0.0F, 1.0F);
+        reading[i] = std::clamp(std::pow(reading[i], exponent) + along.offset[i], 0.0F, 1.0F);
     if (sheet_.bits > 8)
       writeNumbers(reading, full_scale, result.ptr<std::uint16_t>(v));
     else

@@ -43,12 +43,12 @@ T clampedShare(const T& share) {
 
 /// The reading as a share of full scale, from 0 to 1, of a radiance (0 or more) at a pixel.
 template <class T>
-T predictReading(const T& radiance, const PixelResponse<T>& response) {
+T predictReading(const T& radiance, const PixelResponse<T>& response, const ResponseCurve<T>& curve) {
   using std::pow;
   const T exposed = response.gain * radiance;
   if (exposed <= T(0)) return clampedShare(response.offset);
   return clampedShare(exposed >= T(1) ? T(1.0 + response.offset)
-                                      : T(pow(exposed, response.exponent) + response.offset));
+                                      : T(pow(exposed, curve.exponent) + response.offset));
 }
 
 /// Sigma of a radiance as the sensor sees it, before the response: electrons count with the variance of

@@ -107,10 +107,12 @@ template <class T>
 Vector3<T> predictPatchReading(const Vector3<T>& light, const PatchSurface& patch,
                                const EffectParameters<T>& effects, double t_s, const T& gain = T(1)) {
   using std::pow;
-  PixelResponse<T> response{T(patch.image_radius), gain, T(patch.response_gamma), T(0)};
+  PixelResponse<T> response{T(patch.image_radius), gain};
+  ResponseCurve<T> curve{T(patch.response_gamma)};
   applyEffects(effects, t_s, response);
+  applyEffects(effects, t_s, curve);
   Vector3<T> reading;
-  for (int c = 0; c < 3; ++c) reading[c] = predictReading(light[c], response);
+  for (int c = 0; c < 3; ++c) reading[c] = predictReading(light[c], response, curve);
   if (patch.response_gamma != 1)
     for (int c = 0; c < 3; ++c) reading[c] = pow(reading[c], 1 / patch.response_gamma);
   return reading;

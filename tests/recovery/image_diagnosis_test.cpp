@@ -103,6 +103,35 @@ INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenImageEffect,
                                          "vignetting", "gamma", "dark-offset", "turbidity-plume",
                                          "motion-blur", "marine-snow", "dvl-latency"));
 
+// A small dark offset is like a small change of gamma on half a minute's recording: a set. The manoeuvre that
+// the diagnosis advises, driven with the same camera, tells them apart: it then names the offset alone.
+TEST(ImageDiagnosis, TheAdvisedManoeuvreTellsASetApart) {
+#ifdef FATHOM_SANITIZE
+  GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
+#endif
+  const EffectInfo& offset = *findEffect("dark-offset");
+  const test::DiagnosisRun dive = test::effectOfSize(lightDive(), lightExcitation(), offset, 8.0, 2);
+  const Diagnosis unsure = diagnose(dive.input());
+  ASSERT_EQ(unsure.alternatives.size(), 1u) << unsure.why;
+  const Advice& advice = unsure.alternatives[0].advice;
+  ASSERT_NE(advice.manoeuvre, "");
+  EXPECT_GT(advice.separation, advice.separation_now);
+
+  const auto advised = std::find_if(manoeuvres().begin(), manoeuvres().end(),
+                                    [&](const Manoeuvre& m) { return m.text == advice.manoeuvre; });
+  ASSERT_NE(advised, manoeuvres().end());
+  const Pose station = stationAt(dive.run.truth(advice.from_s));
+  test::BatchRun again(60, test::pathOf(60, [&](double t_s) {
+                         return station * advised->T_station_robot(std::clamp(t_s - 4.0, 0.0, 60.0));
+                       }));
+  again.pixels = true;
+  again.effects = dive.run.effects;
+  const Diagnosis sure = diagnose(again.input());
+  ASSERT_EQ(sure.effects.size(), 1u) << sure.why;
+  EXPECT_EQ(nameOf(sure.effects[0].candidate), "dark-offset") << sure.why;
+  EXPECT_TRUE(sure.alternatives.empty()) << sure.why;
+}
+
 /// What this run's images were given of what is drawn for each: by how much it scatters about its mean.
 double spreadGiven(const test::BatchRun& run, const EffectInfo& effect,
                    const std::vector<ImagePatch>& patches) {

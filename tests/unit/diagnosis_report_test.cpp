@@ -62,6 +62,7 @@ FoundEffect markerMoved() {
   found.estimates = {estimateOf<MarkerMoved>(1, 0.021, 0.0004), estimateOf<MarkerMoved>(2, -0.001, 0.0004),
                      estimateOf<MarkerMoved>(3, 0.0, 0.002), estimateOf<MarkerMoved>(4, 1.5, 0.3)};
   found.sqrt_lambda = 25;
+  found.confidence = 0.97;
   found.log_likelihood_gain = 315;
   found.bic_gain = 590;
   found.heldout_log_likelihood_gain = 310;
@@ -129,7 +130,7 @@ DiagnosisStory explainedStory() {
   d.alternatives = {{.candidates = {d.effects[0].candidate, {kEffectIndex<MarkerSize>, {}, {}, {}, {}}},
                      .support = {0, -1},
                      .alignment = {1, 0.99},
-                     .advice = {"turn on the spot", 7, 0.5}}};
+                     .advice = {"turn on the spot", 31, 7, 0.5}}};
   TestedCandidate tested;
   tested.candidate = d.effects[0].candidate;
   tested.statistic = 620;
@@ -206,6 +207,7 @@ TEST(DiagnosisReport, AnEffectHasItsParametersByName) {
   EXPECT_EQ(effect["sigma"]["offset_m"], nlohmann::json({0.0004, 0.0004, 0.002}));
   EXPECT_TRUE(effect["active_s"].is_null());
   EXPECT_EQ(effect["sqrt_lambda"], 25);
+  EXPECT_EQ(effect["confidence"], 0.97);
   EXPECT_EQ(effect["evidence"]["heldout_log_likelihood_gain"], 310);
   EXPECT_EQ(effect["evidence"]["bic_gain"], 590);
   EXPECT_EQ(effect["interactions"][0]["against"], "time");
@@ -231,6 +233,7 @@ TEST(DiagnosisReport, SetsThatCannotBeToldApart) {
   EXPECT_EQ(sets[0]["support"], nlohmann::json({0.0, -1.0}));
   EXPECT_EQ(sets[0]["alignment"], nlohmann::json({1.0, 0.99}));
   EXPECT_EQ(sets[0]["advice"]["manoeuvre"], "turn on the spot");
+  EXPECT_EQ(sets[0]["advice"]["from_s"], 31.0);
   EXPECT_EQ(sets[0]["advice"]["separation"], 7.0);
 }
 

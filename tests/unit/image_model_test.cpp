@@ -127,9 +127,8 @@ TEST(ImageModel, PerPixelModelIsDifferentiable) {
   // d/da [i e^{-az} + (1 - e^{-az}) b] = -z e^{-az} (i - b)
   EXPECT_NEAR(light[1].v[0], -2 * std::exp(-2 * 0.68) * (0.7 - 0.24), 1e-15);
   EXPECT_EQ(light[0].v[0], 0);
-  PixelResponse<Jet> response;
-  response.exponent = Jet(1.2, 0);
-  EXPECT_NEAR(predictReading(Jet(0.3), response).v[0], std::log(0.3) * std::pow(0.3, 1.2), 1e-15);
+  const ResponseCurve<Jet> curve{Jet(1.2, 0)};
+  EXPECT_NEAR(predictReading(Jet(0.3), {}, curve).v[0], std::log(0.3) * std::pow(0.3, 1.2), 1e-15);
 }
 
 // At its peak a plume is water of that much more attenuation; five widths away there is e^-12.5 of it.

@@ -1,0 +1,46 @@
+#include "diagnosis/nominal.h"
+
+#include <stdexcept>
+
+#include "core/text.h"
+
+namespace fathom {
+namespace {
+
+constexpr int kNoisePasses = 2;
+constexpr double kTolerance = 0.01;  // of a likelihood: a hundredth of what decides
+
+}  // namespace
+
+NominalFit nominalFit(const BatchData& data, const StartPath& start,
+                      const EffectParameters<double>& calibration, std::uint64_t seed) {
+  NominalFit nominal;
+  const auto failed = [&](const std::string& why) {
+    nominal.failure = why;
+    return nominal;
+  };
+  nominal.options.calibration = calibration;
+  nominal.options.cost_tolerance = kTolerance;
+  BatchEstimate estimate = estimateBatch(data, start, nominal.options);
+  if (!estimate.succeeded) return failed("The nominal model could not be fitted: " + estimate.failure + ".");
+  try {
+    for (int pass = 0; pass < kNoisePasses; ++pass) {
+      Linearization linear = linearize(data, *problemAt(data, estimate, nominal.options));
+      applyRobustWeights(linear);
+      nominal.noise = shownNoise(linear, nominal.noise, seed);
+      nominal.options.problem.noise_scale = nominal.noise.noiseScale();
+      estimate = minimumFrom(data, estimate, nominal.options);
+      if (!estimate.succeeded)
+        return failed("The nominal model could not be fitted with the noise shown: " + estimate.failure +
+                      ".");
+    }
+  } catch (const std::runtime_error& e) {
+    return failed(print("The recording does not determine what the nominal model estimates (%s).", e.what()));
+  }
+  nominal.fit = refit(data, estimate, nominal.options, {}, nominal.noise);
+  if (!nominal.fit.succeeded)
+    return failed("The nominal model could not be fitted: " + nominal.fit.estimate.failure + ".");
+  return nominal;
+}
+
+}  // namespace fathom

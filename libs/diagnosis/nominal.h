@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "diagnosis/refit.h"
+
+namespace fathom {
+
+/// The nominal model at its best, with the noise that the recording shows.
+struct NominalFit {
+  std::string failure;   ///< a sentence; empty: there is a fit
+  BatchOptions options;  ///< with which it was made
+  NoiseModel noise;
+  Refit fit;
+};
+
+/// `calibration`: what is known already. The seed is of simulated noise, see shownNoise().
+NominalFit nominalFit(const BatchData& data, const StartPath& start,
+                      const EffectParameters<double>& calibration, std::uint64_t seed);
+
+}  // namespace fathom
