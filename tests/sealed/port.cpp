@@ -6,9 +6,9 @@ namespace fathom::sealed {
 namespace {
 
 constexpr double kAir = 1.0, kGlass = 1.5, kWater = 1.34;
-constexpr double kNearest_m = 0.05;
-constexpr int kSteps = 100;
-constexpr double kConverged = 1e-13;
+constexpr double kBeforeCamera_m = 0.05;
+constexpr int kPortSteps = 100;
+constexpr double kPortConverged = 1e-13;
 
 }  // namespace
 
@@ -56,10 +56,10 @@ Vector2d TrueCamera::idealAt(const Vector2d& pixel) const {
   const Vector2d image((pixel.x() - camera_.cx_px) / camera_.fx_px,
                        (pixel.y() - camera_.cy_px) / camera_.fy_px);
   Vector2d ideal = image;
-  for (int i = 0; i < kSteps; ++i) {
+  for (int i = 0; i < kPortSteps; ++i) {
     const Vector2d missing = image - distorted(ideal);
     ideal += missing;
-    if (missing.norm() < kConverged) break;
+    if (missing.norm() < kPortConverged) break;
   }
   return ideal;
 }
@@ -80,13 +80,13 @@ Ray TrueCamera::rayAlong(const Vector2d& ideal) const {
 
 /// Moves the line of sight by what it misses the point by, as an angle, until it meets it.
 std::optional<Vector2d> TrueCamera::pixelOf(const Vector3d& point_camera) const {
-  if (point_camera.z() < kNearest_m) return std::nullopt;
+  if (point_camera.z() < kBeforeCamera_m) return std::nullopt;
   Vector2d ideal = point_camera.head<2>() / point_camera.z();
-  for (int i = 0; has_port_ && i < kSteps; ++i) {
+  for (int i = 0; has_port_ && i < kPortSteps; ++i) {
     const Vector3d missing = point_camera - rayAlong(ideal).atHeight(point_camera.z());
     const Vector2d step = missing.head<2>() / point_camera.z();
     ideal += step;
-    if (!(step.norm() > kConverged)) break;
+    if (!(step.norm() > kPortConverged)) break;
   }
   if (!ideal.allFinite()) return std::nullopt;
   return pixelAt(ideal);

@@ -9,6 +9,7 @@
 #include "depth_gauge.h"
 #include "dive.h"
 #include "doppler.h"
+#include "images.h"
 #include "inertial.h"
 #include "panel_design.h"
 #include "recording/rawlog.h"
@@ -118,8 +119,12 @@ void sealRecording(const SealedCase& sealed, const fs::path& out, const fs::path
   const auto stamps_s = ticks_s(vehicle.camera.rate_hz, kCameraPhase_s, sealed.dive.duration_s);
   writeRawlog(recording.path() / "recording.rawlog", vehicle, navigationSamples(vehicle, sealed, dive, start),
               stamps_s, start);
-  writeTextFile(recording.path() / "recording_corners.csv",
-                cornersTable(vehicle, sealed, panel, viewpoint, stamps_s));
+  if (sealed.dive.images)
+    writeImages(recording.path() / "recording_Images", ImageMaker(vehicle, sealed, panel, viewpoint),
+                stamps_s);
+  else
+    writeTextFile(recording.path() / "recording_corners.csv",
+                  cornersTable(vehicle, sealed, panel, viewpoint, stamps_s));
   writeTruth(answer.path(), recording.path(), sealed, dive, start);
   recording.commit();
   answer.commit();
