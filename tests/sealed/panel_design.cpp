@@ -67,7 +67,7 @@ void addSquare(ObjText& obj, const std::string& name, const std::string& materia
   obj.box(name, material, middle - half - Vector3d(0, 0, 0.001), middle + half + Vector3d(0, 0, kPlateTop_m));
 }
 
-std::string meshText() {
+std::string meshText(bool with_squares) {
   ObjText obj;
   const double w = kHalfWidth_m, h = kHalfHeight_m;
   obj.box("board", "board", {-w, -h, -0.03}, {w, h, 0});
@@ -76,7 +76,7 @@ std::string meshText() {
   int squares = 0;
   for (const double x_m : {-0.42, 0.0, 0.42})
     for (const double y_m : {-0.18, 0.18})
-      addSquare(obj, "square_" + std::to_string(++squares), "square", {x_m, y_m, 0}, 0.10);
+      if (with_squares) addSquare(obj, "square_" + std::to_string(++squares), "square", {x_m, y_m, 0}, 0.10);
   obj.box("frame_left", "frame", {-w - 0.04, -h - 0.04, -0.03}, {-w, h + 0.04, 0.02});
   obj.box("frame_right", "frame", {w, -h - 0.04, -0.03}, {w + 0.04, h + 0.04, 0.02});
   obj.box("frame_top", "frame", {-w, h, -0.03}, {w, h + 0.04, 0.02});
@@ -102,9 +102,9 @@ std::string mapText() {
 
 }  // namespace
 
-void writePanel(const std::filesystem::path& folder) {
+void writePanel(const std::filesystem::path& folder, bool with_squares) {
   writeTextFile(folder / "panel.mtl", kMaterials);
-  writeTextFile(folder / "panel.obj", meshText());
+  writeTextFile(folder / "panel.obj", meshText(with_squares));
   writeTextFile(folder / "panel.yaml", mapText());
 }
 

@@ -109,7 +109,7 @@ void sealRecording(const SealedCase& sealed, const fs::path& out, const fs::path
   Vehicle vehicle;
   vehicle.camera.rate_hz = sealed.dive.image_rate_hz;
   writeTextFile(recording.path() / "vehicle.yaml", vehicleYaml(vehicle));
-  writePanel(recording.path());
+  writePanel(recording.path(), sealed.dive.panel_with_squares);
   const TruePanel panel(readPanelMap(recording.path() / "panel.yaml"), sealed);
   requireMarker(sealed, panel.map());
 

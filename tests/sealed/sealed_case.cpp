@@ -114,6 +114,7 @@ DiveCase readDive(JsonObject object) {
   if (dive.image_rate_hz < 0.1 || dive.image_rate_hz > 20)
     throw object.error("image_rate_hz", "must be 0.1 to 20");
   dive.water = object.oneOf("water", {"clear", "moderate", "turbid"});
+  dive.panel_with_squares = object.has("panel") && object.oneOf("panel", {"plain", "squares"}) == "squares";
   object.rejectUnknownKeys();
   return dive;
 }

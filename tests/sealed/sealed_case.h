@@ -21,7 +21,8 @@ struct DiveCase {
   double duration_s = 0;
   bool images = false;  ///< else the corners that a detector would measure
   double image_rate_hz = 1;
-  std::string water;  ///< clear, moderate or turbid
+  std::string water;                ///< clear, moderate or turbid
+  bool panel_with_squares = false;  ///< `panel`: plain (where it is left out) or squares, see panel_design.h
 };
 
 /// An effect of the catalogue; parameters as `fathom effects ID` documents them.
