@@ -11,8 +11,9 @@ namespace {
 
 constexpr double kCell_m = 0.5;
 constexpr double kNearest_m = 0.15, kFarthest_m = 7.0;
-constexpr double kFlake_m = 0.003;        // root mean square diameter
-constexpr double kFlakeLogSpread = 0.25;  // of diameters, log-normal
+constexpr double kFlake_m = 0.003;  // root mean square diameter
+constexpr double kFlakeLogSpread =
+    0.1;  // of diameters, log-normal: nearly of the one size that the density is of
 constexpr double kFlakeAlbedo = 0.5;
 const Vector3d kDrift_odom_m_s(0.01, 0.02, -0.002);
 constexpr double kWidestSlope = 0.75;  // of lines of sight to the optical axis, image corners included
@@ -64,6 +65,7 @@ class Snowfall {
     for (int x = from.x(); x <= to.x(); ++x)
       for (int y = from.y(); y <= to.y(); ++y)
         for (int z = from.z(); z <= to.z(); ++z) fallIn({x, y, z});
+    addFarOnes();
   }
 
  private:
@@ -83,6 +85,21 @@ class Snowfall {
           kFlake_m * std::exp(kFlakeLogSpread * random.normal() - kFlakeLogSpread * kFlakeLogSpread);
       draw(T_camera_odom_ * (low_odom + kCell_m * Vector3d(x, y, z)), diameter_m);
     }
+  }
+
+  /// Those farther off are much smaller than a pixel: what they change on average, where there is but water.
+  void addFarOnes() {
+    constexpr double kStep_m = 0.5, kEnd_m = 60;
+    const double covered_per_m =
+        mean_per_cell_ / std::pow(kCell_m, 3) * std::numbers::pi / 4 * kFlake_m * kFlake_m;
+    const WaterLight& water = view_.water;
+    Array3d change = Array3d::Zero();
+    for (double at_m = kFarthest_m + kStep_m / 2; at_m < kEnd_m; at_m += kStep_m)
+      change +=
+          covered_per_m * kStep_m *
+          (kFlakeAlbedo * water.daylight * water.transmission(at_m) + water.veilBefore(at_m) - water.veil);
+    const cv::Scalar far_ones(change.x(), change.y(), change.z());
+    cv::add(light_, far_ones, light_, picture_.depth_m > kEnd_m);
   }
 
   void draw(const Vector3d& flake_camera, double diameter_m) {

@@ -12,7 +12,7 @@ namespace {
 using Triangle = TriangleTree::Triangle;
 
 constexpr double kPiece_m = 0.08;  // so fine is what bends
-constexpr int kMarkerPieces = 3;   // along each side
+constexpr int kMarkerPieces = 3;   // along each side, likewise
 constexpr double kMarkerScatter = 0.003, kUnevenness = 0.005;
 constexpr int kClouds = 6;
 constexpr int kMarkerSurfaces = 1000;  // numbers from here on are markers'
@@ -75,7 +75,11 @@ void PaintedPanel::addBody(std::vector<Triangle>& triangles) {
     if (known == colours.end()) colours.push_back(albedo);
     std::vector<Triangle> pieces;
     const auto position = [&](std::uint32_t i) { return Vector3d(body.vertices[i].position.cast<double>()); };
-    addPieces({position(a), position(b), position(c)}, pieces);
+    const Triangle whole{position(a), position(b), position(c)};
+    if (panel_.flat())
+      pieces = {whole};
+    else
+      addPieces(whole, pieces);
     for (Triangle& piece : pieces) {
       for (Vector3d& corner : piece) corner = panel_.bent(corner);
       triangles.push_back(piece);
@@ -97,9 +101,10 @@ void PaintedPanel::addMarker(std::size_t index, double t_s, std::vector<Triangle
     triangles.push_back({place(a), place(b), place(c)});
     faces_.push_back({static_cast<int>(index), kMarkerSurfaces, Array3d::Zero(), {a, b, c}});
   };
-  const double step = 1.0 / kMarkerPieces;
-  for (int row = 0; row < kMarkerPieces; ++row)
-    for (int column = 0; column < kMarkerPieces; ++column) {
+  const int pieces = panel_.flat() ? 1 : kMarkerPieces;
+  const double step = 1.0 / pieces;
+  for (int row = 0; row < pieces; ++row)
+    for (int column = 0; column < pieces; ++column) {
       const Eigen::Vector2d a(column * step, row * step), right(step, 0), down(0, step);
       add(a, a + down, a + right);
       add(a + right, a + down, a + right + down);

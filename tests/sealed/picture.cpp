@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kEndless_m = 1000;
 constexpr int kFewestSamples = 16, kMostSamples = 64;  // of a pixel with an edge in it; powers of two
-constexpr double kSamplesPerPixelMoved = 4;
+constexpr double kSamplesPerPixelMoved = 2;
 
 /// Digits of the index mirrored at the point (van der Corput): even in every part of [0, 1).
 double mirrored(int index, int base) {

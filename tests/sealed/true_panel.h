@@ -15,6 +15,8 @@ class TruePanel {
 
   const PanelMap& map() const { return map_; }
   Pose T_odom_panel(double t_s) const;
+  /// Whether it is as plane as the map has it.
+  bool flat() const { return fold_rad_ == 0 && bow_m_ == 0 && ripples_.empty(); }
   /// Where a flat panel's point really is.
   Vector3d bent(const Vector3d& point_panel) const;
   /// A marker as it was put on, before the panel bends.
