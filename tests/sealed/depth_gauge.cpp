@@ -1,0 +1,26 @@
+#include "depth_gauge.h"
+
+#include "streams.h"
+
+namespace fathom::sealed {
+
+PressureSensor::PressureSensor(const Vehicle& vehicle, const SealedCase& sealed, const Dive& dive)
+    : vehicle_(vehicle),
+      sealed_(sealed),
+      dive_(dive),
+      random_(stream(sealed.seed, Stream::depth)),
+      zero_error_pa_(sealed.noise ? vehicle.depth.pressure_offset_sigma_pa * random_.normal() : 0.0) {}
+
+DepthSample PressureSensor::read(double t_s) {
+  const Pose T_robot_depth = vehicle_.depth.pose.pose();
+  const double depth_m = -(dive_.poseAt(t_s) * T_robot_depth.position).z();
+  const double density_kg_m3 =
+      vehicle_.depth.water_density_kg_m3 + sealed_.number("pressure-density", "density_error_kg_m3", t_s);
+  double pressure_pa = vehicle_.depth.atmospheric_pressure_pa +
+                       density_kg_m3 * vehicle_.gravity_m_s2 * depth_m + zero_error_pa_ +
+                       sealed_.number("pressure-offset", "offset_pa", t_s);
+  if (sealed_.noise) pressure_pa += vehicle_.depth.pressure_sigma_pa * random_.normal();
+  return {T_robot_depth, pressure_pa, {}};
+}
+
+}  // namespace fathom::sealed

@@ -1,0 +1,103 @@
+#include "exposure.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "streams.h"
+
+namespace fathom::sealed {
+namespace {
+
+constexpr double kPixelScatter = 0.005;  // EMVA 1288: photo response non-uniformity of a good sensor
+constexpr double kBlotchSigma_px = 70;
+constexpr double kCornerRadius = 0.72;  // at which `corner_loss` is stated
+
+template <class Change>
+void changeAll(cv::Mat3f& light, const Change& change) {
+  for (int row = 0; row < light.rows; ++row)
+    for (int column = 0; column < light.cols; ++column) change(row, column, light(row, column));
+}
+
+}  // namespace
+
+Exposure::Exposure(const Vehicle& vehicle, const SealedCase& sealed)
+    : vehicle_(vehicle),
+      sealed_(sealed),
+      sensitivity_(vehicle.camera.height_px, vehicle.camera.width_px, cv::Vec3f(1, 1, 1)) {
+  Random place = stream(sealed.seed, Stream::blotch);
+  const double x = place.uniform(0.3, 0.7), y = place.uniform(0.3, 0.7);
+  blotch_ = {x * vehicle.camera.width_px, y * vehicle.camera.height_px};
+  if (!sealed.rich) return;
+  Random random = stream(sealed.seed, Stream::pixel_response);
+  changeAll(sensitivity_, [&](int, int, cv::Vec3f& pixel) {
+    for (int c = 0; c < 3; ++c) pixel[c] += static_cast<float>(kPixelScatter * random.normal());
+  });
+}
+
+/// A smooth dark spot, as of growth on the window; and a window or lens out of focus.
+void Exposure::passPort(cv::Mat3f& light) const {
+  const double defocus_px2 = sealed_.outsideSize("defocus");
+  if (defocus_px2 > 0) cv::GaussianBlur(light, light, {}, std::sqrt(defocus_px2), 0, cv::BORDER_REFLECT_101);
+  const double depth = sealed_.outsideSize("port-blotch");
+  if (depth == 0) return;
+  changeAll(light, [&](int row, int column, cv::Vec3f& pixel) {
+    const double off_px2 = (Vector2d(column, row) - blotch_).squaredNorm();
+    pixel *= static_cast<float>(1 - depth * std::exp(-off_px2 / (2 * kBlotchSigma_px * kBlotchSigma_px)));
+  });
+}
+
+/// Natural fall: a power of the cosine of the angle to the axis (Kingslake 1992, ch. 6: the fourth, of a thin
+/// lens), that which loses as much as stated where it is stated.
+void Exposure::passLens(cv::Mat3f& light, const SightLines& sight, double stamp_s) const {
+  const double loss = sealed_.number("vignetting", "corner_loss", stamp_s);
+  if (loss == 0) return;
+  const double power = std::log(1 - loss) / std::log(1 + kCornerRadius * kCornerRadius);
+  changeAll(light, [&](int row, int column, cv::Vec3f& pixel) {
+    const Vector3d direction = sight.at({column, row}).direction;
+    pixel *= static_cast<float>(std::pow(1 + direction.head<2>().squaredNorm(), power));
+  });
+}
+
+/// Shot noise and read noise (EMVA 1288, release 4, sec. 2), at the sensor's full well.
+void Exposure::countElectrons(cv::Mat3f& light, Random& random) const {
+  const double full_well_e = vehicle_.camera.full_well_e, read_noise_e = vehicle_.camera.read_noise_e;
+  changeAll(light, [&](int row, int column, cv::Vec3f& pixel) {
+    for (int c = 0; c < 3; ++c) {
+      double electrons = std::max(0.0f, pixel[c] * sensitivity_(row, column)[c]) * full_well_e;
+      if (sealed_.noise) electrons += std::sqrt(electrons + read_noise_e * read_noise_e) * random.normal();
+      pixel[c] = static_cast<float>(std::clamp(electrons / full_well_e, 0.0, 1.0));
+    }
+  });
+}
+
+/// DN = 255 (L^g + offset), rounded.
+cv::Mat3b Exposure::respond(const cv::Mat3f& light, double stamp_s) const {
+  const double exponent =
+      vehicle_.camera.response_gamma * (1 + sealed_.number("gamma", "exponent_error", stamp_s));
+  const double by_colour = sealed_.outsideSize("response-by-colour");
+  const std::array<double, 3> exponents{exponent * (1 + by_colour), exponent, exponent * (1 - by_colour)};
+  const double offset = sealed_.number("dark-offset", "offset_share", stamp_s);
+  cv::Mat3b image(light.size());
+  for (int row = 0; row < light.rows; ++row)
+    for (int column = 0; column < light.cols; ++column)
+      for (int c = 0; c < 3; ++c) {
+        const double l = light(row, column)[c], power = exponents[static_cast<std::size_t>(c)];
+        const double dn = 255 * ((power == 1 ? l : std::pow(l, power)) + offset);
+        image(row, column)[2 - c] = static_cast<std::uint8_t>(std::clamp(std::lround(dn), 0L, 255L));
+      }
+  return image;
+}
+
+cv::Mat3b Exposure::expose(const cv::Mat3f& light, const SightLines& sight, double stamp_s, double log_gain,
+                           Random& random) const {
+  cv::Mat3f at_sensor = light.clone();
+  passPort(at_sensor);
+  passLens(at_sensor, sight, stamp_s);
+  at_sensor *= std::exp(log_gain * sealed_.number("auto-exposure", "log_gain_sd", stamp_s));
+  countElectrons(at_sensor, random);
+  return respond(at_sensor, stamp_s);
+}
+
+}  // namespace fathom::sealed

@@ -1,0 +1,197 @@
+#include "picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "panel_design.h"
+
+namespace fathom::sealed {
+namespace {
+
+constexpr float kEndless_m = 1000;
+constexpr int kFewestSamples = 16, kMostSamples = 64;  // of a pixel with an edge in it; powers of two
+constexpr double kSamplesPerPixelMoved = 2;
+
+/// Digits of the index mirrored at the point (van der Corput): even in every part of [0, 1).
+double mirrored(int index, int base) {
+  double value = 0, digit = 1.0 / base;
+  for (; index > 0; index /= base, digit /= base) value += digit * (index % base);
+  return value;
+}
+
+/// Where in the pixel, and when in the exposure.
+struct PixelSample {
+  Vector2d offset_px;
+  double time_share;  ///< of the exposure, -0.5 to 0.5
+};
+
+/// Hammersley's points: each coordinate by itself is even, too, so that an upright edge is as smooth as any.
+std::vector<PixelSample> samplesOfPixel(int count) {
+  std::vector<PixelSample> samples;
+  for (int i = 0; i < count; ++i)
+    samples.push_back(
+        {{(i + 0.5) / count - 0.5, mirrored(i, 2) + 0.5 / count - 0.5}, mirrored(i + 1, 3) - 0.5});
+  return samples;
+}
+
+/// What one line of sight brings.
+struct Light {
+  std::array<Array3d, kBends + 1> scene;
+  Array3d veil = Array3d::Zero();
+
+  Light() { scene.fill(Array3d::Zero()); }
+  void add(const Light& other, double share) {
+    for (std::size_t i = 0; i < scene.size(); ++i) scene[i] += share * other.scene[i];
+    veil += share * other.veil;
+  }
+};
+
+cv::Vec3f pixelOf(const Array3d& light) {
+  return {static_cast<float>(light.x()), static_cast<float>(light.y()), static_cast<float>(light.z())};
+}
+
+class Tracer {
+ public:
+  explicit Tracer(const View& view) : view_(view) {}
+
+  Picture trace();
+
+ private:
+  Pose T_panel_camera(double t_s) const {
+    return view_.panel.T_odom_panel(view_.stamp_s).inverse() *
+           view_.viewpoint.T_odom_camera(t_s, view_.stamp_s);
+  }
+  double rowTime_s(int row) const { return view_.viewpoint.rowTime_s(row, view_.stamp_s); }
+  Light lightAlong(const Vector2d& pixel, const Pose& T_panel_camera, Sighted& seen) const;
+  Light lightOf(const Sighted& seen, const Pose& T_panel_camera, const Ray& ray, const Vector2d& pixel) const;
+  Light openWater(const Vector2d& pixel) const;
+  void traceMiddles();
+  void refineEdges();
+  double movement_px() const;
+  cv::Mat1b edges(double movement_px) const;
+  void put(int row, int column, const Light& light);
+
+  const View& view_;
+  Picture picture_;
+  cv::Mat1i surface_;
+};
+
+Light Tracer::openWater(const Vector2d& pixel) const {
+  Light light;
+  light.veil = view_.water.veil + view_.lamps.glow(pixel, kEndless_m);
+  return light;
+}
+
+/// Light that the water bends leaves the beam, but not the image: so many bends come by Poisson's law (single
+/// and multiple forward scattering, e.g. Wells 1973).
+Light Tracer::lightOf(const Sighted& seen, const Pose& T_panel_camera, const Ray& ray,
+                      const Vector2d& pixel) const {
+  const WaterLight& water = view_.water;
+  const Vector3d point_camera = ray.origin + seen.along * ray.direction;
+  const double range_m = point_camera.norm(), path_m = water.path_m(point_camera.z(), range_m);
+  const Vector3d normal_camera = T_panel_camera.rotation.transpose() * seen.normal_panel;
+  const Array3d irradiance = water.daylight + view_.lamps.irradianceOn(point_camera, normal_camera);
+
+  Light light;
+  light.scene[0] = seen.albedo * irradiance * water.transmission(path_m);
+  light.veil = water.veilBefore(path_m) + view_.lamps.glow(pixel, range_m);
+  if (water.scattered_fraction > 0) {
+    const Array3d bends = water.scattered_fraction * water.attenuation_per_m * path_m;
+    light.scene[1] = light.scene[0] * bends;
+    light.scene[2] = light.scene[0] * bends * bends / 2;
+    light.scene[3] = light.scene[0] * (bends.exp() - 1 - bends - bends * bends / 2);
+  }
+  return light;
+}
+
+Light Tracer::lightAlong(const Vector2d& pixel, const Pose& T_panel_camera, Sighted& seen) const {
+  const Ray ray = view_.sight.at(pixel);
+  seen = view_.painted.along(T_panel_camera * ray.origin, T_panel_camera.rotation * ray.direction);
+  return seen.surface == 0 ? openWater(pixel) : lightOf(seen, T_panel_camera, ray, pixel);
+}
+
+void Tracer::put(int row, int column, const Light& light) {
+  for (std::size_t i = 0; i < picture_.scene.size(); ++i)
+    picture_.scene[i](row, column) = pixelOf(light.scene[i]);
+  picture_.veil(row, column) = pixelOf(light.veil);
+}
+
+void Tracer::traceMiddles() {
+  for (int row = 0; row < surface_.rows; ++row) {
+    const Pose pose = T_panel_camera(rowTime_s(row));
+    for (int column = 0; column < surface_.cols; ++column) {
+      Sighted seen;
+      put(row, column, lightAlong({column, row}, pose, seen));
+      surface_(row, column) = seen.surface;
+      picture_.depth_m(row, column) = seen.surface == 0 ? kEndless_m : static_cast<float>(seen.along);
+    }
+  }
+}
+
+/// How far the panel's image moves while the shutter is open, at most.
+double Tracer::movement_px() const {
+  const TrueCamera camera(view_.camera, view_.sealed, view_.stamp_s);
+  const double middle_s = rowTime_s(view_.camera.height_px / 2);
+  const Pose begin = T_panel_camera(middle_s - view_.exposure_s / 2).inverse();
+  const Pose end = T_panel_camera(middle_s + view_.exposure_s / 2).inverse();
+  double most_px = 0;
+  for (const double x : {-kHalfWidth_m, 0.0, kHalfWidth_m})
+    for (const double y : {-kHalfHeight_m, 0.0, kHalfHeight_m}) {
+      const auto from = camera.pixelOf(begin * Vector3d(x, y, 0)),
+                 to = camera.pixelOf(end * Vector3d(x, y, 0));
+      if (from && to) most_px = std::max(most_px, (*to - *from).norm());
+    }
+  return most_px;
+}
+
+/// Pixels next to one that sees another surface, and those that such an edge sweeps over. A straight edge
+/// through a pixel always parts its middle from a neighbour's.
+cv::Mat1b Tracer::edges(double movement_px) const {
+  cv::Mat1f surface, lowest, highest;
+  surface_.convertTo(surface, CV_32F);  // erode() and dilate() take no int
+  const int reach = 1 + static_cast<int>(std::ceil(movement_px / 2));
+  const cv::Mat around = cv::Mat::ones(2 * reach + 1, 2 * reach + 1, CV_8U);
+  cv::erode(surface, lowest, around);
+  cv::dilate(surface, highest, around);
+  return lowest != highest;
+}
+
+void Tracer::refineEdges() {
+  const double moved_px = movement_px();
+  int count = kFewestSamples;
+  while (count < kMostSamples && count < kSamplesPerPixelMoved * moved_px) count *= 2;
+  const auto samples = samplesOfPixel(count);
+  const cv::Mat1b edge = edges(moved_px);
+  for (int row = 0; row < edge.rows; ++row) {
+    std::vector<Pose> poses;
+    for (const auto& sample : samples)
+      poses.push_back(T_panel_camera(rowTime_s(row) + sample.time_share * view_.exposure_s));
+    for (int column = 0; column < edge.cols; ++column) {
+      if (edge(row, column) == 0) continue;
+      Light mean;
+      Sighted seen;
+      for (std::size_t i = 0; i < samples.size(); ++i)
+        mean.add(lightAlong(Vector2d(column, row) + samples[i].offset_px, poses[i], seen), 1.0 / count);
+      put(row, column, mean);
+    }
+  }
+}
+
+Picture Tracer::trace() {
+  const cv::Size size(view_.camera.width_px, view_.camera.height_px);
+  const std::size_t orders = view_.water.scattered_fraction > 0 ? kBends + 1 : 1;
+  for (std::size_t i = 0; i < orders; ++i) picture_.scene.emplace_back(size);
+  picture_.veil.create(size);
+  picture_.depth_m.create(size);
+  surface_.create(size);
+  traceMiddles();
+  refineEdges();
+  return picture_;
+}
+
+}  // namespace
+
+Picture takePicture(const View& view) { return Tracer(view).trace(); }
+
+}  // namespace fathom::sealed

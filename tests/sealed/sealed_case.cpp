@@ -1,0 +1,210 @@
+#include "sealed_case.h"
+
+#include <algorithm>
+
+#include "core/files.h"
+#include "strict_json.h"
+
+namespace fathom::sealed {
+namespace {
+
+struct ParameterKind {
+  std::string name;
+  std::size_t count = 1;
+  bool needed = true;
+  bool positive = false;  ///< cannot be negative
+};
+
+struct EffectKind {
+  std::string id;
+  bool light = false;  ///< changes images only, not where corners are
+  std::vector<ParameterKind> parameters;
+};
+
+/// The catalogue, as diagnosis.md and `fathom effects` name it.
+const std::vector<EffectKind>& effectKinds() {
+  static const std::vector<EffectKind> kinds{
+      {"dvl-scale", false, {{"scale_error"}}},
+      {"dvl-misalignment", false, {{"rotation_deg", 3}}},
+      {"dvl-lever-arm", false, {{"offset_m", 3}}},
+      {"dvl-latency", false, {{"latency_s"}}},
+      {"water-current", false, {{"current_m_s", 3}}},
+      {"gyro-bias", false, {{"bias_rad_s", 3}}},
+      {"gyro-scale", false, {{"scale_error"}}},
+      {"accelerometer-bias", false, {{"bias_m_s2", 3}}},
+      {"ins-misalignment", false, {{"rotation_deg", 3}}},
+      {"ins-latency", false, {{"latency_s"}}},
+      {"earth-rotation", false, {{"rate_rad_s", 3}}},
+      {"pressure-density", false, {{"density_error_kg_m3"}}},
+      {"pressure-offset", false, {{"offset_pa"}}},
+      {"flat-port-refraction",
+       false,
+       {{"distance_m", 1, true, true},
+        {"glass_m", 1, true, true},
+        {"tilt_deg", 1, false},
+        {"tilt_y_deg", 1, false},
+        {"index_error", 1, false}}},
+      {"focal-scale", false, {{"scale_error"}}},
+      {"lens-distortion",
+       false,
+       {{"k1_error"}, {"k2_error"}, {"p1_error", 1, false}, {"p2_error", 1, false}}},
+      {"camera-misalignment", false, {{"rotation_deg", 3}}},
+      {"camera-latency", false, {{"latency_s"}}},
+      {"rolling-shutter", false, {{"readout_s"}}},
+      {"marker-moved", false, {{"marker_id", 1, true, true}, {"offset_m", 3}, {"rotation_deg", 1, false}}},
+      {"marker-size", false, {{"scale_error"}}},
+      {"panel-moved", false, {{"time_s"}, {"offset_m", 3}, {"rotation_deg", 3}}},
+      {"separate-backscatter", true, {{"backscatter_difference_per_m", 3}}},
+      {"slant-range", true, {{"slant_share"}}},
+      {"lamp", true, {{"irradiance_1m_rel", 1, true, true}}},
+      {"forward-scatter", true, {{"scattered_fraction", 1, true, true}}},
+      {"vignetting", true, {{"corner_loss"}}},
+      {"gamma", true, {{"exponent_error"}}},
+      {"auto-exposure", true, {{"log_gain_sd", 1, true, true}}},
+      {"dark-offset", true, {{"offset_share"}}},
+      {"motion-blur", true, {{"exposure_s", 1, true, true}}},
+      {"turbidity-plume",
+       true,
+       {{"peak_extra_attenuation_per_m", 1, true, true}, {"time_s"}, {"log_width", 1, false}}},
+      {"marine-snow", true, {{"particles_per_m3", 1, true, true}}},
+      {"sun-flicker", true, {{"log_light_sd", 1, true, true}}}};
+  return kinds;
+}
+
+struct OutsiderKind {
+  std::string kind;  ///< its size's unit
+  bool light = false;
+};
+const std::vector<OutsiderKind>& outsiderKinds() {
+  static const std::vector<OutsiderKind> kinds{
+      {"panel-folded"},              // deg between the panel's halves
+      {"panel-bowed"},               // mm, the middle before the sides
+      {"dvl-quadratic"},             // s/m: v (1 + size |v|)
+      {"gyro-g-sensitivity"},        // (rad/s) / (m/s²)
+      {"mount-shake"},               // deg, amplitude
+      {"dvl-beam-bias"},             // m/s, of one beam
+      {"port-blotch", true},         // share of the light lost in its middle
+      {"response-by-colour", true},  // more exponent in red, less in blue
+      {"bubbles", true},             // so many an image
+      {"defocus", true}};            // px², variance of the blur
+  return kinds;
+}
+
+template <class Kind>
+const Kind& kindNamed(JsonObject& object, const std::string& key, std::string Kind::*name,
+                      const std::vector<Kind>& kinds) {
+  std::vector<std::string> names;
+  for (const Kind& kind : kinds) names.push_back(kind.*name);
+  const std::string word = object.oneOf(key, names);
+  return *std::find_if(kinds.begin(), kinds.end(), [&](const Kind& kind) { return kind.*name == word; });
+}
+
+void requireImages(bool light, bool images, const JsonObject& object, const std::string& key) {
+  if (light && !images) throw object.error(key, "changes light only: needs camera `images`");
+}
+
+DiveCase readDive(JsonObject object) {
+  DiveCase dive;
+  dive.manoeuvre = object.oneOf("manoeuvre", {"rich", "survey", "station", "approach", "turns"});
+  dive.seed = object.seed("seed");
+  dive.duration_s = object.number("duration_s");
+  if (dive.duration_s < 5 || dive.duration_s > 600) throw object.error("duration_s", "must be 5 to 600");
+  dive.images = object.oneOf("camera", {"corners", "images"}) == "images";
+  dive.image_rate_hz = object.number("image_rate_hz");
+  if (dive.image_rate_hz < 0.1 || dive.image_rate_hz > 20)
+    throw object.error("image_rate_hz", "must be 0.1 to 20");
+  dive.water = object.oneOf("water", {"clear", "moderate", "turbid"});
+  dive.panel_with_squares = object.has("panel") && object.oneOf("panel", {"plain", "squares"}) == "squares";
+  object.rejectUnknownKeys();
+  return dive;
+}
+
+HiddenEffect readEffect(JsonObject object, bool images) {
+  const EffectKind& kind = kindNamed(object, "id", &EffectKind::id, effectKinds());
+  requireImages(kind.light, images, object, "id");
+  HiddenEffect effect;
+  effect.id = kind.id;
+  JsonObject parameters = object.object("parameters");
+  for (const ParameterKind& parameter : kind.parameters) {
+    if (!parameter.needed && !parameters.has(parameter.name)) continue;
+    const auto values = parameters.numbers(parameter.name, parameter.count);
+    if (parameter.positive && values.front() < 0)
+      throw parameters.error(parameter.name, "must not be negative");
+    effect.parameters[parameter.name] = values;
+  }
+  parameters.rejectUnknownKeys();
+  if (!object.isNull("active_s")) {
+    const auto interval = object.numbers("active_s", 2);
+    if (interval[0] >= interval[1]) throw object.error("active_s", "must be [from, to]");
+    effect.active_s = {interval[0], interval[1]};
+  }
+  object.rejectUnknownKeys();
+  return effect;
+}
+
+Outsider readOutsider(JsonObject object, bool images) {
+  const OutsiderKind& kind = kindNamed(object, "kind", &OutsiderKind::kind, outsiderKinds());
+  requireImages(kind.light, images, object, "kind");
+  const Outsider outsider{kind.kind, object.number("size")};
+  object.rejectUnknownKeys();
+  return outsider;
+}
+
+}  // namespace
+
+SealedCase parseSealedCase(const std::string& text, const std::string& name) {
+  SealedCase sealed;
+  sealed.document = parseStrictJson(text, name);
+  JsonObject root(sealed.document, name, "");
+  sealed.name = root.text("name");
+  sealed.dive = readDive(root.object("dive"));
+  sealed.seed = root.seed("seed");
+  sealed.noise = root.flag("noise");
+  sealed.rich = root.flag("rich");
+  for (JsonObject& object : root.objects("effects")) {
+    sealed.effects.push_back(readEffect(object, sealed.dive.images));
+    const auto same = [&](const HiddenEffect& e) { return e.id == sealed.effects.back().id; };
+    if (std::count_if(sealed.effects.begin(), sealed.effects.end(), same) > 1)
+      throw object.error("id", "is there twice");
+  }
+  for (const JsonObject& object : root.objects("outside"))
+    sealed.outsiders.push_back(readOutsider(object, sealed.dive.images));
+  root.rejectUnknownKeys();
+  return sealed;
+}
+
+SealedCase readSealedCase(const std::filesystem::path& file) {
+  return parseSealedCase(readTextFile(file), file.string());
+}
+
+const HiddenEffect* SealedCase::find(std::string_view id, double t_s) const {
+  for (const HiddenEffect& effect : effects)
+    if (effect.id == id && effect.activeAt(t_s)) return &effect;
+  return nullptr;
+}
+
+double SealedCase::number(std::string_view id, std::string_view parameter, double t_s) const {
+  const HiddenEffect* effect = find(id, t_s);
+  if (!effect) return 0.0;
+  const auto found = effect->parameters.find(parameter);
+  return found == effect->parameters.end() ? 0.0 : found->second.front();
+}
+
+Vector3d SealedCase::vector(std::string_view id, std::string_view parameter, double t_s) const {
+  const HiddenEffect* effect = find(id, t_s);
+  if (!effect) return Vector3d::Zero();
+  return Eigen::Map<const Vector3d>(effect->parameters.find(parameter)->second.data());
+}
+
+Matrix3d SealedCase::rotation(std::string_view id, std::string_view parameter_deg, double t_s) const {
+  return expSO3<double>(vector(id, parameter_deg, t_s) * radians(1.0));
+}
+
+double SealedCase::outsideSize(std::string_view kind) const {
+  double size = 0;
+  for (const Outsider& outsider : outsiders)
+    if (outsider.kind == kind) size += outsider.size;
+  return size;
+}
+
+}  // namespace fathom::sealed

@@ -1,0 +1,139 @@
+// The sealed generator's light: its images against the base equation, its lamps against quadrature.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "sealed/images.h"
+#include "sealed/lamp_light.h"
+#include "sealed/panel_design.h"
+#include "support/sealed_example.h"
+
+namespace fathom::sealed {
+namespace {
+
+/// A camera before the panel, and what it sees of one marker.
+struct Scene {
+  explicit Scene(const std::string& effects)
+      : sealed(exampleCase(effects, "images")),
+        panel(readMap(), sealed),
+        dive(makeDive("rich", 3, {6, 0, -4.2})),
+        viewpoint(vehicle, sealed, dive) {}
+
+  static PanelMap readMap() {
+    const auto folder = std::filesystem::temp_directory_path() / "fathom_sealed_light_test";
+    writePanel(folder, false);
+    return readPanelMap(folder / "panel.yaml");
+  }
+  cv::Mat3b image() const { return ImageMaker(vehicle, sealed, panel, viewpoint).take(0, kStamp_s); }
+  Vector3d camera_panel() const {
+    return panel.map().T_odom_panel.inverse() * viewpoint.T_odom_camera(kStamp_s, kStamp_s).position;
+  }
+  Vector3d inCamera(const Vector3d& point_panel) const {
+    return viewpoint.T_odom_camera(kStamp_s, kStamp_s).inverse() * (panel.map().T_odom_panel * point_panel);
+  }
+
+  static constexpr double kStamp_s = 2.0;
+  Vehicle vehicle;
+  SealedCase sealed;
+  TruePanel panel;
+  Dive dive;
+  Viewpoint viewpoint;
+};
+
+/// Calls check(pixel, point in camera) for the white margin left of each marker's border that is well in
+/// view.
+template <class Check>
+int forEachWhiteMargin(const Scene& scene, const Check& check) {
+  int seen = 0;
+  for (const Marker& marker : scene.panel.map().markers) {
+    const auto corners = marker.corners_panel();
+    const Vector3d outwards = (corners[0] - corners[1]).normalized();
+    const Vector3d point = scene.inCamera((corners[0] + corners[3]) / 2 + outwards * marker.size_m * 0.08);
+    const auto pixel = TrueCamera(scene.vehicle.camera, scene.sealed, 0).pixelOf(point);
+    if (!pixel || (pixel->array() < 5).any() || pixel->x() > 634 || pixel->y() > 474) continue;
+    check(cv::Point(static_cast<int>(std::lround(pixel->x())), static_cast<int>(std::lround(pixel->y()))),
+          point);
+    ++seen;
+  }
+  return seen;
+}
+
+TEST(SealedImages, NothingHiddenIsTheBaseEquation) {
+  const Scene scene("[]");
+  const cv::Mat3b image = scene.image();
+  const WaterLight water = waterLightAt(scene.sealed, 0, 0);
+  const int seen = forEachWhiteMargin(scene, [&](const cv::Point& pixel, const Vector3d& point) {
+    const Array3d kept = (-water.attenuation_per_m * point.z()).exp();
+    const Array3d expected_dn = 255 * (0.85 * water.daylight * kept + (1 - kept) * water.veil);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(image(pixel)[2 - c], expected_dn[c], 0.51 + 0.1);  // half a pixel's z
+  });
+  EXPECT_GT(seen, 4);
+  EXPECT_NEAR(image(2, 2)[0], 255 * water.veil[2], 0.51);
+}
+
+TEST(SealedImages, SlantRangeAndVignettingDarkenTheCorners) {
+  const Scene scene(R"([{"id": "slant-range", "parameters": {"slant_share": 1}},
+                        {"id": "vignetting", "parameters": {"corner_loss": 0.2}}])");
+  const cv::Mat3b image = scene.image();
+  const WaterLight water = waterLightAt(scene.sealed, 0, 0);
+  forEachWhiteMargin(scene, [&](const cv::Point& pixel, const Vector3d& point) {
+    const Array3d kept = (-water.attenuation_per_m * point.norm()).exp();
+    const double slope2 = point.head<2>().squaredNorm() / (point.z() * point.z());
+    const double passed = std::pow(0.8, std::log(1 + slope2) / std::log(1 + 0.72 * 0.72));
+    const Array3d expected_dn = 255 * passed * (0.85 * water.daylight * kept + (1 - kept) * water.veil);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(image(pixel)[2 - c], expected_dn[c], 0.51 + 0.3);
+  });
+}
+
+TEST(SealedImages, TheSameImageAgain) {
+  const Scene scene(R"([{"id": "marine-snow", "parameters": {"particles_per_m3": 100}}])");
+  EXPECT_EQ(cv::norm(scene.image(), scene.image(), cv::NORM_INF), 0);
+}
+
+/// Adaptive Simpson quadrature.
+double integral(const std::function<double(double)>& f, double from, double to, double tolerance) {
+  const auto simpson = [&](double a, double b) { return (b - a) / 6 * (f(a) + 4 * f((a + b) / 2) + f(b)); };
+  const double middle = (from + to) / 2;
+  const double whole = simpson(from, to), halves = simpson(from, middle) + simpson(middle, to);
+  if (std::abs(whole - halves) < 15 * tolerance) return halves + (halves - whole) / 15;
+  return integral(f, from, middle, tolerance / 2) + integral(f, middle, to, tolerance / 2);
+}
+
+TEST(SealedLamps, GlowIsTheIntegralOverTheLineOfSight) {
+  const SealedCase sealed = exampleCase("[]", "images");
+  const Vehicle vehicle;
+  const SightLines sight(TrueCamera(vehicle.camera, sealed, 0), 640, 480);
+  const WaterLight water = waterLightAt(sealed, 0, 0);
+  const LampLight lamps(vehicle, 1.5, water, water.daylight, sight);
+  for (const Vector2d& pixel : {Vector2d(10, 20), Vector2d(325, 250), Vector2d(600, 300)})
+    for (const double range_m : {0.5, 1.3, 4.0}) {
+      const Vector3d direction = sight.at(pixel).direction.normalized();
+      for (int c = 0; c < 3; ++c) {
+        const double share_per_m = water.attenuation_per_m[c] * water.veil[c] / water.daylight[c];
+        const auto integrand = [&](double along_m) {
+          const Vector3d point = direction * along_m;
+          return share_per_m * lamps.irradianceAt(point)[c] *
+                 std::exp(-water.attenuation_per_m[c] * point.z());
+        };
+        const double expected = integral(integrand, 0, range_m, 1e-9);
+        EXPECT_NEAR(lamps.glow(pixel, range_m)[c], expected, 0.004 * expected + 1e-6);
+      }
+    }
+}
+
+TEST(SealedLamps, IrradianceIsThatOfADataSheet) {
+  const SealedCase sealed = exampleCase("[]", "images");
+  const Vehicle vehicle;
+  const SightLines sight(TrueCamera(vehicle.camera, sealed, 0), 640, 480);
+  const WaterLight water = waterLightAt(sealed, 0, 0);
+  const LampLight both(vehicle, 1.0, water, water.daylight, sight);
+  const Pose T_camera_lamp = vehicle.camera.pose.pose().inverse() * vehicle.lamps[0].pose.pose();
+  const Vector3d ahead = T_camera_lamp * Vector3d(20, 0, 0);  // far off, both are at nearly one place
+  const double alone = 1 / 0.87 * std::exp(-water.attenuation_per_m[2] * 20) / 400;
+  EXPECT_NEAR(both.irradianceAt(ahead)[2] / alone, 2, 0.15);
+}
+
+}  // namespace
+}  // namespace fathom::sealed
