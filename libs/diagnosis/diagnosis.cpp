@@ -24,7 +24,7 @@ constexpr double kFarShare = 0.3;        // of the largest support: what may be 
 constexpr std::size_t kLooked = 40, kContenders = 5, kRivals = 4;
 constexpr double kDiscovery = 5;    // sqrt(lambda) from which on an effect is named: noise has tails, too
 constexpr double kLessNoise = 0.9;  // times the noise taken before: less than chance
-constexpr double kConfirmed = 0.2;  // of the likelihood it gains, on stretches that it was not fitted to
+constexpr double kConfirmed = 0.3;  // of the likelihood it gains, on stretches that it was not fitted to
 
 /// To compare what a camera by itself shows: its noise and the markers' scatter, multiplied.
 double cameraNoise(const NoiseModel& noise) {

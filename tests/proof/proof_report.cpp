@@ -1,0 +1,269 @@
+#include "proof_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+
+#include "core/text.h"
+
+namespace fathom::proof {
+namespace {
+
+using Kind = ProofCase::Kind;
+using Choose = std::function<bool(const Scored&)>;
+
+constexpr double kClear = 30;  // lambda (1 - c^2) of what can be seen to be outside the catalogue
+
+bool isRight(const Scored& s) { return s.outcome == Outcome::right || s.outcome == Outcome::right_set; }
+bool namesSomething(const Scored& s) { return !s.stated.empty(); }
+bool isNull(const Scored& s) { return s.proof_case.kind == Kind::null; }
+bool isEffect(const Scored& s) { return s.proof_case.kind == Kind::effect; }
+bool isOutside(const Scored& s) { return s.proof_case.kind == Kind::outside; }
+bool isFrom(const Scored& s, double least) { return isEffect(s) && s.proof_case.stratum >= least; }
+
+/// So many of so many, with the 95 % interval of the share (Wilson 1927).
+std::string share(std::size_t part, std::size_t whole) {
+  if (whole == 0) return "-";
+  const double n = static_cast<double>(whole), p = static_cast<double>(part) / n, z = 1.96;
+  const double middle = (p + z * z / (2 * n)) / (1 + z * z / n),
+               half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
+  return print("%.1f %% (%zu of %zu; %.0f to %.0f %%)", 100 * p, part, whole,
+               100 * std::max(0.0, middle - half), 100 * std::min(1.0, middle + half));
+}
+
+std::string shareOf(const std::vector<Scored>& all, const Choose& among, const Choose& what) {
+  std::size_t part = 0, whole = 0;
+  for (const Scored& s : all)
+    if (among(s)) {
+      ++whole;
+      part += what(s) ? 1 : 0;
+    }
+  return share(part, whole);
+}
+
+double medianOf(std::vector<double> values) {
+  if (values.empty()) return std::nan("");
+  std::nth_element(values.begin(), values.begin() + std::ssize(values) / 2, values.end());
+  return values[values.size() / 2];
+}
+
+std::map<double, std::pair<double, double>> foundByStratum(const std::vector<Scored>& all) {
+  std::map<double, std::pair<double, double>> counts;  // in set, all
+  for (const Scored& s : all)
+    if (isEffect(s)) {
+      counts[s.proof_case.stratum].first += s.in_set ? 1 : 0;
+      ++counts[s.proof_case.stratum].second;
+    }
+  return counts;
+}
+
+/// sqrt(lambda) at which half of the effects are found, between strata linear in its logarithm.
+double halfPower(const std::vector<Scored>& all) {
+  double before = 0, before_share = 0;
+  for (const auto& [stratum, counts] : foundByStratum(all)) {
+    const double found = counts.first / counts.second;
+    if (found >= 0.5 && before == 0) return stratum;
+    if (found >= 0.5)
+      return before * std::pow(stratum / before, (0.5 - before_share) / (found - before_share));
+    before = stratum;
+    before_share = found;
+  }
+  return std::nan("");
+}
+
+/// sqrt(lambda) at which a test that gives a false alarm in a hundred recordings, having looked at 60 things,
+/// finds half: the normal quantile of 0.01 / 60, both sides.
+constexpr double kFisherHalf = 3.76;
+
+std::string setSize(const std::vector<Scored>& all) {
+  double sum = 0, count = 0;
+  for (const Scored& s : all)
+    if (isFrom(s, 5) && s.in_set) {
+      sum += s.set_size;
+      ++count;
+    }
+  return count > 0 ? fixed(sum / count, 2) : "-";
+}
+
+std::string coverage(const std::vector<Scored>& all) {
+  std::size_t covered = 0, scalars = 0;
+  for (const Scored& s : all) {
+    covered += static_cast<std::size_t>(s.covered);
+    scalars += static_cast<std::size_t>(s.scalars);
+  }
+  return share(covered, scalars);
+}
+
+/// Of what was rightly named, on another dive.
+std::vector<const Gains*> gainsOf(const std::vector<Scored>& all) {
+  std::vector<const Gains*> gains;
+  for (const Scored& s : all)
+    if (s.gains && isFrom(s, 8) && isRight(s) && s.gains->truth > 0) gains.push_back(&*s.gains);
+  return gains;
+}
+
+/// The share of all that the truth gains, and that of the middle recording.
+std::string gainShare(const std::vector<Scored>& all, double Gains::*what) {
+  double part = 0, whole = 0;
+  std::vector<double> shares;
+  for (const Gains* gains : gainsOf(all)) {
+    part += gains->*what;
+    whole += gains->truth;
+    shares.push_back(gains->*what / gains->truth);
+  }
+  if (shares.empty()) return "-";
+  return print("%.1f %% of all; median %.1f %% (%zu recordings)", 100 * part / whole, 100 * medianOf(shares),
+               shares.size());
+}
+
+/// By tenths of the confidence: how far the share that is right is from it, weighted by how many there are.
+std::string calibrationError(const std::vector<Scored>& all) {
+  std::map<int, std::array<double, 3>> bins;  // count, confidence, right
+  double total = 0;
+  for (const Scored& s : all) {
+    if (s.confidence <= 0 || s.proof_case.kind == Kind::pair) continue;
+    auto& bin = bins[static_cast<int>(10 * s.confidence)];
+    ++bin[0];
+    bin[1] += s.confidence;
+    bin[2] += s.first_right ? 1 : 0;
+    ++total;
+  }
+  double error = 0;
+  for (const auto& [tenth, bin] : bins) error += std::abs(bin[1] - bin[2]) / total;
+  return total > 0 ? print("%.3f (%.0f answers)", error, total) : "-";
+}
+
+std::string onsets(const std::vector<Scored>& all) {
+  return shareOf(
+      all, [](const Scored& s) { return s.onset_off_s && isFrom(s, 8); },
+      [](const Scored& s) { return *s.onset_off_s <= 2; });
+}
+
+std::string joined(const std::vector<std::string>& parts) {
+  std::string text;
+  for (const std::string& part : parts) text.append(text.empty() ? "" : " + ").append(part);
+  return text;
+}
+
+std::string answerOf(const Scored& s) {
+  return s.stated.empty() ? kOutcomes[static_cast<std::size_t>(s.outcome)] : joined(s.stated);
+}
+
+std::string hiddenIn(const Scored& s) {
+  std::vector<std::string> names;
+  for (const ProofCase::Effect& effect : s.proof_case.effects) names.push_back(effect.name);
+  for (const auto& outside : s.proof_case.generator.at("outside"))
+    names.push_back(outside.at("kind").get<std::string>() + print(" %g", outside.at("size").get<double>()));
+  return names.empty() ? "nothing" : joined(names);
+}
+
+}  // namespace
+
+Table measureTable(const std::vector<Scored>& all) {
+  const auto effectsFrom = [](double least) { return [least](const Scored& s) { return isFrom(s, least); }; };
+  const auto isDistinct = [](const Scored& s) {
+    return isOutside(s) && s.proof_case.left >= kClear && s.proof_case.left >= 0.5 * s.proof_case.lambda;
+  };
+  const auto isAlias = [](const Scored& s) {
+    return isOutside(s) && s.proof_case.left >= kClear && s.proof_case.left < 0.5 * s.proof_case.lambda;
+  };
+  const auto isUnexplained = [](const Scored& s) { return s.outcome == Outcome::unexplained; };
+  const double half = halfPower(all);
+  Table table{{"measure", "target", "reached"}, {}};
+  table.rows = {
+      {"false alarms on nulls of the richer generator", "at most 2 %", shareOf(all, isNull, namesSomething)},
+      {"effect size at half power over the Fisher limit", "at most 1.2",
+       std::isnan(half) ? "-"
+                        : print("%.2f (sqrt lambda %.1f over %.2f)", half / kFisherHalf, half, kFisherHalf)},
+      {"right name (first) where lambda (1 - c) >= 5.4, sqrt lambda >= 5", "95 %",
+       shareOf(
+           all, [](const Scored& s) { return isFrom(s, 5) && s.proof_case.effects[0].nearest >= kSeparable; },
+           [](const Scored& s) { return s.first_right; })},
+      {"truth in the stated set, sqrt lambda >= 5", "98 %",
+       shareOf(all, effectsFrom(5), [](const Scored& s) { return s.in_set; })},
+      {"mean size of the set", "at most 1.3", setSize(all)},
+      {"answers that are sets", "",
+       shareOf(
+           all, [](const Scored& s) { return namesSomething(s) && !isNull(s); },
+           [](const Scored& s) { return s.set_size > 1; })},
+      {"both of two effects, each sqrt lambda >= 10", "90 %",
+       shareOf(
+           all, [](const Scored& s) { return s.proof_case.kind == Kind::pair; },
+           [](const Scored& s) { return s.in_set; })},
+      {"outside the catalogue, distinct: unexplained", "90 %", shareOf(all, isDistinct, isUnexplained)},
+      {"outside the catalogue, near-alias: unexplained", "70 %", shareOf(all, isAlias, isUnexplained)},
+      {"false \"unexplained\"", "at most 4 %",
+       shareOf(
+           all, [](const Scored& s) { return !isOutside(s); }, isUnexplained)},
+      {"95 % intervals that cover", "92 to 98 %", coverage(all)},
+      {"gain on another dive, share of what the truth gains", "95 %", gainShare(all, &Gains::stated)},
+      {"the same of a black box", "less", gainShare(all, &Gains::black_box)},
+      {"the same of the runner-up", "less", gainShare(all, &Gains::runner_up)},
+      {"onset or end within 2 s, sqrt lambda >= 8", "all", onsets(all)},
+      {"calibration error of the stated confidence", "at most 0.08", calibrationError(all)}};
+  return table;
+}
+
+Table effectTable(const std::vector<Scored>& all) {
+  std::set<double> strata;
+  std::map<std::string, std::map<double, std::vector<std::string>>> rows;
+  for (const Scored& s : all)
+    if (isEffect(s)) {
+      strata.insert(s.proof_case.stratum);
+      const bool one_of_many = s.outcome == Outcome::right_set || s.outcome == Outcome::needless_set;
+      rows[s.proof_case.effects[0].id][s.proof_case.stratum].push_back(
+          kOutcomes[static_cast<std::size_t>(s.outcome)] +
+          (one_of_many ? print(" of %.0f", s.set_size) : ""));
+    }
+  Table table{{"effect"}, {}};
+  for (const double stratum : strata) table.header.push_back(print("sqrt lambda %g", stratum));
+  for (const auto& [id, by_stratum] : rows) {
+    table.rows.push_back({id});
+    for (const double stratum : strata) {
+      const auto found = by_stratum.find(stratum);
+      table.rows.back().push_back(found == by_stratum.end() ? "" : joined(found->second));
+    }
+  }
+  return table;
+}
+
+Table confusionTable(const std::vector<Scored>& all) {
+  Table table{{"recording", "hidden", "size [sqrt lambda]", "answer"}, {}};
+  for (const Scored& s : all) {
+    const bool good = isNull(s)      ? s.outcome == Outcome::none
+                      : isOutside(s) ? s.outcome == Outcome::unexplained
+                                     : isRight(s);
+    if (good) continue;
+    const double size = isOutside(s) ? std::sqrt(s.proof_case.lambda) : s.proof_case.stratum;
+    table.rows.push_back({s.proof_case.name, hiddenIn(s), isNull(s) ? "" : fixed(size, 1), answerOf(s)});
+  }
+  return table;
+}
+
+void writeProofReport(const std::vector<Scored>& all, const RunInfo& run, const std::filesystem::path& file) {
+  HtmlReport report("Proof on sealed recordings");
+  report.paragraph(
+      "Recordings by a generator that shares no physics with the program, diagnosed in a sandbox without the "
+      "truth, then scored.");
+  report.table(measureTable(all), "What was asked and what was reached; in brackets 95 % intervals.");
+  Series found{.name = "truth in the stated set", .style = Series::Style::kPoints};
+  for (const auto& [stratum, counts] : foundByStratum(all)) {
+    found.x.push_back(std::log2(stratum));
+    found.y.push_back(100 * counts.first / counts.second);
+  }
+  report.plot({.title = "Effects found, by size",
+               .x_label = "log2 of sqrt lambda",
+               .y_label = "found [%]",
+               .series = {found},
+               .y_range = {{0, 100}}});
+  report.heading("Effects by size");
+  report.table(effectTable(all));
+  report.heading("What was not right");
+  report.table(confusionTable(all));
+  report.footer(run);
+  report.write(file);
+}
+
+}  // namespace fathom::proof

@@ -1,0 +1,193 @@
+// The proof: seals recordings that hide an effect, two, none, or what no effect describes; has `fathom`
+// diagnose them without the truth; scores what it says.
+#include <sched.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <thread>
+
+#include "batch_recording.h"
+#include "core/error.h"
+#include "core/files.h"
+#include "core/for_each.h"
+#include "core/text.h"
+#include "effects/calibration.h"
+#include "gains.h"
+#include "plan.h"
+#include "proof_report.h"
+
+namespace fathom::proof {
+namespace fs = std::filesystem;
+namespace {
+
+struct Options {
+  fs::path out = "proof";
+  Programs programs{fs::path(FATHOM_BINARY_DIR) / "tests/sealed/fathom-seal",
+                    fs::path(FATHOM_BINARY_DIR) / "app/fathom"};
+  bool quick = false, keep = false;
+  std::uint64_t first_seed = 1;
+  std::string share = "1/1";
+};
+
+/// This machine's: every so-manyth case, from the so-manyth on.
+struct Share {
+  std::size_t number = 1, of = 1;
+  bool has(std::size_t index) const { return index % of == number - 1; }
+};
+
+Share shareOf(const std::string& text) {
+  const std::vector<std::string> parts = CLI::detail::split(text, '/');
+  Share share;
+  if (parts.size() != 2 || !CLI::detail::lexical_cast(parts[0], share.number) ||
+      !CLI::detail::lexical_cast(parts[1], share.of) || share.number < 1 || share.number > share.of)
+    throw Error("--share", text, "is not of the form 2/5");
+  return share;
+}
+
+/// A case's folders. What was done remains when the work is interrupted.
+struct Places {
+  fs::path recording, judge, truth, answer, score;
+};
+Places placesOf(const fs::path& out, const std::string& name) {
+  return {out / "recordings" / name, out / "judges" / name, out / "truth" / name, out / "answers" / name,
+          out / "scores" / (name + ".json")};
+}
+
+std::vector<ProofCase> readPlan(const fs::path& file) {
+  std::vector<ProofCase> cases;
+  for (const nlohmann::json& json : nlohmann::json::parse(readTextFile(file))) cases.push_back(caseOf(json));
+  return cases;
+}
+
+std::vector<ProofCase> planOf(const Options& options) {
+  const fs::path file = options.out / "plan.json";
+  if (fs::exists(file)) return readPlan(file);
+  Extent extent = options.quick ? quickProof() : wholeProof();
+  extent.first_seed = options.first_seed;
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const ProofCase& c : planProof(extent, options.programs, options.out / "plan"))
+    json.push_back(toJson(c));
+  writeTextFile(file, json.dump(1) + "\n");
+  if (!options.keep) fs::remove_all(options.out / "plan");
+  return readPlan(file);
+}
+
+/// The programs that this thread starts run on one core: many recordings at a time are quicker than many
+/// threads on one.
+void stayOnOneCore() {
+  thread_local bool done = false;
+  if (done) return;
+  done = true;
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  CPU_SET(static_cast<std::size_t>(tbb::this_task_arena::current_thread_index()) %
+              std::max(1U, std::thread::hardware_concurrency()),
+          &cores);
+  sched_setaffinity(0, sizeof cores, &cores);
+}
+
+BatchInput inputOf(const fs::path& recording, const fs::path& folder) {
+  BatchRecordingOptions reading;
+  reading.rawlog = recording / "recording.rawlog";
+  reading.pixels = true;
+  reading.folder = folder;
+  return readBatchRecording(reading, {}).input;
+}
+
+/// Whether the answer can be judged on another dive.
+bool isJudged(const ProofCase& c) { return c.kind == ProofCase::Kind::effect && c.stratum >= 8; }
+
+/// The same vehicle in the same water on another dive.
+nlohmann::json judgeCase(const ProofCase& c) {
+  nlohmann::json other = c.generator;
+  other["dive"]["seed"] = other["dive"]["seed"].get<std::uint64_t>() + 500;
+  other["dive"]["manoeuvre"] = other["dive"]["manoeuvre"] == "rich" ? "approach" : "rich";
+  other["seed"] = other["seed"].get<std::uint64_t>() + 1;
+  return other;
+}
+
+Scored scoredCase(const ProofCase& c, const Places& places, const Options& options) {
+  sealRecording(options.programs, c.generator, places.recording, places.truth);
+  std::vector<fs::path> judges;
+  if (isJudged(c)) {
+    sealRecording(options.programs, judgeCase(c), places.judge, places.truth.string() + "-judge");
+    judges.push_back(places.judge);
+  }
+  diagnoseBlind(options.programs, places.recording, judges, places.answer, options.out / "truth");
+  const nlohmann::json answer = nlohmann::json::parse(readTextFile(places.answer / "result.json"));
+  Scored scored = score(c, answer);
+  if (isJudged(c) && !scored.stated.empty())
+    scored.gains = gainsOf(c, inputOf(places.recording, places.answer), inputOf(places.judge, places.answer),
+                           readCalibration(places.answer / "calibration.yaml"), answer);
+  return scored;
+}
+
+void runCase(const ProofCase& c, const Options& options) {
+  const Places places = placesOf(options.out, c.name);
+  if (fs::exists(places.score)) return;
+  stayOnOneCore();
+  tbb::task_arena alone(1);
+  const Scored scored = alone.execute([&] { return scoredCase(c, places, options); });
+  if (!options.keep)
+    for (const fs::path& folder : {places.recording, places.judge}) fs::remove_all(folder);
+  writeTextFile(places.score, toJson(scored).dump(1) + "\n");
+}
+
+void writeResults(const std::vector<ProofCase>& cases, const Options& options,
+                  const std::string& command_line) {
+  std::vector<Scored> all;
+  for (const ProofCase& c : cases)
+    if (const fs::path file = placesOf(options.out, c.name).score; fs::exists(file))
+      all.push_back(scoredOf(nlohmann::json::parse(readTextFile(file))));
+  const RunInfo run{.command_line = command_line, .seed = options.first_seed};
+  nlohmann::ordered_json json = toJson(run);
+  const Table measures = measureTable(all);
+  for (const auto& row : measures.rows) json["measures"][row[0]] = {{"target", row[1]}, {"reached", row[2]}};
+  json["recordings"] = all.size();
+  json["planned"] = cases.size();
+  writeJson(options.out / "result.json", json);
+  writeProofReport(all, run, options.out / "report.html");
+  for (const Table& table : {measures, effectTable(all), confusionTable(all)})
+    std::cout << formatTable(table) << "\n";
+  std::cout << all.size() << " of " << cases.size() << " recordings; wrote "
+            << (options.out / "report.html").string() << "\n";
+}
+
+void run(Options options, const std::string& command_line) {
+  options.out = fs::absolute(options.out);
+  fs::create_directories(options.out);
+  const Share share = shareOf(options.share);
+  const std::vector<ProofCase> cases = planOf(options);
+  forEachIndex(cases.size(), "recordings", [&](std::size_t i) {
+    if (share.has(i)) runCase(cases[i], options);
+  });
+  writeResults(cases, options, command_line);
+}
+
+}  // namespace
+}  // namespace fathom::proof
+
+int main(int argc, char** argv) {
+  fathom::proof::Options options;
+  CLI::App app(
+      "Proves `fathom diagnose` on sealed recordings. What is done remains: the same command goes on.");
+  app.add_option("--out", options.out, "Folder")->capture_default_str();
+  app.add_flag("--quick", options.quick, "A sample: a few minutes");
+  app.add_option("--first-seed", options.first_seed, "Another proof of the same kind")->capture_default_str();
+  app.add_option("--share", options.share, "Of the recordings, on one of several machines: 2/5")
+      ->capture_default_str();
+  app.add_option("--fathom", options.programs.fathom, "The program to be proved")->capture_default_str();
+  app.add_flag("--keep", options.keep, "Keep the recordings");
+  CLI11_PARSE(app, argc, argv);
+  std::string command_line;
+  for (int i = 0; i < argc; ++i) command_line += (i > 0 ? " " : "") + std::string(argv[i]);
+  fathom::catchInterrupts();
+  try {
+    fathom::proof::run(options, command_line);
+  } catch (const fathom::Error& error) {
+    std::cerr << "fathom-prove: " << error.what() << "\n";
+    return 2;
+  } catch (const fathom::Interrupted&) {
+    return 130;
+  }
+}

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "proof_case.h"
+
+namespace fathom::proof {
+
+/// What an answer is worth, next to what its recording hides.
+enum class Outcome {
+  right,         ///< what is hidden and nothing else
+  right_set,     ///< a set with it, of effects that cannot be told apart on this recording
+  needless_set,  ///< a set with it, in which some can be told apart
+  also_others,   ///< it, and effects that are not there
+  half,          ///< one of two
+  wrong,
+  unexplained,
+  none,
+  insufficient
+};
+inline constexpr std::array kOutcomes{"right", "right set",   "needless set", "also others", "half",
+                                      "wrong", "unexplained", "none",         "insufficient"};
+
+/// What was found is worth on another dive, where nothing was fitted: ln of the likelihood gained over the
+/// nominal model.
+struct Gains {
+  double truth = 0;      ///< with what is true
+  double stated = 0;     ///< with what was stated
+  double runner_up = 0;  ///< with the effect most like the hidden one, fitted to the recording
+  double black_box = 0;
+};
+
+struct Scored {
+  ProofCase proof_case;
+  Outcome outcome = Outcome::insufficient;
+  std::vector<std::string> stated;    ///< each with what it cannot be told from: "gamma | dark-offset"
+  bool in_set = false;                ///< all that is hidden is stated, or in a stated set
+  double set_size = 0;                ///< of the stated sets, mean
+  double confidence = 0;              ///< stated, that the first name is right; 0: nothing was named
+  bool first_right = false;           ///< the first name of a set is right
+  int scalars = 0, covered = 0;       ///< of what is hidden: those in their 95 % interval
+  std::optional<double> onset_off_s;  ///< of beginnings and ends, the largest
+  std::optional<Gains> gains;
+};
+
+/// `answer`: result.json of `fathom diagnose`. Throws nlohmann::json::exception.
+Scored score(const ProofCase& proof_case, const nlohmann::json& answer);
+
+nlohmann::ordered_json toJson(const Scored& scored);
+Scored scoredOf(const nlohmann::json& json);
+
+}  // namespace fathom::proof
