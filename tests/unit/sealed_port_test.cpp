@@ -19,7 +19,8 @@ TEST(SealedPort, RaysAreBentByTheClosedForm) {
   const TrueCamera camera(Camera{}, sealed, 0);
   const Vector3d normal = expSO3<double>(Vector3d(radians(1.5), radians(-0.7), 0)).col(2);
   const TrueCamera without_port(Camera{}, exampleCase(), 0);
-  for (const Vector2d& pixel : {Vector2d(20, 30), Vector2d(600, 100), Vector2d(321, 245), Vector2d(80, 460)}) {
+  for (const Vector2d& pixel :
+       {Vector2d(20, 30), Vector2d(600, 100), Vector2d(321, 245), Vector2d(80, 460)}) {
     const Vector3d calibrated = without_port.rayAt(pixel).direction;
     const double sine_water = normal.cross(calibrated).norm(), sine_air = 1.34 * sine_water;
     const auto tangent = [](double sine) { return sine / std::sqrt(1 - sine * sine); };
