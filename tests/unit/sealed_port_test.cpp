@@ -55,6 +55,14 @@ TEST(SealedPort, AWindowAtTheCameraIsInTheIntrinsics) {
   EXPECT_NEAR((*camera.pixelOf(point) - *nominal.pixelOf(point)).norm(), 0, 1e-9);
 }
 
+TEST(SealedPort, WhatIsFarBesideTheImageIsNotInIt) {
+  const TrueCamera camera(Camera{}, exampleCase(), 0);
+  for (double slope = 0.75; slope < 5; slope += 0.01) {
+    const auto pixel = camera.pixelOf(Vector3d(slope, 0, 1));
+    EXPECT_TRUE(!pixel || pixel->x() > 640) << slope;
+  }
+}
+
 TEST(SealedPort, ARowSeesThePanelAtItsOwnTime) {
   const SealedCase sealed = exampleCase(R"([{"id": "rolling-shutter", "parameters": {"readout_s": 0.05}}])");
   const Vehicle vehicle;
