@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/random.h"
 #include "picture.h"
 
 /// What drifts between camera and scene.

@@ -7,6 +7,7 @@ namespace {
 
 constexpr double kAir = 1.0, kGlass = 1.5, kWater = 1.34;
 constexpr double kBeforeCamera_m = 0.05;
+constexpr double kWidest = 0.9;  // tangent off the axis: farther out the distortion's polynomial folds back
 constexpr int kPortSteps = 100;
 constexpr double kPortConverged = 1e-13;
 
@@ -88,7 +89,7 @@ std::optional<Vector2d> TrueCamera::pixelOf(const Vector3d& point_camera) const 
     ideal += step;
     if (!(step.norm() > kPortConverged)) break;
   }
-  if (!ideal.allFinite()) return std::nullopt;
+  if (!(ideal.norm() < kWidest)) return std::nullopt;
   return pixelAt(ideal);
 }
 

@@ -33,7 +33,7 @@ class TrueCamera {
 
   /// From the camera's centre through air, glass and water.
   Ray rayAt(const Vector2d& pixel) const { return rayAlong(idealAt(pixel)); }
-  /// Nothing where the point is behind the camera.
+  /// Nothing where the point is behind the camera, or far beside what it sees.
   std::optional<Vector2d> pixelOf(const Vector3d& point_camera) const;
 
  private:

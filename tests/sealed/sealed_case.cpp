@@ -145,7 +145,7 @@ HiddenEffect readEffect(JsonObject object, bool images) {
 Outsider readOutsider(JsonObject object, bool images) {
   const OutsiderKind& kind = kindNamed(object, "kind", &OutsiderKind::kind, outsiderKinds());
   requireImages(kind.light, images, object, "kind");
-  const Outsider outsider{kind.kind, object.number("size")};
+  Outsider outsider{kind.kind, object.number("size")};
   object.rejectUnknownKeys();
   return outsider;
 }

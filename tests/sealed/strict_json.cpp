@@ -65,7 +65,7 @@ std::string JsonObject::text(const std::string& key) {
 }
 
 std::string JsonObject::oneOf(const std::string& key, const std::vector<std::string>& known) {
-  const std::string word = text(key);
+  std::string word = text(key);
   if (std::find(known.begin(), known.end(), word) == known.end())
     throw error(key, "unknown: `" + word + "`; there are " + listed(known));
   return word;

@@ -19,7 +19,8 @@ TEST(SealedPort, RaysAreBentByTheClosedForm) {
   const TrueCamera camera(Camera{}, sealed, 0);
   const Vector3d normal = expSO3<double>(Vector3d(radians(1.5), radians(-0.7), 0)).col(2);
   const TrueCamera without_port(Camera{}, exampleCase(), 0);
-  for (const Vector2d& pixel : {Vector2d(20, 30), Vector2d(600, 100), Vector2d(321, 245), Vector2d(80, 460)}) {
+  for (const Vector2d& pixel :
+       {Vector2d(20, 30), Vector2d(600, 100), Vector2d(321, 245), Vector2d(80, 460)}) {
     const Vector3d calibrated = without_port.rayAt(pixel).direction;
     const double sine_water = normal.cross(calibrated).norm(), sine_air = 1.34 * sine_water;
     const auto tangent = [](double sine) { return sine / std::sqrt(1 - sine * sine); };
@@ -52,6 +53,14 @@ TEST(SealedPort, AWindowAtTheCameraIsInTheIntrinsics) {
   const TrueCamera camera(Camera{}, sealed, 0), nominal(Camera{}, exampleCase(), 0);
   const Vector3d point(0.4, -0.3, 1.2);
   EXPECT_NEAR((*camera.pixelOf(point) - *nominal.pixelOf(point)).norm(), 0, 1e-9);
+}
+
+TEST(SealedPort, WhatIsFarBesideTheImageIsNotInIt) {
+  const TrueCamera camera(Camera{}, exampleCase(), 0);
+  for (double slope = 0.75; slope < 5; slope += 0.01) {
+    const auto pixel = camera.pixelOf(Vector3d(slope, 0, 1));
+    EXPECT_TRUE(!pixel || pixel->x() > 640) << slope;
+  }
 }
 
 TEST(SealedPort, ARowSeesThePanelAtItsOwnTime) {
