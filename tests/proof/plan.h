@@ -14,6 +14,7 @@ struct Extent {
   std::size_t corner_dives = 6, image_dives = 5;
   std::vector<double> strata{3, 5, 8, 16, 32};  ///< sqrt(lambda)
   std::size_t each = 1;                         ///< of each effect in each stratum
+  std::size_t every = 1;                        ///< of the effects, only every so-manyth
   std::size_t pairs = 40, nulls = 100, outside = 30;
   std::uint64_t first_seed = 1;
 };

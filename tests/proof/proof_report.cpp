@@ -148,6 +148,7 @@ std::string joined(const std::vector<std::string>& parts) {
 }
 
 std::string answerOf(const Scored& s) {
+  if (!s.failure.empty()) return s.failure;
   return s.stated.empty() ? kOutcomes[static_cast<std::size_t>(s.outcome)] : joined(s.stated);
 }
 

@@ -127,7 +127,14 @@ void runCase(const ProofCase& c, const Options& options) {
   if (fs::exists(places.score)) return;
   stayOnOneCore();
   tbb::task_arena alone(1);
-  const Scored scored = alone.execute([&] { return scoredCase(c, places, options); });
+  Scored scored;
+  try {
+    scored = alone.execute([&] { return scoredCase(c, places, options); });
+  } catch (const Error& error) {
+    scored.proof_case = c;
+    scored.outcome = Outcome::failed;
+    scored.failure = error.what();
+  }
   if (!options.keep)
     for (const fs::path& folder : {places.recording, places.judge}) fs::remove_all(folder);
   writeTextFile(places.score, toJson(scored).dump(1) + "\n");
@@ -158,9 +165,14 @@ void run(Options options, const std::string& command_line) {
   fs::create_directories(options.out);
   const Share share = shareOf(options.share);
   const std::vector<ProofCase> cases = planOf(options);
-  forEachIndex(cases.size(), "recordings", [&](std::size_t i) {
-    if (share.has(i)) runCase(cases[i], options);
-  });
+  try {
+    forEachIndex(cases.size(), "recordings", [&](std::size_t i) {
+      if (share.has(i)) runCase(cases[i], options);
+    });
+  } catch (const Interrupted&) {
+    writeResults(cases, options, command_line);  // of what is done
+    throw;
+  }
   writeResults(cases, options, command_line);
 }
 

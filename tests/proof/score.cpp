@@ -132,17 +132,13 @@ Scored score(const ProofCase& proof_case, const Json& answer) {
 }
 
 nlohmann::ordered_json toJson(const Scored& s) {
-  nlohmann::ordered_json json{{"case", toJson(s.proof_case)},
-                              {"outcome", kOutcomes[static_cast<std::size_t>(s.outcome)]},
-                              {"stated", s.stated},
-                              {"in_set", s.in_set},
-                              {"set_size", s.set_size},
-                              {"confidence", s.confidence},
-                              {"first_right", s.first_right},
-                              {"scalars", s.scalars},
-                              {"covered", s.covered},
-                              {"onset_off_s", nullptr},
-                              {"gains", nullptr}};
+  nlohmann::ordered_json json{
+      {"case", toJson(s.proof_case)}, {"outcome", kOutcomes[static_cast<std::size_t>(s.outcome)]},
+      {"failure", s.failure},         {"stated", s.stated},
+      {"in_set", s.in_set},           {"set_size", s.set_size},
+      {"confidence", s.confidence},   {"first_right", s.first_right},
+      {"scalars", s.scalars},         {"covered", s.covered},
+      {"onset_off_s", nullptr},       {"gains", nullptr}};
   if (s.onset_off_s) json["onset_off_s"] = *s.onset_off_s;
   if (const auto& g = s.gains)
     json["gains"] = {
@@ -155,6 +151,7 @@ Scored scoredOf(const Json& json) {
   s.proof_case = caseOf(json.at("case"));
   const auto outcome = std::find(kOutcomes.begin(), kOutcomes.end(), json.at("outcome").get<std::string>());
   s.outcome = static_cast<Outcome>(outcome - kOutcomes.begin());
+  s.failure = json.at("failure");
   s.stated = json.at("stated");
   s.in_set = json.at("in_set");
   s.set_size = json.at("set_size");

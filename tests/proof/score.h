@@ -19,10 +19,11 @@ enum class Outcome {
   wrong,
   unexplained,
   none,
-  insufficient
+  insufficient,
+  failed  ///< the program gave no answer
 };
-inline constexpr std::array kOutcomes{"right", "right set",   "needless set", "also others", "half",
-                                      "wrong", "unexplained", "none",         "insufficient"};
+inline constexpr std::array kOutcomes{"right", "right set",   "needless set", "also others",  "half",
+                                      "wrong", "unexplained", "none",         "insufficient", "failed"};
 
 /// What was found is worth on another dive, where nothing was fitted: ln of the likelihood gained over the
 /// nominal model.
@@ -36,6 +37,7 @@ struct Gains {
 struct Scored {
   ProofCase proof_case;
   Outcome outcome = Outcome::insufficient;
+  std::string failure;                ///< why there is no answer
   std::vector<std::string> stated;    ///< each with what it cannot be told from: "gamma | dark-offset"
   bool in_set = false;                ///< all that is hidden is stated, or in a stated set
   double set_size = 0;                ///< of the stated sets, mean
