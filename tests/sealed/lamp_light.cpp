@@ -7,7 +7,7 @@ namespace fathom::sealed {
 namespace {
 
 constexpr double kGrid_px = 16;  // the glow changes over a hundred pixels
-constexpr int kRanges = 144;      // at which it is kept
+constexpr int kRanges = 144;     // at which it is kept
 constexpr double kFirstRange_m = 0.02, kLastRange_m = 40.0;
 constexpr int kStepsPerRange = 2;
 
