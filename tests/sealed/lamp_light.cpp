@@ -7,9 +7,9 @@ namespace fathom::sealed {
 namespace {
 
 constexpr double kGrid_px = 16;  // the glow changes over a hundred pixels
-constexpr int kRanges = 72;      // at which it is kept
+constexpr int kRanges = 144;     // at which it is kept
 constexpr double kFirstRange_m = 0.02, kLastRange_m = 40.0;
-constexpr int kStepsPerRange = 4;
+constexpr int kStepsPerRange = 2;
 
 /// What the data sheet's irradiance is relative to: full daylight, as bright as which a scene's light of 1
 /// is.

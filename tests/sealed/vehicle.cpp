@@ -1,5 +1,8 @@
 #include "vehicle.h"
 
+#include <initializer_list>
+#include <utility>
+
 #include "core/text.h"
 
 namespace fathom::sealed {

@@ -1,5 +1,6 @@
 #include "water_light.h"
 
+#include <array>
 #include <cmath>
 
 namespace fathom::sealed {
