@@ -59,12 +59,13 @@ std::map<double, std::pair<double, double>> foundByStratum(const std::vector<Sco
   return counts;
 }
 
-/// sqrt(lambda) at which half of the effects are found, between strata linear in its logarithm.
+/// sqrt(lambda) at which half of the effects are found, between strata linear in its logarithm; not a number
+/// where no stratum is below it, or none above.
 double halfPower(const std::vector<Scored>& all) {
   double before = 0, before_share = 0;
   for (const auto& [stratum, counts] : foundByStratum(all)) {
     const double found = counts.first / counts.second;
-    if (found >= 0.5 && before == 0) return stratum;
+    if (found >= 0.5 && before == 0) break;
     if (found >= 0.5)
       return before * std::pow(stratum / before, (0.5 - before_share) / (found - before_share));
     before = stratum;
