@@ -29,7 +29,7 @@ struct FoundEffect {
   double sqrt_lambda = 0;  ///< its size in units of what the recording could resolve at best
   double support = 0;      ///< -ln p against the model without it, everything refitted
   double confidence = 0;   ///< that it is this one: by its support and that of all others in its place
-  double log_likelihood_gain = 0;  ///< the same, of the best fits
+  double log_likelihood_gain = 0;  ///< of the best fits, over the model without it
   double bic_gain = 0;
   double heldout_log_likelihood_gain = 0;
   std::vector<InteractionTest> interactions;
