@@ -134,9 +134,9 @@ bool Course::insufficient(const std::string& why) {
 
 bool Course::estimateNominal() {
   NominalFit nominal = nominalFit(data_, start_, options_.calibration, options_.seed);
-  if (!nominal.failure.empty()) return insufficient(nominal.failure);
   base_ = nominal.options;
   diagnosis_.noise = nominal.noise;
+  if (!nominal.failure.empty()) return insufficient(nominal.failure);
   nominal_ = std::move(nominal.fit);
   final_ = nominal_;
   return true;

@@ -37,23 +37,27 @@ double bestView_s(const BatchData& data) {
   return most == seen.end() ? data.first_s : most->first;
 }
 
-/// What of the first effect's share of the readings the second cannot imitate. Of what is drawn for each
-/// image, on average over draws.
-double separation(const WhitenedModel& model, const SizedEffect& first, const SizedEffect& second) {
-  const Reduced reduced = model.reduce(std::vector<Candidate>{first.candidate, second.candidate});
-  const auto own = std::ssize(columnsOf(model.linear(), first.candidate.effect));
-  const Eigen::Index other = reduced.gram.rows() - own;
-  const Eigen::MatrixXd A = reduced.gram.topLeftCorner(own, own), B = reduced.gram.topRightCorner(own, other);
-  const Information information(reduced.gram.bottomRightCorner(other, other), reduced.norms.tail(other));
+/// What of an effect's share of the readings another cannot imitate, by the columns of both. Of what is drawn
+/// for each image, on average over draws.
+double separation(const Reduced& reduced, const SizedEffect& effect, const Eigen::VectorXi& own,
+                  const Eigen::VectorXi& other) {
+  const Eigen::MatrixXd A = reduced.gram(own, own), B = reduced.gram(own, other);
+  const Information information(reduced.gram(other, other), reduced.norms(other));
   const Eigen::MatrixXd left = A - B * information.inverse * B.transpose();
-  const Eigen::VectorXd& value = first.value;
+  const Eigen::VectorXd& value = effect.value;
   const double lambda =
-      isDrawn(first.candidate.effect) ? value.squaredNorm() * left.trace() : value.dot(left * value);
+      isDrawn(effect.candidate.effect) ? value.squaredNorm() * left.trace() : value.dot(left * value);
   return std::sqrt(std::max(0.0, lambda));
 }
 
-double eitherWay(const WhitenedModel& model, const SizedEffect& a, const SizedEffect& b) {
-  return std::min(separation(model, a, b), separation(model, b, a));
+/// The smaller of both ways round.
+double separation(const WhitenedModel& model, const SizedEffect& a, const SizedEffect& b) {
+  const Reduced reduced = model.reduce(std::vector<Candidate>{a.candidate, b.candidate});
+  const auto all = static_cast<int>(reduced.gram.rows()),
+             first = static_cast<int>(columnsOf(model.linear(), a.candidate.effect).size());
+  const Eigen::VectorXi of_a = Eigen::VectorXi::LinSpaced(first, 0, first - 1),
+                        of_b = Eigen::VectorXi::LinSpaced(all - first, first, all - 1);
+  return std::min(separation(reduced, a, of_a, of_b), separation(reduced, b, of_b, of_a));
 }
 
 /// On for good, or at its peak midway: a manoeuvre is made where and when the effect acts.
@@ -125,7 +129,7 @@ SizedEffect sized(const Refit& fit, const Candidate& effect) {
 Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, const BatchState& recorded,
                        const SizedEffect& first, const SizedEffect& second, const NoiseModel& noise) {
   Advice advice;
-  advice.separation_now = eitherWay(without, first, second);
+  advice.separation_now = separation(without, first, second);
   if (!data.hasMotion()) return advice;  // nothing that could be driven
   advice.from_s = bestView_s(data);
   const PosePath& path = recorded.path;
@@ -139,7 +143,7 @@ Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, cons
     }
     const BatchData readings = readingsAlong(data, times_s, poses);
     const double reached =
-        eitherWay(modelOf(readings, times_s, poses, recorded, noise), lasting(first), lasting(second));
+        separation(modelOf(readings, times_s, poses, recorded, noise), lasting(first), lasting(second));
     if (reached <= advice.separation) continue;
     advice.separation = reached;
     advice.manoeuvre = manoeuvre.text;

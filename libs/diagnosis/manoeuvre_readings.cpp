@@ -84,8 +84,6 @@ bool moveTo(const View& view, const CameraModel& camera, const Pose& T_odom_pane
   return camera.contains(reading.pixel);
 }
 
-double imageRadius(const CameraModel& camera, const Vector2d& pixel) { return camera.idealAt(pixel).norm(); }
-
 /// What is above the horizon at the same place in the picture.
 bool moveWaterTo(const View& view, const CameraModel& camera, const Pose& T_odom_panel, ImagePatch& patch) {
   constexpr double kAbove = 0.087;  // 5 degrees: see environment/open_water.h
@@ -132,7 +130,7 @@ void addLight(const BatchData& recording, const LightPlaces& places, const View&
                           ? moveWaterTo(view, camera, T_odom_panel, patch)
                           : moveTo(view, camera, T_odom_panel, patch);
     if (!seen) continue;
-    patch.image_radius = imageRadius(camera, patch.pixel);
+    patch.image_radius = camera.idealAt(patch.pixel).norm();
     data.patches.push_back(patch);
   }
   for (MarkerBlur blur : places.blurs)

@@ -115,6 +115,7 @@ TEST(ImageDiagnosis, TheAdvisedManoeuvreTellsASetApart) {
   ASSERT_EQ(unsure.alternatives.size(), 1u) << unsure.why;
   const Advice& advice = unsure.alternatives[0].advice;
   ASSERT_NE(advice.manoeuvre, "");
+  EXPECT_LT(unsure.effects[0].confidence, 0.95);  // a rival within 2.7 leaves less than 1 / (1 + e^-2.7)
   EXPECT_GT(advice.separation, advice.separation_now);
 
   const auto advised = std::find_if(manoeuvres().begin(), manoeuvres().end(),
@@ -130,6 +131,7 @@ TEST(ImageDiagnosis, TheAdvisedManoeuvreTellsASetApart) {
   ASSERT_EQ(sure.effects.size(), 1u) << sure.why;
   EXPECT_EQ(nameOf(sure.effects[0].candidate), "dark-offset") << sure.why;
   EXPECT_TRUE(sure.alternatives.empty()) << sure.why;
+  EXPECT_GT(sure.effects[0].confidence, unsure.effects[0].confidence);
 }
 
 /// What this run's images were given of what is drawn for each: by how much it scatters about its mean.
