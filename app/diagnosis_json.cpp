@@ -213,7 +213,9 @@ Json noiseJson(const NoiseModel& noise) {
     if (c.rows > 0)
       json[nameOf(channel)] = {{"rows", c.rows}, {"scale", c.scale}, {"correlation", c.correlation}};
   }
-  json["panel_tolerance_m"] = noise.panel_tolerance_m;
+  json["marker_scatter_m"] = {{"in_face", noise.markers.in_face_m}, {"off_face", noise.markers.off_face_m}};
+  json["light_scatter"] = noise.light_scatter;
+  json["print_scatter"] = noise.print_scatter;
   return json;
 }
 

@@ -309,9 +309,11 @@ void addNoise(const DiagnosisStory& story, HtmlReport& report) {
   if (table.rows.empty()) return;
   report.heading("The noise that the recording shows");
   report.table(table);
-  if (noise.panel_tolerance_m > 0)
-    report.paragraph(print("Markers are taken to lie within %.2g mm of where the map has them.",
-                           1e3 * noise.panel_tolerance_m));
+  if (noise.markers.largest_m() > 0)
+    report.paragraph(
+        print("Markers are taken to lie within %.2g mm of where the map has them, out of the panel's "
+              "plane within %.2g mm.",
+              1e3 * noise.markers.in_face_m, 1e3 * noise.markers.off_face_m));
 }
 
 // ---- with it

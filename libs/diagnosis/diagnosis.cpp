@@ -28,7 +28,8 @@ constexpr double kConfirmed = 0.3;  // of the likelihood it gains, on stretches 
 
 /// To compare what a camera by itself shows: its noise and the markers' scatter, multiplied.
 double cameraNoise(const NoiseModel& noise) {
-  double product = noise.panel_tolerance_m > 0 ? noise.panel_tolerance_m : 1;
+  const auto [in_face_m, off_face_m] = noise.markers;
+  double product = in_face_m > 0 ? std::cbrt(in_face_m * in_face_m * off_face_m) : 1;
   for (const BatchChannel channel : {BatchChannel::markers, BatchChannel::tie_points, BatchChannel::pixels})
     product *= noise.of(channel).independentScale();
   return product;
@@ -43,7 +44,10 @@ bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
   for (std::size_t c = 0; c < before.channels.size(); ++c)
     if (shown.channels[c].independentScale() < kLessNoise * before.channels[c].independentScale())
       return true;
-  return shown.panel_tolerance_m < kLessNoise * before.panel_tolerance_m;
+  return shown.markers.in_face_m < kLessNoise * before.markers.in_face_m ||
+         shown.markers.off_face_m < kLessNoise * before.markers.off_face_m ||
+         shown.light_scatter < kLessNoise * before.light_scatter ||
+         shown.print_scatter < kLessNoise * before.print_scatter;
 }
 
 /// The course of a diagnosis.
@@ -326,7 +330,7 @@ void Course::accept(Refit better) {
 /// Everything fitted again for another noise.
 bool Course::takeNoise(const NoiseModel& shown) {
   BatchOptions base = base_;
-  base.problem.noise_scale = shown.noiseScale();
+  shown.applyTo(base.problem);
   Refit nominal = refit(data_, nominal_.estimate, base, {}, shown);
   Refit present = refit(data_, final_.estimate, base, final_.effects, shown);
   if (!nominal.succeeded || !present.succeeded) return false;

@@ -71,7 +71,7 @@ SizedEffect lasting(SizedEffect effect) {
 WhitenedModel modelOf(const BatchData& data, const std::vector<double>& times_s,
                       const std::vector<Pose>& poses, const BatchState& recorded, const NoiseModel& noise) {
   ProblemOptions options;
-  options.noise_scale = noise.noiseScale();
+  noise.applyTo(options);
   options.robust_probability = 1;
   options.path_prior = PathPrior{poses.front(), 0.001, 0.001};
   BatchState state = startState(data, times_s, poses, {}, 10.0);

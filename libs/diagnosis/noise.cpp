@@ -2,76 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
-#include "core/chi_square.h"
 #include "core/random.h"
-#include "effects/catalogue.h"
-#include "estimation/nuisances.h"
 
 namespace fathom {
 namespace {
 
 constexpr int kNoiseDraws = 16;
 constexpr int kCorrelationRounds = 5;
-constexpr int kWeightRounds = 4;
 constexpr std::size_t kFewestRows = 30;  // fewer show no noise of their own
 constexpr double kClearSigmas = 4;       // from which on a correlation is more than chance
 constexpr double kLargestCorrelation = 0.95;
-constexpr std::size_t kFewestMarkers = 4;
-constexpr int kPeaks = 16;  // over the recording: narrower ones are noise until they are found
-constexpr double kLargestTolerance_m = 1.0;
-
-/// Of an effect that comes and goes, whenever it may be: one peak beside another.
-std::vector<Candidate> peaksOf(const Linearization& linear) {
-  const auto [first_s, last_s] = readingsSpan(linear);
-  const double spacing_s = std::max(1e-9, (last_s - first_s) / kPeaks);
-  std::vector<Candidate> candidates;
-  for (const EffectInfo& effect : allEffects()) {
-    if (!hasPeak(effect) || isEstimated(linear, effect.index) || !canShow(linear, effect.index)) continue;
-    for (int k = 0; k <= kPeaks; ++k) {
-      Candidate candidate;
-      candidate.effect = effect.index;
-      candidate.peak = {first_s + k * spacing_s, spacing_s};
-      candidates.push_back(candidate);
-    }
-  }
-  return candidates;
-}
-
-std::vector<Candidate> lastingOrPeaking(const Linearization& linear) {
-  std::vector<Candidate> candidates = lastingCandidates(linear);
-  const std::vector<Candidate> peaks = peaksOf(linear);
-  candidates.insert(candidates.end(), peaks.begin(), peaks.end());
-  return candidates;
-}
-
-/// The estimate with all these effects among its unknowns, each held by its prior.
-struct Saturated {
-  std::vector<Candidate> candidates;
-  Nuisances nuisances;
-  Eigen::VectorXd residual, left;  ///< before and after
-
-  explicit Saturated(const Linearization& linear)
-      : candidates(lastingOrPeaking(linear)),
-        nuisances(withHeldColumns(linear.J, columnsOf(linear, candidates), priorSigmas(linear, candidates))),
-        residual(Eigen::VectorXd::Zero(nuisances.J().rows())) {
-    residual.head(linear.residual.size()) = linear.residual;
-    left = nuisances.project(residual);
-  }
-};
-
-/// What an effect explains is no outlier: a reading of light counts in full where it does once all may be
-/// there. Else an effect that shows in all images would make light's noise seem small. (Where corners are off
-/// by pixels, what explains them is far from linear, and which are outliers is not known.)
-std::unique_ptr<Saturated> saturate(Linearization& linear) {
-  auto saturated = std::make_unique<Saturated>(linear);
-  for (int round = 0; round < kWeightRounds; ++round) {
-    if (!applyOtherRobustWeights(linear, BatchChannel::pixels, saturated->left)) break;
-    saturated = std::make_unique<Saturated>(linear);
-  }
-  return saturated;
-}
+constexpr double kLeastOfStated = 0.01;  // of the variance of light: a mean of rounded numbers is no better
 
 /// Sums over a channel of squares and of neighbours' products.
 struct Moments {
@@ -123,54 +65,38 @@ Eigen::MatrixXd correlated(Eigen::MatrixXd noise, const std::array<ChannelRows, 
   return noise;
 }
 
-/// How far a marker seems to lie elsewhere where its corners are that much off, m.
-double cornerBias_m(const Linearization& linear) {
-  double square = 0, count = 0;
-  // The offset's axes in the panel's face; the marker's id is before them.
-  for (const std::size_t axis : {1u, 2u}) {
-    const Eigen::Index column = columnOf(linear, kEffectIndex<MarkerMoved>, axis);
-    for (std::size_t i = 0; i < linear.rows.size(); ++i)
-      if (linear.rows[i].marker_id >= 0) {
-        square += std::pow(linear.C(static_cast<Eigen::Index>(i), column) / linear.rows[i].per_unit, 2);
-        count += 0.5;  // each coordinate has its share of either axis
-      }
+/// The pixels' noise as two parts: the sigma stated, so many times, and a share of the light. By the sum of
+/// what is left squared, and by the same with more weight where the second part would show most; without a
+/// second part where that sum is not beyond chance.
+void splitLightNoise(const Saturated& saturated, const Linearization& linear,
+                     const std::vector<std::size_t>& rows, const Eigen::MatrixXd& white,
+                     const NoiseModel& assumed, NoiseModel& noise) {
+  constexpr auto kPixels = static_cast<std::size_t>(BatchChannel::pixels);
+  if (rows.size() < kFewestRows) return;
+  const Eigen::MatrixXd simulated = saturated.nuisances.project(white);
+  const double scale = assumed.channels[kPixels].independentScale();
+  const auto count = std::ssize(rows);
+  // As shares of the variance assumed: of what is stated, of all the light; what is left of them; and what is
+  // seen.
+  Eigen::ArrayXd stated(count), light(count), left(count), seen(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto row = static_cast<Eigen::Index>(rows[static_cast<std::size_t>(k)]);
+    const RowInfo& info = linear.rows[rows[static_cast<std::size_t>(k)]];
+    light[k] = std::pow(info.level * info.per_unit, 2);
+    stated[k] = (1 - assumed.light_scatter * assumed.light_scatter * light[k]) / (scale * scale);
+    left[k] = simulated.row(row).squaredNorm() / kNoiseDraws;
+    seen[k] = saturated.left[row] * saturated.left[row];
   }
-  return square > 0 ? lastingBias(BatchChannel::markers) / std::sqrt(square / count) : 0;
-}
-
-/// What an axis of the markers' places scatters by beyond their own uncertainty. The one marker that is most
-/// off does not count: it may have been moved.
-double panelTolerance(const Saturated& saturated, const Linearization& linear) {
-  std::vector<Eigen::Index> offsets;
-  Eigen::Index column = linear.J.cols();
-  for (const Candidate& candidate : saturated.candidates) {
-    if (candidate.effect == kEffectIndex<MarkerMoved>)
-      for (Eigen::Index axis = 0; axis < 3; ++axis) offsets.push_back(column + axis);
-    column += std::ssize(columnsOf(linear, candidate.effect));
-  }
-  if (offsets.size() < 3 * kFewestMarkers) return 0;
-  const Eigen::VectorXd x = saturated.nuisances.step(saturated.residual)(offsets);
-  const Eigen::MatrixXd covariance = saturated.nuisances.covariance(offsets);
-  const auto statistic = [&](double sigma_m, std::optional<Eigen::Index> but) {
-    std::vector<Eigen::Index> kept;
-    for (Eigen::Index i = 0; i < x.size(); ++i)
-      if (!but || i / 3 != *but) kept.push_back(i);
-    Eigen::MatrixXd S = covariance(kept, kept);
-    S.diagonal().array() += sigma_m * sigma_m;
-    const Eigen::VectorXd own = x(kept);
-    return own.dot(S.ldlt().solve(own));
-  };
-  Eigen::Index most = 0;
-  for (Eigen::Index marker = 1; marker < x.size() / 3; ++marker)
-    if (statistic(0, marker) < statistic(0, most)) most = marker;
-  const auto dof = static_cast<double>(x.size() - 3);
-  if (statistic(0, most) <= chiSquareQuantile(dof, 0.999)) return 0;
-  double low = 0, high = kLargestTolerance_m;
-  for (int halving = 0; halving < 40; ++halving) {
-    const double middle = 0.5 * (low + high);
-    (statistic(middle, most) > dof ? low : high) = middle;
-  }
-  return high;
+  const double of_stated = (left * stated).sum();
+  const Eigen::ArrayXd weight = light - (left * stated * light).sum() / of_stated;
+  const double plain = seen.sum() / of_stated;
+  const double excess = (weight * seen).sum(),
+               chance = std::sqrt(2 * (weight * left * plain * stated).square().sum());
+  if (excess <= kClearSigmas * chance) return;
+  const double share = excess / (weight * left * light).sum();
+  noise.light_scatter = std::sqrt(std::max(0.0, share));
+  noise.channels[kPixels].scale =
+      std::sqrt(std::max(kLeastOfStated * plain, plain - share * (left * light).sum() / of_stated));
 }
 
 }  // namespace
@@ -184,10 +110,9 @@ double ChannelNoise::independentScale() const {
   return scale * std::sqrt((1 + correlation) / (1 - correlation));
 }
 
-std::array<double, kBatchChannels.size()> NoiseModel::noiseScale() const {
-  std::array<double, kBatchChannels.size()> scales{};
-  for (std::size_t c = 0; c < scales.size(); ++c) scales[c] = channels[c].independentScale();
-  return scales;
+void NoiseModel::applyTo(ProblemOptions& options) const {
+  for (std::size_t c = 0; c < channels.size(); ++c) options.noise_scale[c] = channels[c].independentScale();
+  options.light_scatter = light_scatter;
 }
 
 std::set<int> markersOf(const Linearization& linear) {
@@ -230,13 +155,16 @@ std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, 
 }
 
 NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint64_t seed) {
-  const std::unique_ptr<Saturated> saturated = saturate(linear);
+  std::unique_ptr<Saturated> saturated = saturate(linear);
+  NoiseModel noise = assumed;
+  noise.print_scatter = printScatter(*saturated, linear);
+  if (noise.print_scatter > 0) saturated = saturate(linear, noise.print_scatter);
+  noise.markers = markerScatter(*saturated, linear);
   const auto rows = rowsByChannel(linear);
   const Eigen::VectorXd& left = saturated->left;
   Random random(seed);
   const Eigen::MatrixXd white = random.normals(left.size(), kNoiseDraws);
 
-  NoiseModel noise = assumed;
   std::array<double, kBatchChannels.size()> correlation{};
   std::array<bool, kBatchChannels.size()> is_correlated{};
   for (int round = 0; round < kCorrelationRounds; ++round) {
@@ -265,7 +193,9 @@ NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint
         correlation[c] = std::clamp(correlation[c] + difference, -0.5, kLargestCorrelation);
     }
   }
-  noise.panel_tolerance_m = std::max(cornerBias_m(linear), panelTolerance(*saturated, linear));
+  noise.light_scatter = 0;
+  splitLightNoise(*saturated, linear, rows[static_cast<std::size_t>(BatchChannel::pixels)].rows, white,
+                  assumed, noise);
   return noise;
 }
 

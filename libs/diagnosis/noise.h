@@ -5,7 +5,7 @@
 #include <limits>
 #include <set>
 
-#include "diagnosis/candidate.h"
+#include "diagnosis/scatter.h"
 
 namespace fathom {
 
@@ -29,13 +29,15 @@ struct ChannelNoise {
 
 struct NoiseModel {
   std::array<ChannelNoise, kBatchChannels.size()> channels;  ///< by BatchChannel
-  /// What the panel's markers scatter by about where the map has them, each axis; at least what corners are
-  /// off by however often they are seen. 0: no markers.
-  double panel_tolerance_m = 0;
+  MarkerScatter markers;
+  /// What patches of images scatter by besides, share of their light.
+  double light_scatter = 0;
+  /// What the panel's places scatter by, for good, about the albedos that the map has: a share of these.
+  double print_scatter = 0;
 
   const ChannelNoise& of(BatchChannel channel) const { return channels[static_cast<std::size_t>(channel)]; }
-  /// For ProblemOptions::noise_scale.
-  std::array<double, kBatchChannels.size()> noiseScale() const;
+  /// Has a problem take readings for that noisy.
+  void applyTo(ProblemOptions& options) const;
 };
 
 /// The noise that an estimate's residuals show once every effect of the catalogue may explain its share: what

@@ -28,7 +28,7 @@ NominalFit nominalFit(const BatchData& data, const StartPath& start,
       Linearization linear = linearize(data, *problemAt(data, estimate, nominal.options));
       applyRobustWeights(linear);
       nominal.noise = shownNoise(linear, nominal.noise, seed);
-      nominal.options.problem.noise_scale = nominal.noise.noiseScale();
+      nominal.noise.applyTo(nominal.options.problem);
       estimate = minimumFrom(data, estimate, nominal.options);
       if (!estimate.succeeded)
         return failed("The nominal model could not be fitted with the noise shown: " + estimate.failure +

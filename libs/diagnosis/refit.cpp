@@ -96,7 +96,7 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
   Refit fit;
   fit.effects = effects;
   fit.options = base;
-  fit.options.problem.noise_scale = noise.noiseScale();
+  noise.applyTo(fit.options.problem);
   for (const Candidate& effect : effects) {
     switchOn(fit.options.calibration, effect);
     fit.options.problem.estimate.set(effect.effect);

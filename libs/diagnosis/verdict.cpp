@@ -12,8 +12,8 @@ namespace {
 constexpr double kUnexplained_p = 0.01;
 constexpr double kDetectable = 18;   // information times prior variance: 5 % over the catalogue, power 90 %
 constexpr double kLeastShare = 0.2;  // of the catalogue to be within reach, for "none" to mean something
-constexpr double kMaterialTolerance_m = 0.001;
-constexpr double kNoisier = 1.5, kQuieter = 0.5;  // than stated, worth a remark
+constexpr MarkerScatter kMaterialScatter{0.001, 0.002};  // seen at usual angles both shift corners alike
+constexpr double kNoisier = 1.5, kQuieter = 0.5;         // than stated, worth a remark
 constexpr std::size_t kToldFailures = 3;
 
 /// "dvl-scale (DVL scale): scale = 0.01 ± 0.0004; its size is …".
@@ -59,9 +59,9 @@ std::vector<std::string> failuresOf(const Diagnosis& diagnosis) {
         failures.push_back(
             print("%s would have to change with %s, by %.0f %% over one standard deviation of it",
                   nameOf(found.candidate).c_str(), test.against.c_str(), 100 * test.relative_change));
-  if (diagnosis.noise.panel_tolerance_m > kMaterialTolerance_m)
-    failures.push_back(
-        print("markers lie %.1f mm off the map, one by one", 1000 * diagnosis.noise.panel_tolerance_m));
+  const MarkerScatter& scatter = diagnosis.noise.markers;
+  if (scatter.in_face_m > kMaterialScatter.in_face_m || scatter.off_face_m > kMaterialScatter.off_face_m)
+    failures.push_back(print("markers lie %.1f mm off the map, one by one", 1e3 * scatter.largest_m()));
   return failures;
 }
 

@@ -69,17 +69,10 @@ Eigen::VectorXd WhitenedModel::remaining(const Eigen::VectorXd& changes) const {
 Eigen::SparseMatrix<double> WhitenedModel::nuisanceColumns(const NoiseModel& noise,
                                                            const BatchData& data) const {
   Eigen::SparseMatrix<double> J = W_ * linear_.J;
-  if (noise.panel_tolerance_m == 0) return J;
-  const std::map<int, double> half_sizes = halfSizes(data);
-  std::vector<Candidate> places;
-  for (const int id : markersOf(linear_)) places.push_back({kEffectIndex<MarkerMoved>, id, {}, {}, {}});
-  Eigen::VectorXd sigma(4 * std::ssize(places));
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const double offset_m = noise.panel_tolerance_m;
-    const double turn_deg = degrees(offset_m / half_sizes.at(*places[k].marker_id));
-    sigma.segment<4>(4 * static_cast<Eigen::Index>(k)) << offset_m, offset_m, offset_m, turn_deg;
-  }
-  return withHeldColumns(J, W_ * columnsOf(linear_, places), sigma);
+  const auto add = [&](const HeldColumns& held) { J = withHeldColumns(J, W_ * held.columns, held.sigma); };
+  if (noise.print_scatter > 0) add(printColumns(linear_, noise.print_scatter));
+  if (noise.markers.largest_m() > 0) add(placeColumns(linear_, noise.markers, halfSizes(data)));
+  return J;
 }
 
 Eigen::SparseMatrix<double> WhitenedModel::whitened(const Eigen::SparseMatrix<double>& columns) const {

@@ -6,10 +6,11 @@
 namespace fathom {
 
 /// An estimate's linear model in units of independent noise, as the data shows it: W r, W J, W C. Where the
-/// markers scatter about their map, each marker's own place is among the nuisances.
+/// markers scatter about their map, each marker's own place is among the nuisances; where print does, each
+/// place's albedo.
 class WhitenedModel {
  public:
-  /// `linear` at an estimate with noise.noiseScale(), not yet weighted.
+  /// `linear` at an estimate with noise.applyTo(), not yet weighted.
   WhitenedModel(Linearization linear, const NoiseModel& noise, const BatchData& data);
 
   const Linearization& linear() const { return linear_; }

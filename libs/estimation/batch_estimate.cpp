@@ -218,6 +218,7 @@ std::bitset<kEffectCount> changedEffects(const BatchEstimate& from, const BatchE
                                          const BatchOptions& options) {
   std::bitset<kEffectCount> changed;
   if (!from.options || from.options->problem.noise_scale != options.problem.noise_scale ||
+      from.options->problem.light_scatter != options.problem.light_scatter ||
       from.options->problem.robust_probability != options.problem.robust_probability ||
       options.problem.path_prior)
     return changed.set();

@@ -420,7 +420,10 @@ void BatchProblem::addPatches() {
     const ImagePatch& seen = data_.patches[i];
     if (!hasPose(seen.image)) continue;
     const std::vector<int> colours = seen.colours();
-    const Eigen::VectorXd reading = seen.radiance(colours), sigma = seen.sigma(colours);
+    const Eigen::VectorXd reading = seen.radiance(colours);
+    const double scale = options_.noise_scale[static_cast<std::size_t>(BatchChannel::pixels)];
+    const Eigen::ArrayXd scatter = options_.light_scatter / scale * reading.array();
+    const Eigen::VectorXd sigma = (seen.sigma(colours).array().square() + scatter.square()).sqrt();
     add(patchModel(seen, data_.vehicle),
         {BatchChannel::pixels, seen.t_s, -1, -1, static_cast<std::ptrdiff_t>(i)}, {}, reading,
         whitener(sigma));

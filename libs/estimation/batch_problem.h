@@ -63,6 +63,8 @@ struct ProblemOptions {
   std::bitset<kEffectCount> estimate;
   /// Sigma of each channel in units of the data sheet's (or of a corner's own covariance), by BatchChannel.
   std::array<double, kBatchChannels.size()> noise_scale = asStated();
+  /// By what share of their light patches scatter besides.
+  double light_scatter = 0;
   /// Huber's loss for DVL, USBL and markers, beyond what a reading's chi-square exceeds with probability
   /// 1 - this; 1: none. Generous, so that what is out of place keeps most of its weight.
   double robust_probability = 0.99999;

@@ -120,6 +120,14 @@ void setTiePoint(RowInfo& info, const BatchTiePoint& seen, const Pose& T_left_ri
   info.range_m = T_left_right.position.dot(toward) / (1 - cosine * cosine);
 }
 
+/// Of a patch, with its reading's derivative by the water. Daylight's share is linear in daylight.
+void setLight(RowInfo& info, const ImagePatch& seen, const Eigen::VectorXd& by_water, const Vector9d& water) {
+  const Eigen::Index daylight = 6 + info.component;
+  info.level = seen.radiance[info.component] - info.raw;
+  info.reflected = std::abs(by_water[daylight] * water[daylight] / info.per_unit);
+  info.surface = seen.surface;
+}
+
 /// Tracks in the order of channel, marker and component; rows by time.
 void findTracks(Linearization& linear) {
   using Key = std::tuple<BatchChannel, std::ptrdiff_t, int, std::ptrdiff_t, int, int, int>;
@@ -161,11 +169,13 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
     Eigen::MatrixXd J;
     cost.compute(zero, r, &J);
     linear.residual.segment(first[i], r.size()) = r;
-    Eigen::Index column = 0;
-    for (const std::size_t b : cost.blocks)
+    Eigen::Index column = 0, water_column = 0;
+    for (const std::size_t b : cost.blocks) {
+      if (linear.blocks[b].kind == UnknownBlock::Kind::water) water_column = column;
       for (int c = 0; c < linear.blocks[b].size; ++c, ++column)
         for (Eigen::Index k = 0; k < r.size(); ++k)
           entries[i].emplace_back(static_cast<int>(first[i] + k), linear.blocks[b].column + c, J(k, column));
+    }
     if (effect_columns) {
       Eigen::MatrixXd all(r.size(), static_cast<Eigen::Index>(kEffectScalars));
       cost.effectColumns(zero.motions, all);
@@ -186,11 +196,11 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
       info.component = static_cast<int>(k);
       info.raw = raw[k];
       info.per_unit = 1 / sigma[k];
-      if (info.patch >= 0)
-        info.component =
-            data.patches[static_cast<std::size_t>(info.patch)].colours()[static_cast<std::size_t>(k)];
-      if (info.patch >= 0)
-        info.level = data.patches[static_cast<std::size_t>(info.patch)].radiance[info.component] - info.raw;
+      if (info.patch >= 0) {
+        const ImagePatch& seen = data.patches[static_cast<std::size_t>(info.patch)];
+        info.component = seen.colours()[static_cast<std::size_t>(k)];
+        setLight(info, seen, J.row(k).segment(water_column, 9), problem.reference().water);
+      }
       if (info.marker >= 0) setCorner(info, data.markers[static_cast<std::size_t>(info.marker)]);
       if (info.tie_point >= 0)
         setTiePoint(info, data.tie_points[static_cast<std::size_t>(info.tie_point)],

@@ -33,6 +33,8 @@ struct RowInfo {
   std::ptrdiff_t patch = -1;  ///< index in BatchData::patches
   int place = -1;             ///< of a patch, or of the marker whose edges it is about
   double level = kNone;       ///< what it should read, share of full scale
+  double reflected = kNone;   ///< what of that is daylight from its own surface
+  ImagePatch::Surface surface = ImagePatch::Surface::body;
 
   // Of markers and patches; of tie points as the left eye sees them.
   std::ptrdiff_t marker = -1;  ///< index in BatchData::markers

@@ -1,0 +1,82 @@
+#include "diagnosis/saturated.h"
+
+#include <algorithm>
+#include <set>
+
+#include "diagnosis/noise.h"
+#include "diagnosis/scatter.h"
+#include "effects/catalogue.h"
+
+namespace fathom {
+namespace {
+
+constexpr int kWeightRounds = 4;
+constexpr int kPeaks = 16;  // over the recording: narrower ones are noise until they are found
+
+/// Of an effect that comes and goes, whenever it may be: one peak beside another.
+std::vector<Candidate> peaksOf(const Linearization& linear) {
+  const auto [first_s, last_s] = readingsSpan(linear);
+  const double spacing_s = std::max(1e-9, (last_s - first_s) / kPeaks);
+  std::vector<Candidate> candidates;
+  for (const EffectInfo& effect : allEffects()) {
+    if (!hasPeak(effect) || isEstimated(linear, effect.index) || !canShow(linear, effect.index)) continue;
+    for (int k = 0; k <= kPeaks; ++k) {
+      Candidate candidate;
+      candidate.effect = effect.index;
+      candidate.peak = {first_s + k * spacing_s, spacing_s};
+      candidates.push_back(candidate);
+    }
+  }
+  return candidates;
+}
+
+/// Where one marker is estimated to have moved, the others.
+std::vector<Candidate> otherMarkers(const Linearization& linear) {
+  const auto moved = std::find_if(linear.blocks.begin(), linear.blocks.end(), [](const UnknownBlock& block) {
+    return block.kind == UnknownBlock::Kind::effect && block.index == kEffectIndex<MarkerMoved>;
+  });
+  if (moved == linear.blocks.end()) return {};
+  std::set<int> ids = markersOf(linear);
+  for (Eigen::SparseMatrix<double>::InnerIterator entry(linear.J, moved->column); entry; ++entry)
+    if (entry.value() != 0) ids.erase(linear.rows[static_cast<std::size_t>(entry.row())].marker_id);
+  std::vector<Candidate> candidates;
+  for (const int id : ids) candidates.push_back({kEffectIndex<MarkerMoved>, id, {}, {}, {}});
+  return candidates;
+}
+
+std::vector<Candidate> allThatMayBe(const Linearization& linear) {
+  std::vector<Candidate> candidates = lastingCandidates(linear);
+  for (const auto& more : {peaksOf(linear), otherMarkers(linear)})
+    candidates.insert(candidates.end(), more.begin(), more.end());
+  return candidates;
+}
+
+Eigen::SparseMatrix<double> unknownsOf(const Linearization& linear, const std::vector<Candidate>& candidates,
+                                       double print_scatter) {
+  const Eigen::SparseMatrix<double> all =
+      withHeldColumns(linear.J, columnsOf(linear, candidates), priorSigmas(linear, candidates));
+  if (print_scatter == 0) return all;
+  const HeldColumns print = printColumns(linear, print_scatter);
+  return withHeldColumns(all, print.columns, print.sigma);
+}
+
+}  // namespace
+
+Saturated::Saturated(const Linearization& linear, double print_scatter)
+    : candidates(allThatMayBe(linear)),
+      nuisances(unknownsOf(linear, candidates, print_scatter)),
+      residual(Eigen::VectorXd::Zero(nuisances.J().rows())) {
+  residual.head(linear.residual.size()) = linear.residual;
+  left = nuisances.project(residual);
+}
+
+std::unique_ptr<Saturated> saturate(Linearization& linear, double print_scatter) {
+  auto saturated = std::make_unique<Saturated>(linear, print_scatter);
+  for (int round = 0; round < kWeightRounds; ++round) {
+    if (!applyOtherRobustWeights(linear, BatchChannel::pixels, saturated->left)) break;
+    saturated = std::make_unique<Saturated>(linear, print_scatter);
+  }
+  return saturated;
+}
+
+}  // namespace fathom

@@ -1,0 +1,212 @@
+#include "diagnosis/scatter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "core/chi_square.h"
+#include "diagnosis/noise.h"
+#include "effects/catalogue.h"
+
+namespace fathom {
+namespace {
+
+constexpr double kClearScatter = 4;  // from which on a scatter is more than chance
+constexpr std::size_t kFewestMarkers = 4;
+constexpr Eigen::Index kOffFace = 2;  // of MarkerMoved's columns
+constexpr double kLargestTolerance_m = 1.0;
+constexpr std::size_t kFewestPlaces = 24;   // a place counts once for each colour
+constexpr double kLargestPrint = 0.3;       // share of an albedo
+constexpr double kSigmasByMedian = 1.4826;  // of normal noise, times its median size
+constexpr double kMedianScatter = 1.17;     // of a sigma by the median of n readings, times its root of n
+
+/// How far a marker seems to lie elsewhere where its corners are that much off, m.
+double cornerBias_m(const Linearization& linear) {
+  double square = 0, count = 0;
+  // The offset's axes in the panel's face; the marker's id is before them.
+  for (const std::size_t axis : {1u, 2u}) {
+    const Eigen::Index column = columnOf(linear, kEffectIndex<MarkerMoved>, axis);
+    for (std::size_t i = 0; i < linear.rows.size(); ++i)
+      if (linear.rows[i].marker_id >= 0) {
+        square += std::pow(linear.C(static_cast<Eigen::Index>(i), column) / linear.rows[i].per_unit, 2);
+        count += 0.5;  // each coordinate has its share of either axis
+      }
+  }
+  return square > 0 ? lastingBias(BatchChannel::markers) / std::sqrt(square / count) : 0;
+}
+
+/// The least scatter from which on all is as it should be; `largest` where there is none.
+template <class Test>
+double leastWhere(const Test& isWide, double largest) {
+  double low = 0, high = largest;
+  for (int halving = 0; halving < 40; ++halving) {
+    const double middle = 0.5 * (low + high);
+    (isWide(middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+/// What these differ by, about zero, beyond what their covariance says. The one that is most off does not
+/// count, it may be there for a reason, and by how much less the others scatter for that is known: the mean
+/// of the largest of n is where all but exp(-gamma) / n are below (Gumbel 1958). 0 where it may be chance.
+double scatterOf(const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance, Eigen::Index together) {
+  const auto statistic = [&](double sigma, std::optional<Eigen::Index> but) {
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index i = 0; i < x.size(); ++i)
+      if (!but || i / together != *but) kept.push_back(i);
+    Eigen::MatrixXd S = covariance(kept, kept);
+    S.diagonal().array() += sigma * sigma;
+    const Eigen::VectorXd own = x(kept);
+    return own.dot(S.ldlt().solve(own));
+  };
+  const Eigen::Index count = x.size() / together;
+  Eigen::Index most = 0;
+  for (Eigen::Index k = 1; k < count; ++k)
+    if (statistic(0, k) < statistic(0, most)) most = k;
+  if (statistic(0, most) <= chiSquareQuantile(static_cast<double>(x.size() - together), 0.999)) return 0;
+  const double usual =
+      static_cast<double>(x.size()) -
+      chiSquareQuantile(static_cast<double>(together), 1 - 0.56 / static_cast<double>(count));
+  return leastWhere([&](double sigma) { return statistic(sigma, most) <= usual; }, kLargestTolerance_m);
+}
+
+/// A place's readings in one colour, by row.
+struct Place {
+  std::pair<ImagePatch::Surface, int> kind;  ///< surface and colour
+  std::vector<std::size_t> rows;
+};
+
+std::vector<Place> placesOf(const Linearization& linear) {
+  std::map<std::pair<int, int>, Place> places;
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+    const RowInfo& row = linear.rows[i];
+    if (row.channel != BatchChannel::pixels || !(row.reflected > 0)) continue;
+    Place& place = places[{row.place, row.component}];
+    place.kind = {row.surface, row.component};
+    place.rows.push_back(i);
+  }
+  std::vector<Place> all;
+  for (auto& [key, place] : places) all.push_back(std::move(place));
+  return all;
+}
+
+/// The light that comes from a row's place, in units of the row's noise, as it is weighted.
+double reflectedSigmas(const RowInfo& row) {
+  return row.reflected * row.per_unit * std::sqrt(row.robust_weight);
+}
+
+double medianOf(std::vector<double> values) {
+  const auto middle = values.begin() + std::ssize(values) / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+MarkerScatter markerScatter(const Saturated& saturated, const Linearization& linear) {
+  std::vector<Eigen::Index> in_face, off_face;
+  Eigen::Index column = linear.J.cols();
+  for (const Candidate& candidate : saturated.candidates) {
+    if (candidate.effect == kEffectIndex<MarkerMoved>) {
+      in_face.insert(in_face.end(), {column, column + 1});
+      off_face.push_back(column + kOffFace);
+    }
+    column += std::ssize(columnsOf(linear, candidate.effect));
+  }
+  const double least_m = cornerBias_m(linear);
+  MarkerScatter scatter{least_m, least_m};
+  if (off_face.size() < kFewestMarkers) return scatter;
+  const Eigen::VectorXd x = saturated.nuisances.step(saturated.residual);
+  const auto beyond = [&](const std::vector<Eigen::Index>& own, Eigen::Index together) {
+    return std::max(least_m, scatterOf(x(own), saturated.nuisances.covariance(own), together));
+  };
+  return {beyond(in_face, 2), beyond(off_face, 1)};
+}
+
+// By the median, as some places may be off for a reason. What a kind has in common is none of it.
+double printScatter(const Saturated& saturated, const Linearization& linear) {
+  const std::vector<Place> places = placesOf(linear);
+  if (places.size() < kFewestPlaces) return 0;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> columns = printColumns(linear, 0).columns;
+  columns.conservativeResize(saturated.residual.size(), columns.cols());
+  const Reduced reduced =
+      saturated.nuisances.reduce(columns, saturated.residual, std::vector<Eigen::Index>(places.size(), 1));
+  const Eigen::ArrayXd share = reduced.score.array() / reduced.gram.diagonal().array();
+  std::map<std::pair<ImagePatch::Surface, int>, std::vector<double>> kinds;
+  std::vector<double> noise;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    kinds[places[k].kind].push_back(share[at]);
+    double square = 0;
+    for (const std::size_t i : places[k].rows)
+      square += std::pow(
+          saturated.left[static_cast<Eigen::Index>(i)] - share[at] * reflectedSigmas(linear.rows[i]), 2);
+    noise.push_back(square / std::max(1.0, static_cast<double>(places[k].rows.size()) - 1));
+  }
+  const Eigen::ArrayXd variance = medianOf(noise) / reduced.gram.diagonal().array();
+  // In sigmas, were albedos to scatter so much.
+  const auto typical = [&](double scatter) {
+    std::vector<double> off;
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      const auto at = static_cast<Eigen::Index>(k);
+      off.push_back(std::abs(share[at] - medianOf(kinds[places[k].kind])) /
+                    std::sqrt(variance[at] + scatter * scatter));
+    }
+    return kSigmasByMedian * medianOf(off);
+  };
+  // A sigma by the median of n scatters by kMedianScatter / sqrt(n) of itself.
+  if (typical(0) < 1 + kClearScatter * kMedianScatter / std::sqrt(static_cast<double>(places.size())))
+    return 0;
+  return leastWhere([&](double scatter) { return typical(scatter) <= 1; }, kLargestPrint);
+}
+
+HeldColumns placeColumns(const Linearization& linear, const MarkerScatter& scatter,
+                         const std::map<int, double>& half_sizes_m) {
+  constexpr Eigen::Index kMoved = 4, kTilts = 2, kAll = kMoved + kTilts;
+  const std::set<int> ids = markersOf(linear);
+  HeldColumns held{{std::ssize(linear.rows), kAll * std::ssize(ids)},
+                   Eigen::VectorXd(kAll * std::ssize(ids))};
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::Index first = 0;
+  for (const int id : ids) {
+    const Eigen::SparseMatrix<double> moved =
+        columnsOf(linear, {Candidate{kEffectIndex<MarkerMoved>, id, {}, {}, {}}});
+    const auto add = [&](const auto& entry, Eigen::Index column, double share) {
+      entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(first + column),
+                           share * entry.value());
+    };
+    for (Eigen::Index c = 0; c < kMoved; ++c)
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(moved, c); entry; ++entry) {
+        add(entry, c, 1);
+        if (c != kOffFace) continue;
+        // As Marker::corners_panel() has them: in its own axes, in units of half its size.
+        constexpr std::array<std::array<int, kTilts>, 4> kCorners{{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}};
+        const int component = linear.rows[static_cast<std::size_t>(entry.row())].component;
+        for (std::size_t axis = 0; axis < kTilts; ++axis)
+          add(entry, kMoved + static_cast<Eigen::Index>(axis),
+              kCorners[static_cast<std::size_t>(component / 2)][axis]);
+      }
+    const auto [in_face_m, off_face_m] = scatter;
+    held.sigma.segment<kAll>(first) << in_face_m, in_face_m, off_face_m,
+        degrees(in_face_m / half_sizes_m.at(id)), off_face_m, off_face_m;
+    first += kAll;
+  }
+  held.columns.setFromTriplets(entries.begin(), entries.end());
+  return held;
+}
+
+HeldColumns printColumns(const Linearization& linear, double print_scatter) {
+  const std::vector<Place> places = placesOf(linear);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t k = 0; k < places.size(); ++k)
+    for (const std::size_t i : places[k].rows)
+      entries.emplace_back(static_cast<int>(i), static_cast<int>(k), reflectedSigmas(linear.rows[i]));
+  HeldColumns held{{std::ssize(linear.rows), std::ssize(places)},
+                   Eigen::VectorXd::Constant(std::ssize(places), print_scatter)};
+  held.columns.setFromTriplets(entries.begin(), entries.end());
+  return held;
+}
+
+}  // namespace fathom

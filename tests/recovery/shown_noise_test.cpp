@@ -1,0 +1,94 @@
+// The noise that a recording shows beyond what is stated, told apart by where each kind of it shows.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "diagnosis/nominal.h"
+#include "support/diagnosis_runs.h"
+
+namespace fathom {
+namespace {
+
+const test::BatchRun& quietDive() {
+  static const test::BatchRun run = [] {
+    test::BatchRun with_images = test::richRun(1, 24.0);
+    with_images.pixels = true;
+    return with_images;
+  }();
+  return run;
+}
+
+NoiseModel noiseOf(const test::DiagnosisRun& run) {
+  const BatchInput input = run.input();
+  const NominalFit nominal = nominalFit(input.data, input.start, {}, 1);
+  EXPECT_TRUE(nominal.failure.empty()) << nominal.failure;
+  return nominal.noise;
+}
+
+/// What of a patch's light comes from its surface: with a share t that arrives, it reads J t + b (1 - t).
+Vector3d reflected(const ImagePatch& patch) {
+  const Vector9d water = test::coastalWater();
+  const Vector3d veil = water.segment<3>(3), there = patch.albedo.cwiseProduct(water.tail<3>());
+  return there.cwiseProduct((patch.radiance - veil).cwiseQuotient(there - veil));
+}
+
+TEST(ShownNoise, NoneBeyondWhatIsStated) {
+  const NoiseModel noise = noiseOf(test::plainNull(quietDive(), 1));
+  EXPECT_EQ(noise.light_scatter, 0);
+  EXPECT_EQ(noise.print_scatter, 0);
+  EXPECT_LT(noise.markers.largest_m(), 0.0001);
+}
+
+TEST(ShownNoise, OfLightThatScattersWithItsStrength) {
+  constexpr double kShare = 0.003;
+  test::DiagnosisRun run = test::plainNull(quietDive(), 2);
+  run.change_light = [kShare](std::vector<ImagePatch>& patches) {
+    Random noise(1);
+    for (ImagePatch& patch : patches) patch.radiance += kShare * noise.normal3().cwiseProduct(patch.radiance);
+  };
+  const NoiseModel noise = noiseOf(run);
+  // Some two thousand readings: a sigma is known to 2 %, and less where what is stated weighs as much.
+  EXPECT_NEAR(noise.light_scatter, kShare, 0.1 * kShare);
+  EXPECT_EQ(noise.print_scatter, 0);
+  EXPECT_NEAR(noise.of(BatchChannel::pixels).scale, 1, 0.1);
+}
+
+TEST(ShownNoise, OfPrintThatIsUneven) {
+  constexpr double kShare = 0.01;
+  test::DiagnosisRun run = test::plainNull(quietDive(), 3);
+  run.change_light = [kShare](std::vector<ImagePatch>& patches) {
+    Random random(2);
+    std::map<int, Vector3d> prints;
+    for (ImagePatch& patch : patches) {
+      const auto [print, is_new] = prints.try_emplace(patch.place);
+      if (is_new) print->second = kShare * random.normal3();
+      patch.radiance += print->second.cwiseProduct(reflected(patch));
+    }
+  };
+  const NoiseModel noise = noiseOf(run);
+  // By the median of about sixty places and colours: 15 % are one sigma.
+  EXPECT_NEAR(noise.print_scatter, kShare, 0.45 * kShare);
+  EXPECT_NEAR(noise.of(BatchChannel::pixels).scale, 1, 0.1);
+}
+
+TEST(ShownNoise, OfMarkersThatAreNotInOnePlane) {
+  test::BatchRun rippled = quietDive();
+  rippled.pixels = false;
+  test::DiagnosisRun run = test::plainNull(rippled, 4);
+  Random random(3);
+  PanelMap panel = rippled.panel;
+  double square = 0;
+  for (Marker& marker : panel.markers) {
+    const double off_m = 0.001 * random.normal();
+    marker.T_panel_marker.position.z() += off_m;
+    square += off_m * off_m / static_cast<double>(panel.markers.size());
+  }
+  run.run.true_panel = panel;
+  const NoiseModel noise = noiseOf(run);
+  // Up to the three that are the panel's own pose, and the one that is most off.
+  EXPECT_NEAR(noise.markers.off_face_m, std::sqrt(square), 0.4 * std::sqrt(square));
+  EXPECT_LT(noise.markers.in_face_m, 0.2 * noise.markers.off_face_m);
+}
+
+}  // namespace
+}  // namespace fathom
