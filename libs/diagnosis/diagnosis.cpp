@@ -47,7 +47,7 @@ bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
   return shown.markers.in_face_m < kLessNoise * before.markers.in_face_m ||
          shown.markers.off_face_m < kLessNoise * before.markers.off_face_m ||
          shown.light_scatter < kLessNoise * before.light_scatter ||
-         shown.print_scatter < kLessNoise * before.print_scatter;
+         shown.print.white < kLessNoise * before.print.white;
 }
 
 /// The course of a diagnosis.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/random.h"
+#include "diagnosis/saturated.h"
 
 namespace fathom {
 namespace {
@@ -157,8 +158,8 @@ std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, 
 NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint64_t seed) {
   std::unique_ptr<Saturated> saturated = saturate(linear);
   NoiseModel noise = assumed;
-  noise.print_scatter = printScatter(*saturated, linear);
-  if (noise.print_scatter > 0) saturated = saturate(linear, noise.print_scatter);
+  noise.print = printScatter(*saturated, linear);
+  if (noise.print.isSeen()) saturated = saturate(linear, noise.print);
   noise.markers = markerScatter(*saturated, linear);
   const auto rows = rowsByChannel(linear);
   const Eigen::VectorXd& left = saturated->left;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "diagnosis/candidate.h"
 #include "diagnosis/scatter.h"
 
 namespace fathom {
@@ -32,8 +33,7 @@ struct NoiseModel {
   MarkerScatter markers;
   /// What patches of images scatter by besides, share of their light.
   double light_scatter = 0;
-  /// What the panel's places scatter by, for good, about the albedos that the map has: a share of these.
-  double print_scatter = 0;
+  PrintScatter print;
 
   const ChannelNoise& of(BatchChannel channel) const { return channels[static_cast<std::size_t>(channel)]; }
   /// Has a problem take readings for that noisy.

@@ -52,29 +52,29 @@ std::vector<Candidate> allThatMayBe(const Linearization& linear) {
 }
 
 Eigen::SparseMatrix<double> unknownsOf(const Linearization& linear, const std::vector<Candidate>& candidates,
-                                       double print_scatter) {
+                                       const PrintScatter& print) {
   const Eigen::SparseMatrix<double> all =
       withHeldColumns(linear.J, columnsOf(linear, candidates), priorSigmas(linear, candidates));
-  if (print_scatter == 0) return all;
-  const HeldColumns print = printColumns(linear, print_scatter);
-  return withHeldColumns(all, print.columns, print.sigma);
+  if (!print.isSeen()) return all;
+  const HeldColumns places = printColumns(linear, print);
+  return withHeldColumns(all, places.columns, places.sigma);
 }
 
 }  // namespace
 
-Saturated::Saturated(const Linearization& linear, double print_scatter)
+Saturated::Saturated(const Linearization& linear, const PrintScatter& print)
     : candidates(allThatMayBe(linear)),
-      nuisances(unknownsOf(linear, candidates, print_scatter)),
+      nuisances(unknownsOf(linear, candidates, print)),
       residual(Eigen::VectorXd::Zero(nuisances.J().rows())) {
   residual.head(linear.residual.size()) = linear.residual;
   left = nuisances.project(residual);
 }
 
-std::unique_ptr<Saturated> saturate(Linearization& linear, double print_scatter) {
-  auto saturated = std::make_unique<Saturated>(linear, print_scatter);
+std::unique_ptr<Saturated> saturate(Linearization& linear, const PrintScatter& print) {
+  auto saturated = std::make_unique<Saturated>(linear, print);
   for (int round = 0; round < kWeightRounds; ++round) {
     if (!applyOtherRobustWeights(linear, BatchChannel::pixels, saturated->left)) break;
-    saturated = std::make_unique<Saturated>(linear, print_scatter);
+    saturated = std::make_unique<Saturated>(linear, print);
   }
   return saturated;
 }

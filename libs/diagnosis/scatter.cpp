@@ -1,6 +1,7 @@
 #include "diagnosis/scatter.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include "core/chi_square.h"
 #include "diagnosis/noise.h"
+#include "diagnosis/saturated.h"
 #include "effects/catalogue.h"
 
 namespace fathom {
@@ -17,7 +19,7 @@ constexpr double kClearScatter = 4;  // from which on a scatter is more than cha
 constexpr std::size_t kFewestMarkers = 4;
 constexpr Eigen::Index kOffFace = 2;  // of MarkerMoved's columns
 constexpr double kLargestTolerance_m = 1.0;
-constexpr std::size_t kFewestPlaces = 24;   // a place counts once for each colour
+constexpr std::size_t kFewestPlaces = 12;   // a place counts once for each colour
 constexpr double kLargestPrint = 0.3;       // share of an albedo
 constexpr double kSigmasByMedian = 1.4826;  // of normal noise, times its median size
 constexpr double kMedianScatter = 1.17;     // of a sigma by the median of n readings, times its root of n
@@ -74,7 +76,8 @@ double scatterOf(const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance, Ei
 
 /// A place's readings in one colour, by row.
 struct Place {
-  std::pair<ImagePatch::Surface, int> kind;  ///< surface and colour
+  ImagePatch::Surface surface;
+  int colour;
   std::vector<std::size_t> rows;
 };
 
@@ -83,9 +86,9 @@ std::vector<Place> placesOf(const Linearization& linear) {
   for (std::size_t i = 0; i < linear.rows.size(); ++i) {
     const RowInfo& row = linear.rows[i];
     if (row.channel != BatchChannel::pixels || !(row.reflected > 0)) continue;
-    Place& place = places[{row.place, row.component}];
-    place.kind = {row.surface, row.component};
-    place.rows.push_back(i);
+    const auto [place, is_new] =
+        places.try_emplace({row.place, row.component}, Place{row.surface, row.component, {}});
+    place->second.rows.push_back(i);
   }
   std::vector<Place> all;
   for (auto& [key, place] : places) all.push_back(std::move(place));
@@ -97,10 +100,73 @@ double reflectedSigmas(const RowInfo& row) {
   return row.reflected * row.per_unit * std::sqrt(row.robust_weight);
 }
 
+Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::vector<Place>& places) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t k = 0; k < places.size(); ++k)
+    for (const std::size_t i : places[k].rows)
+      entries.emplace_back(static_cast<int>(i), static_cast<int>(k), reflectedSigmas(linear.rows[i]));
+  Eigen::SparseMatrix<double> columns(std::ssize(linear.rows), std::ssize(places));
+  columns.setFromTriplets(entries.begin(), entries.end());
+  return columns;
+}
+
 double medianOf(std::vector<double> values) {
   const auto middle = values.begin() + std::ssize(values) / 2;
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+/// By which share of its albedo each place is brighter than the map has it, as its readings by themselves
+/// have it.
+struct MeasuredPrint {
+  Eigen::ArrayXd share, variance;
+
+  MeasuredPrint(const Saturated& saturated, const Linearization& linear, const std::vector<Place>& places) {
+    Eigen::SparseMatrix<double, Eigen::RowMajor> columns = columnsOf(linear, places);
+    columns.conservativeResize(saturated.residual.size(), columns.cols());
+    const Reduced reduced =
+        saturated.nuisances.reduce(columns, saturated.residual, std::vector<Eigen::Index>(places.size(), 1));
+    const Eigen::ArrayXd information = reduced.gram.diagonal().array();
+    share = reduced.score.array() / information;
+    std::vector<double> noise;  // about each place's own mean: what it differs by is none of it
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      double square = 0;
+      for (const std::size_t i : places[k].rows)
+        square += std::pow(saturated.left[static_cast<Eigen::Index>(i)] -
+                               share[static_cast<Eigen::Index>(k)] * reflectedSigmas(linear.rows[i]),
+                           2);
+      if (places[k].rows.size() > 1)
+        noise.push_back(square / (static_cast<double>(places[k].rows.size()) - 1));
+    }
+    variance = (noise.empty() ? 1.0 : medianOf(noise)) / information;
+  }
+};
+
+/// Of the places of one surface. By the median, as some may be off for a reason. What a colour of all has in
+/// common is none of it.
+double printScatter(const std::vector<Place>& places, const MeasuredPrint& measured,
+                    ImagePatch::Surface surface) {
+  std::array<std::vector<double>, 3> by_colour;
+  std::vector<Eigen::Index> own;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    if (places[k].surface != surface) continue;
+    own.push_back(static_cast<Eigen::Index>(k));
+    by_colour[static_cast<std::size_t>(places[k].colour)].push_back(measured.share[own.back()]);
+  }
+  if (own.size() < kFewestPlaces) return 0;
+  // In sigmas, were albedos to scatter so much.
+  const auto typical = [&](double scatter) {
+    std::vector<double> off;
+    for (const Eigen::Index k : own) {
+      const int colour = places[static_cast<std::size_t>(k)].colour;
+      off.push_back(std::abs(measured.share[k] - medianOf(by_colour[static_cast<std::size_t>(colour)])) /
+                    std::sqrt(measured.variance[k] + scatter * scatter));
+    }
+    return kSigmasByMedian * medianOf(off);
+  };
+  // A sigma by the median of n scatters by kMedianScatter / sqrt(n) of itself.
+  if (typical(0) < 1 + kClearScatter * kMedianScatter / std::sqrt(static_cast<double>(own.size()))) return 0;
+  return leastWhere([&](double scatter) { return typical(scatter) <= 1; }, kLargestPrint);
 }
 
 }  // namespace
@@ -125,41 +191,12 @@ MarkerScatter markerScatter(const Saturated& saturated, const Linearization& lin
   return {beyond(in_face, 2), beyond(off_face, 1)};
 }
 
-// By the median, as some places may be off for a reason. What a kind has in common is none of it.
-double printScatter(const Saturated& saturated, const Linearization& linear) {
+PrintScatter printScatter(const Saturated& saturated, const Linearization& linear) {
   const std::vector<Place> places = placesOf(linear);
-  if (places.size() < kFewestPlaces) return 0;
-  Eigen::SparseMatrix<double, Eigen::RowMajor> columns = printColumns(linear, 0).columns;
-  columns.conservativeResize(saturated.residual.size(), columns.cols());
-  const Reduced reduced =
-      saturated.nuisances.reduce(columns, saturated.residual, std::vector<Eigen::Index>(places.size(), 1));
-  const Eigen::ArrayXd share = reduced.score.array() / reduced.gram.diagonal().array();
-  std::map<std::pair<ImagePatch::Surface, int>, std::vector<double>> kinds;
-  std::vector<double> noise;
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const auto at = static_cast<Eigen::Index>(k);
-    kinds[places[k].kind].push_back(share[at]);
-    double square = 0;
-    for (const std::size_t i : places[k].rows)
-      square += std::pow(
-          saturated.left[static_cast<Eigen::Index>(i)] - share[at] * reflectedSigmas(linear.rows[i]), 2);
-    noise.push_back(square / std::max(1.0, static_cast<double>(places[k].rows.size()) - 1));
-  }
-  const Eigen::ArrayXd variance = medianOf(noise) / reduced.gram.diagonal().array();
-  // In sigmas, were albedos to scatter so much.
-  const auto typical = [&](double scatter) {
-    std::vector<double> off;
-    for (std::size_t k = 0; k < places.size(); ++k) {
-      const auto at = static_cast<Eigen::Index>(k);
-      off.push_back(std::abs(share[at] - medianOf(kinds[places[k].kind])) /
-                    std::sqrt(variance[at] + scatter * scatter));
-    }
-    return kSigmasByMedian * medianOf(off);
-  };
-  // A sigma by the median of n scatters by kMedianScatter / sqrt(n) of itself.
-  if (typical(0) < 1 + kClearScatter * kMedianScatter / std::sqrt(static_cast<double>(places.size())))
-    return 0;
-  return leastWhere([&](double scatter) { return typical(scatter) <= 1; }, kLargestPrint);
+  if (places.empty()) return {};
+  const MeasuredPrint measured(saturated, linear, places);
+  const auto of = [&](ImagePatch::Surface surface) { return printScatter(places, measured, surface); };
+  return {of(ImagePatch::Surface::black), of(ImagePatch::Surface::white), of(ImagePatch::Surface::body)};
 }
 
 HeldColumns placeColumns(const Linearization& linear, const MarkerScatter& scatter,
@@ -197,15 +234,12 @@ HeldColumns placeColumns(const Linearization& linear, const MarkerScatter& scatt
   return held;
 }
 
-HeldColumns printColumns(const Linearization& linear, double print_scatter) {
-  const std::vector<Place> places = placesOf(linear);
-  std::vector<Eigen::Triplet<double>> entries;
+HeldColumns printColumns(const Linearization& linear, const PrintScatter& scatter) {
+  std::vector<Place> places = placesOf(linear);
+  std::erase_if(places, [&](const Place& place) { return scatter.of(place.surface) == 0; });
+  HeldColumns held{columnsOf(linear, places), Eigen::VectorXd(std::ssize(places))};
   for (std::size_t k = 0; k < places.size(); ++k)
-    for (const std::size_t i : places[k].rows)
-      entries.emplace_back(static_cast<int>(i), static_cast<int>(k), reflectedSigmas(linear.rows[i]));
-  HeldColumns held{{std::ssize(linear.rows), std::ssize(places)},
-                   Eigen::VectorXd::Constant(std::ssize(places), print_scatter)};
-  held.columns.setFromTriplets(entries.begin(), entries.end());
+    held.sigma[static_cast<Eigen::Index>(k)] = scatter.of(places[k].surface);
   return held;
 }
 

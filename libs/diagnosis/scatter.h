@@ -2,10 +2,12 @@
 
 #include <map>
 
-#include "diagnosis/saturated.h"
+#include "estimation/linearization.h"
 
 /// Panels are not quite as their maps: markers lie a little elsewhere, print is a little brighter or darker.
 namespace fathom {
+
+struct Saturated;
 
 /// What the panel's markers scatter by about where the map has them; at least what corners are off by however
 /// often they are seen. 0: no markers.
@@ -16,12 +18,33 @@ struct MarkerScatter {
   double largest_m() const { return in_face_m > off_face_m ? in_face_m : off_face_m; }
 };
 
+/// What the panel's places scatter by, for good, about the albedos that the map has for their kind: shares of
+/// these. 0: not to be seen.
+struct PrintScatter {
+  double black = 0, white = 0, body = 0;
+
+  /// Open water is not printed.
+  double of(ImagePatch::Surface surface) const {
+    switch (surface) {
+      case ImagePatch::Surface::black:
+        return black;
+      case ImagePatch::Surface::white:
+        return white;
+      case ImagePatch::Surface::body:
+        return body;
+      default:
+        return 0;
+    }
+  }
+  bool isSeen() const { return black > 0 || white > 0 || body > 0; }
+};
+
 /// What the markers' places scatter by beyond their own uncertainty. Panels bend more than prints stretch.
 MarkerScatter markerScatter(const Saturated& saturated, const Linearization& linear);
 
-/// What the places' albedos scatter by about those of their kind, beyond what their readings' noise would
-/// have them: a share of the albedo. `saturated`: without any such scatter.
-double printScatter(const Saturated& saturated, const Linearization& linear);
+/// What the places' albedos scatter by beyond what their readings' noise would have them. `saturated`:
+/// without any such scatter.
+PrintScatter printScatter(const Saturated& saturated, const Linearization& linear);
 
 /// Columns over a linearization's rows of what is estimated too, each with the sigma that holds it.
 struct HeldColumns {
@@ -35,7 +58,7 @@ HeldColumns placeColumns(const Linearization& linear, const MarkerScatter& scatt
                          const std::map<int, double>& half_sizes_m);
 
 /// What the light read changes by where a place is printed brighter than the map has it: a column for each
-/// place and colour that reflects any, per share of its albedo; weighted as `linear` is.
-HeldColumns printColumns(const Linearization& linear, double print_scatter);
+/// place and colour that scatters, per share of its albedo; weighted as `linear` is.
+HeldColumns printColumns(const Linearization& linear, const PrintScatter& scatter);
 
 }  // namespace fathom

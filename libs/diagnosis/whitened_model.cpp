@@ -70,7 +70,7 @@ Eigen::SparseMatrix<double> WhitenedModel::nuisanceColumns(const NoiseModel& noi
                                                            const BatchData& data) const {
   Eigen::SparseMatrix<double> J = W_ * linear_.J;
   const auto add = [&](const HeldColumns& held) { J = withHeldColumns(J, W_ * held.columns, held.sigma); };
-  if (noise.print_scatter > 0) add(printColumns(linear_, noise.print_scatter));
+  if (noise.print.isSeen()) add(printColumns(linear_, noise.print));
   if (noise.markers.largest_m() > 0) add(placeColumns(linear_, noise.markers, halfSizes(data)));
   return J;
 }

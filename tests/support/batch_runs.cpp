@@ -160,6 +160,7 @@ std::vector<ImagePatch> BatchRun::patchesOfMarkers() const {
       patch.pixel = sheet.model.project<double>(point);
       patch.image_radius = point.head<2>().norm() / point.z();
       for (const bool white : {false, true}) {
+        patch.surface = white ? ImagePatch::Surface::white : ImagePatch::Surface::black;
         patch.place = 2 * marker.id + (white ? 1 : 0);
         patch.albedo.setConstant(white ? panel.white_albedo : panel.black_albedo);
         // Nearer ones are larger, so that less comes from beside them.
