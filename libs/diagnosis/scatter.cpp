@@ -19,6 +19,8 @@ constexpr double kClearScatter = 4;  // from which on a scatter is more than cha
 constexpr std::size_t kFewestMarkers = 4;
 constexpr Eigen::Index kOffFace = 2;  // of MarkerMoved's columns
 constexpr double kLargestTolerance_m = 1.0;
+constexpr double kLeastBent_m = 0.0001, kMostBent_m = 0.002, kBentStep = 1.1;  // more than that matters
+constexpr double kClearEvidence = 3;        // ln of a Bayes factor: one in twenty
 constexpr std::size_t kFewestPlaces = 12;   // a place counts once for each colour
 constexpr double kLargestPrint = 0.3;       // share of an albedo
 constexpr double kSigmasByMedian = 1.4826;  // of normal noise, times its median size
@@ -72,6 +74,43 @@ double scatterOf(const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance, Ei
       static_cast<double>(x.size()) -
       chiSquareQuantile(static_cast<double>(together), 1 - 0.56 / static_cast<double>(count));
   return leastWhere([&](double sigma) { return statistic(sigma, most) <= usual; }, kLargestTolerance_m);
+}
+
+/// What a prior of these sigmas makes of readings: ln of the Bayes factor against nothing being there.
+double evidence(const Eigen::MatrixXd& information, const Eigen::VectorXd& score,
+                const Eigen::VectorXd& sigma) {
+  const Eigen::MatrixXd S = sigma.asDiagonal();
+  const Eigen::LLT<Eigen::MatrixXd> M(Eigen::MatrixXd::Identity(score.size(), score.size()) +
+                                      S * information * S);
+  const Eigen::VectorXd own = S * score;
+  return 0.5 * own.dot(M.solve(own)) - Eigen::MatrixXd(M.matrixL()).diagonal().array().log().sum();
+}
+
+/// Where effects can make up for a panel that is not plane, and no single one does it as well as a panel that
+/// is bent a little: by how much it then is. 0: not so.
+double bentPanel_m(const Linearization& linear, const std::vector<Candidate>& effects) {
+  const Nuisances nuisances(linear.J);
+  std::vector<Eigen::Index> off_face;
+  double best_effect = 0;
+  const Reduced reduced = nuisances.reduce(columnsOf(linear, effects), linear.residual);
+  const Eigen::VectorXd priors = priorSigmas(linear, effects);
+  Eigen::Index first = 0;
+  for (const Candidate& effect : effects) {
+    const auto size = std::ssize(columnsOf(linear, effect.effect));
+    if (effect.effect == kEffectIndex<MarkerMoved>) off_face.push_back(first + kOffFace);
+    best_effect =
+        std::max(best_effect, evidence(reduced.gram.block(first, first, size, size),
+                                       reduced.score.segment(first, size), priors.segment(first, size)));
+    first += size;
+  }
+  if (off_face.size() < kFewestMarkers) return 0;
+  double best = best_effect + kClearEvidence, scatter_m = 0;
+  for (double tried_m = kLeastBent_m; tried_m <= kMostBent_m; tried_m *= kBentStep)
+    if (const double found = evidence(reduced.gram(off_face, off_face), reduced.score(off_face),
+                                      Eigen::VectorXd::Constant(std::ssize(off_face), tried_m));
+        found > best)
+      best = found, scatter_m = tried_m;
+  return scatter_m;
 }
 
 /// A place's readings in one colour, by row.
@@ -188,7 +227,7 @@ MarkerScatter markerScatter(const Saturated& saturated, const Linearization& lin
   const auto beyond = [&](const std::vector<Eigen::Index>& own, Eigen::Index together) {
     return std::max(least_m, scatterOf(x(own), saturated.nuisances.covariance(own), together));
   };
-  return {beyond(in_face, 2), beyond(off_face, 1)};
+  return {beyond(in_face, 2), std::max(beyond(off_face, 1), bentPanel_m(linear, saturated.candidates))};
 }
 
 PrintScatter printScatter(const Saturated& saturated, const Linearization& linear) {
