@@ -12,6 +12,8 @@
 namespace fathom {
 namespace {
 
+constexpr double kMostly = 0.5;
+
 /// Prior sigmas of a fit's effect parameters, in the order of its estimates.
 Eigen::VectorXd priorsOf(const Refit& fit) {
   Eigen::VectorXd sigma(std::ssize(fit.estimates));
@@ -166,17 +168,24 @@ bool isBeyondBias(const Refit& fit, const Refit& fewer, const Candidate& effect)
   const Linearization& linear = fewer.model->linear();
   const Eigen::VectorXd change = changeBy(fit, effect, linear);
   const Eigen::VectorXd remaining = fewer.model->remaining(change);
+  double told = 0, beyond = 0;  // by squares, in units of sigma
   for (const BatchChannel channel : kBatchChannels) {
-    double square = 0, count = 0;
+    std::vector<Eigen::Index> all, changed;
     for (std::size_t i = 0; i < linear.rows.size(); ++i) {
-      const auto at = static_cast<Eigen::Index>(i);
-      if (linear.rows[i].channel != channel || change[at] == 0) continue;
-      square += std::pow(remaining[at] / linear.rows[i].per_unit, 2);
-      ++count;
+      if (linear.rows[i].channel != channel) continue;
+      all.push_back(static_cast<Eigen::Index>(i));
+      if (change[all.back()] != 0) changed.push_back(all.back());
     }
-    if (count > 0 && std::sqrt(square / count) > lastingBias(channel)) return true;
+    double square = 0, raw_square = 0;
+    const std::vector<Eigen::Index>& own = changed.empty() ? all : changed;
+    for (const Eigen::Index i : own) {
+      square += remaining[i] * remaining[i];
+      raw_square += std::pow(remaining[i] / linear.rows[static_cast<std::size_t>(i)].per_unit, 2);
+    }
+    told += square;
+    if (raw_square > static_cast<double>(own.size()) * std::pow(lastingBias(channel), 2)) beyond += square;
   }
-  return false;
+  return beyond > kMostly * told;
 }
 
 double sqrtLambda(const Refit& fit, std::size_t effect) {

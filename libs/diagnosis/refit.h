@@ -36,9 +36,10 @@ double supportOver(const Refit& fit, const Refit& fewer);
 /// in units of each reading's sigma.
 Eigen::VectorXd changeBy(const Refit& fit, const Candidate& effect, const Linearization& at);
 
-/// Whether an effect moves any kind of reading by more than that kind can be off for no reason of its own,
-/// however often it is taken (lastingBias()): what remains of its change once all that `fewer`, the fit
-/// without it, estimates has made up for it, root mean square over the readings that it changes.
+/// Whether an effect is mostly told by kinds of reading that it moves by more than they can be off for no
+/// reason of their own, however often they are taken (lastingBias()): by what remains of its change once all
+/// that `fewer`, the fit without it, estimates has made up for it, root mean square over the readings that it
+/// changes, or, of kinds that only those estimates change, over all.
 bool isBeyondBias(const Refit& fit, const Refit& fewer, const Candidate& effect);
 
 /// Sizes of each effect in units of what the recording can resolve: sqrt(value^T information value).

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <set>
 
 #include "effects/drawn.h"
 #include "support/diagnosis_score.h"
@@ -87,6 +88,24 @@ TEST(ImageDiagnosis, SaysThatNothingIsMissing) {
 #endif
   const test::Answer answer = test::answerOf(test::plainNull(lightDive(), 1), lightExcitation());
   EXPECT_EQ(nameOf(answer.outcome), "none") << test::told(answer);
+}
+
+// What tells of a camera's latency is mostly what the gyro would have had to read for markers to be where
+// they are: that corners themselves are hardly off is no reason to leave it out. Beside another effect, too.
+TEST(ImageDiagnosis, ALatencyIsToldByWhatItAsksOfTheGyro) {
+#ifdef FATHOM_SANITIZE
+  GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
+#endif
+  const EffectInfo& late = *findEffect("camera-latency");
+  test::DiagnosisRun hidden = test::effectOfSize(lightDive(), lightExcitation(), late, 12.0, 1);
+  hidden.run.effects.add<DarkOffset>({-0.002});
+  const Diagnosis diagnosis = diagnose(hidden.input());
+  std::set<std::string> named;
+  for (const FoundEffect& effect : diagnosis.effects) named.insert(nameOf(effect.candidate));
+  for (const Alternatives& set : diagnosis.alternatives)
+    for (const Candidate& other : set.candidates) named.insert(nameOf(other));
+  EXPECT_TRUE(named.contains("dark-offset")) << diagnosis.why;
+  EXPECT_TRUE(named.contains("camera-latency")) << diagnosis.why;
 }
 
 class HiddenImageEffect : public testing::TestWithParam<const char*> {};
