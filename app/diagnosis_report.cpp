@@ -314,6 +314,13 @@ void addNoise(const DiagnosisStory& story, HtmlReport& report) {
         print("Markers are taken to lie within %.2g mm of where the map has them, out of the panel's "
               "plane within %.2g mm.",
               1e3 * noise.markers.in_face_m, 1e3 * noise.markers.off_face_m));
+  if (noise.light_scatter > 0)
+    report.paragraph(print("Light scatters by %.2g %% of itself besides.", 100 * noise.light_scatter));
+  if (noise.print.isSeen())
+    report.paragraph(print(
+        "The markers' white is taken to be printed evenly to %.2g %%, their black to %.2g %%, the panel's "
+        "body to %.2g %%.",
+        100 * noise.print.white, 100 * noise.print.black, 100 * noise.print.body));
 }
 
 // ---- with it

@@ -22,21 +22,19 @@ NominalFit nominalFit(const BatchData& data, const StartPath& start,
   nominal.options.calibration = calibration;
   nominal.options.cost_tolerance = kTolerance;
   BatchEstimate estimate = estimateBatch(data, start, nominal.options);
-  if (!estimate.succeeded) return failed("The nominal model could not be fitted: " + estimate.failure + ".");
   try {
     for (int pass = 0; pass < kNoisePasses; ++pass) {
+      if (pass > 0) estimate = minimumFrom(data, estimate, nominal.options);
+      if (!estimate.succeeded) break;
       Linearization linear = linearize(data, *problemAt(data, estimate, nominal.options));
       applyRobustWeights(linear);
       nominal.noise = shownNoise(linear, nominal.noise, seed);
       nominal.noise.applyTo(nominal.options.problem);
-      estimate = minimumFrom(data, estimate, nominal.options);
-      if (!estimate.succeeded)
-        return failed("The nominal model could not be fitted with the noise shown: " + estimate.failure +
-                      ".");
     }
   } catch (const std::runtime_error& e) {
     return failed(print("The recording does not determine what the nominal model estimates (%s).", e.what()));
   }
+  if (!estimate.succeeded) return failed("The nominal model could not be fitted: " + estimate.failure + ".");
   nominal.fit = refit(data, estimate, nominal.options, {}, nominal.noise);
   if (!nominal.fit.succeeded)
     return failed("The nominal model could not be fitted: " + nominal.fit.estimate.failure + ".");

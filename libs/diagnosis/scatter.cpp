@@ -90,24 +90,33 @@ double evidence(const Eigen::MatrixXd& information, const Eigen::VectorXd& score
 /// is bent a little: by how much it then is. 0: not so.
 double bentPanel_m(const Linearization& linear, const std::vector<Candidate>& effects) {
   const Nuisances nuisances(linear.J);
-  std::vector<Eigen::Index> off_face;
-  double best_effect = 0;
-  const Reduced reduced = nuisances.reduce(columnsOf(linear, effects), linear.residual);
-  const Eigen::VectorXd priors = priorSigmas(linear, effects);
-  Eigen::Index first = 0;
+  std::vector<Eigen::Index> sizes, off_face;
+  Eigen::Index count = 0;
   for (const Candidate& effect : effects) {
-    const auto size = std::ssize(columnsOf(linear, effect.effect));
-    if (effect.effect == kEffectIndex<MarkerMoved>) off_face.push_back(first + kOffFace);
-    best_effect =
-        std::max(best_effect, evidence(reduced.gram.block(first, first, size, size),
-                                       reduced.score.segment(first, size), priors.segment(first, size)));
-    first += size;
+    sizes.push_back(std::ssize(columnsOf(linear, effect.effect)));
+    if (effect.effect == kEffectIndex<MarkerMoved>) off_face.push_back(count + kOffFace);
+    count += sizes.back();
   }
   if (off_face.size() < kFewestMarkers) return 0;
-  double best = best_effect + kClearEvidence, scatter_m = 0;
+  const Eigen::SparseMatrix<double> columns = columnsOf(linear, effects);
+  const Eigen::VectorXd priors = priorSigmas(linear, effects);
+  const Reduced apart = nuisances.reduce(columns, linear.residual, sizes);
+  double best = 0;
+  Eigen::Index first = 0;
+  for (const Eigen::Index size : sizes) {
+    best = std::max(best, evidence(apart.gram.block(first, first, size, size),
+                                   apart.score.segment(first, size), priors.segment(first, size)));
+    first += size;
+  }
+  best += kClearEvidence;
+  Eigen::SparseMatrix<double> markers(columns.rows(), std::ssize(off_face));
+  for (std::size_t k = 0; k < off_face.size(); ++k)
+    markers.col(static_cast<Eigen::Index>(k)) = columns.col(off_face[k]);
+  const Reduced together = nuisances.reduce(markers, linear.residual);
+  double scatter_m = 0;
   for (double tried_m = kLeastBent_m; tried_m <= kMostBent_m; tried_m *= kBentStep)
-    if (const double found = evidence(reduced.gram(off_face, off_face), reduced.score(off_face),
-                                      Eigen::VectorXd::Constant(std::ssize(off_face), tried_m));
+    if (const double found =
+            evidence(together.gram, together.score, Eigen::VectorXd::Constant(std::ssize(off_face), tried_m));
         found > best)
       best = found, scatter_m = tried_m;
   return scatter_m;

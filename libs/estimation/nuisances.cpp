@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 
 namespace fathom {
@@ -65,33 +66,40 @@ Eigen::MatrixXd Nuisances::forward(const Eigen::SparseMatrix<double>& B) const {
 
 Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r,
                           const std::vector<Eigen::Index>& blocks) const {
-  const Eigen::MatrixXd U = forward(J_.transpose() * C);
-  const Eigen::SparseMatrix<double> own = C.transpose() * C;
+  const Eigen::SparseMatrix<double> along = J_.transpose() * C;
+  const Eigen::MatrixXd U = forward(along);
   Reduced reduced;
-  reduced.norms = Eigen::VectorXd(own.diagonal()).cwiseSqrt();
-  reduced.score = scores(C, r);
+  reduced.norms = Eigen::VectorXd(C.cols());
+  for (Eigen::Index c = 0; c < C.cols(); ++c) reduced.norms[c] = C.col(c).norm();
+  reduced.score = scores(C, along, r);
   if (blocks.empty()) {
-    reduced.gram = Eigen::MatrixXd(own) - gramOf(U);
+    reduced.gram = Eigen::MatrixXd(C.transpose() * C) - gramOf(U);
     return reduced;
   }
   reduced.gram = Eigen::MatrixXd::Zero(C.cols(), C.cols());
-  Eigen::Index first = 0;
-  for (const Eigen::Index size : blocks) {
-    reduced.gram.block(first, first, size, size) =
-        Eigen::MatrixXd(own.block(first, first, size, size)) - gramOf(U.middleCols(first, size));
-    first += size;
-  }
+  std::vector<Eigen::Index> first(blocks.size(), 0);
+  std::partial_sum(blocks.begin(), blocks.end() - 1, first.begin() + 1);
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+    const Eigen::SparseMatrix<double> own = C.middleCols(first[b], blocks[b]);
+    const auto U_own = U.middleCols(first[b], blocks[b]);
+    reduced.gram.block(first[b], first[b], blocks[b], blocks[b]) =
+        Eigen::MatrixXd(own.transpose() * own) - U_own.transpose() * U_own;
+  });
   return reduced;
 }
 
 Eigen::MatrixXd Nuisances::scores(const Eigen::SparseMatrix<double>& C, const Eigen::MatrixXd& R) const {
-  const Eigen::SparseMatrix<double> shared = C.transpose() * J_;
+  return scores(C, J_.transpose() * C, R);
+}
+
+Eigen::MatrixXd Nuisances::scores(const Eigen::SparseMatrix<double>& C,
+                                  const Eigen::SparseMatrix<double>& along, const Eigen::MatrixXd& R) const {
   Eigen::MatrixXd scores(C.cols(), R.cols());
   tbb::parallel_for(Eigen::Index{0}, (R.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
     const Eigen::Index first = block * kBlock, count = std::min(kBlock, R.cols() - first);
     const auto own = R.middleCols(first, count);
-    const Eigen::MatrixXd along = J_.transpose() * own;
-    scores.middleCols(first, count) = C.transpose() * own - shared * factors_.solve(along);
+    const Eigen::MatrixXd left = J_.transpose() * own;
+    scores.middleCols(first, count) = C.transpose() * own - along.transpose() * factors_.solve(left);
   });
   return scores;
 }

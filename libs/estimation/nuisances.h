@@ -38,6 +38,9 @@ class Nuisances {
   Eigen::VectorXd step(const Eigen::VectorXd& r) const;
 
  private:
+  /// The same, with `along` J^T C.
+  Eigen::MatrixXd scores(const Eigen::SparseMatrix<double>& C, const Eigen::SparseMatrix<double>& along,
+                         const Eigen::MatrixXd& R) const;
   /// D^-1/2 L^-1 B, columns side by side.
   Eigen::MatrixXd forward(const Eigen::SparseMatrix<double>& B) const;
 
