@@ -26,7 +26,7 @@ std::vector<Decoy> decoysOn(const PlannedDive& dive, double sqrt_lambda, std::ui
     if (described.nearest < kTempting) decoys.push_back({*hidden, described});
   };
   for (const EffectInfo& effect : allEffects()) {
-    if (effect.id == "earth-rotation" || !dive.resolution->canShow(effect.index)) continue;
+    if (!canHide(effect, dive)) continue;
     Random random = Random::stream(seed, 8000 + effect.index);
     const Hidden one = madeEffect(effect, dive, random);
     add(one);

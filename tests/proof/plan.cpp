@@ -94,18 +94,15 @@ class Planner {
     const bool images = effect.text.channel == EffectChannel::image;
     for (std::size_t tries = 0; tries < 2 * dives_.size(); ++tries) {
       dive = &nextDive(images);
-      if (!dive->resolution->canShow(effect.index)) continue;
+      if (!canHide(effect, *dive)) continue;
       if (auto hidden = ofSize(draw(*dive), *dive, sqrt_lambda)) return hidden;
     }
     return {};
   }
 
-  /// Of the Earth's rotation there is just one size.
-  static bool hasSize(const EffectInfo& effect) { return effect.id != "earth-rotation"; }
-
   void addEffects() {
     for (const EffectInfo& effect : allEffects()) {
-      if (!hasSize(effect) || effect.index % extent_.every != 0) continue;
+      if (effect.index % extent_.every != 0) continue;
       for (const double stratum : extent_.strata)
         for (std::size_t k = 0; k < extent_.each; ++k) {
           Random random =
@@ -131,7 +128,7 @@ class Planner {
       for (int k = 0; k < 2; ++k) {
         const EffectInfo& effect = allEffects()[random.bits() % allEffects().size()];
         const bool again = !both.empty() && both[0].candidate.effect == effect.index;
-        if (!hasSize(effect) || again || !dive.resolution->canShow(effect.index)) break;
+        if (again || !canHide(effect, dive)) break;
         const double size = std::exp(random.uniform(std::log(10.0), std::log(32.0)));
         const auto hidden = ofSize(drawnEffect(effect, dive, random), dive, size);
         if (hidden) both.push_back(*hidden);

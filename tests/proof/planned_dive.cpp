@@ -67,6 +67,12 @@ BatchInput sealedInput(const nlohmann::json& generator_case, const Programs& pro
   return readBatchRecording(options, {}).input;
 }
 
+bool canHide(const EffectInfo& effect, const PlannedDive& dive) {
+  const bool is_light = effect.text.channel == EffectChannel::image;
+  return effect.id != "earth-rotation" && (dive.images || !is_light) &&
+         dive.resolution->canShow(effect.index);
+}
+
 Hidden madeEffect(const EffectInfo& effect, const PlannedDive& dive, Random& random) {
   Hidden hidden = test::randomEffect(effect, dive.resolution->markerIds(), dive.duration_s, random);
   std::size_t scalar = effect.first_scalar;

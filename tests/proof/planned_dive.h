@@ -32,6 +32,9 @@ nlohmann::json generatorCase(const std::string& name, const PlannedDive& dive, s
 BatchInput sealedInput(const nlohmann::json& generator_case, const Programs& programs,
                        const std::filesystem::path& folder);
 
+/// Whether an effect can be hidden on the dive, in any size: the Earth's rotation has just one, light takes
+/// images, and something has to depend on it.
+bool canHide(const EffectInfo& effect, const PlannedDive& dive);
 /// An effect at random, as far as the generator can make it.
 Hidden madeEffect(const EffectInfo& effect, const PlannedDive& dive, Random& random);
 /// Nothing where it would have to be larger than anybody would hide.

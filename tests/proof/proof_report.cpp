@@ -28,7 +28,11 @@ bool isAlone(const Scored& s) { return isEffect(s) || s.proof_case.kind == Kind:
 /// A single name, and a wrong one.
 bool isConfidentlyWrong(const Scored& s) { return namesSomething(s) && !s.in_set && s.set_size <= 1; }
 /// Whether nobody could tell the hidden effect from what tempts.
-bool needsSet(const Scored& s) { return isDecoy(s) && s.proof_case.effects[0].nearest < kSeparable; }
+bool needsSet(const Scored& s) {
+  if (!isDecoy(s)) return false;
+  const ProofCase::Effect& hidden = s.proof_case.effects[0];
+  return std::count(hidden.inseparable.begin(), hidden.inseparable.end(), hidden.runner_up) > 0;
+}
 bool isFrom(const Scored& s, double least) { return isEffect(s) && s.proof_case.stratum >= least; }
 
 /// So many of so many, with the 95 % interval of the share (Wilson 1927).

@@ -45,11 +45,14 @@ TEST(SealedDive, ComesNearerAllTheWhile) {
 class GivenDive : public testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove(file_); }
-  Dive along(const Dive& path, double rate_hz, double duration_s) const {
+  void write(const Dive& path, double rate_hz, double duration_s) const {
     std::vector<StampedPose> poses;
     for (int i = 0; i <= duration_s * rate_hz; ++i)
       poses.push_back({fromUnixSeconds(i / rate_hz), path.poseAt(i / rate_hz)});
     writeTum(file_, poses);
+  }
+  Dive along(const Dive& path, double rate_hz, double duration_s) const {
+    write(path, rate_hz, duration_s);
     return makeDive({.manoeuvre = "given", .path = file_, .duration_s = duration_s}, kPanel_odom);
   }
   const std::filesystem::path file_ = std::filesystem::temp_directory_path() / "fathom_given_dive_test.tum";
@@ -85,7 +88,7 @@ TEST_F(GivenDive, RestsBeforeAndAfter) {
 
 TEST_F(GivenDive, SaysWhatIsWrongAndWhere) {
   const auto complaint = [&](double rate_hz, double duration_s, double asked_s) {
-    along(makeDive("station", 3, kPanel_odom), rate_hz, duration_s);
+    write(makeDive("station", 3, kPanel_odom), rate_hz, duration_s);
     try {
       GivenPath(file_, asked_s);
     } catch (const Error& error) {
