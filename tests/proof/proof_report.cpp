@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "core/progress.h"
 #include "core/text.h"
 #include "real_recordings.h"
 
@@ -328,11 +329,12 @@ void writeProofReport(const ProofResults& results, const RunInfo& run, const std
     found.x.push_back(std::log2(stratum));
     found.y.push_back(100 * counts.first / counts.second);
   }
-  report.plot({.title = "Effects found, by size",
-               .x_label = "log2 of sqrt lambda",
-               .y_label = "found [%]",
-               .series = {found},
-               .y_range = {{0, 100}}});
+  if (!interrupted())  // a plot would not be drawn any more, and what is done is to be reported
+    report.plot({.title = "Effects found, by size",
+                 .x_label = "log2 of sqrt lambda",
+                 .y_label = "found [%]",
+                 .series = {found},
+                 .y_range = {{0, 100}}});
   const auto section = [&](const char* title, const Table& table, const char* caption = "") {
     if (table.rows.empty()) return;
     report.heading(title);
