@@ -15,7 +15,8 @@ struct Extent {
   std::vector<double> strata{3, 5, 8, 16, 32};  ///< sqrt(lambda)
   std::size_t each = 1;                         ///< of each effect in each stratum
   std::size_t every = 1;                        ///< of the effects, only every so-manyth
-  std::size_t pairs = 40, nulls = 100, outside = 30;
+  std::size_t pairs = 40, nulls = 100, outside = 30, intervals = 40;
+  std::size_t decoy_dives = 5, decoys_a_dive = 8;
   std::uint64_t first_seed = 1;
 };
 Extent wholeProof();

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "core/progress.h"
 
 extern char** environ;
 
@@ -49,6 +50,7 @@ void runProgram(const std::vector<std::string>& words, const fs::path& log) {
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
+  if (status != 0 && interrupted()) throw Interrupted{};  // as it was too: that is no answer
   if (!WIFEXITED(status))
     throw Error(words[0], "", "was stopped by signal " + std::to_string(WTERMSIG(status)));
   if (WEXITSTATUS(status) != 0)

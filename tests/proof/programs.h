@@ -12,7 +12,8 @@ struct Programs {
   std::filesystem::path seal, fathom;
 };
 
-/// Runs a program with arguments, its output into a file. Throws Error where it does not end with status 0.
+/// Runs a program with arguments, its output into a file. Throws Error where it does not end with status
+/// 0, Interrupted where that is because the user stopped both.
 void runProgram(const std::vector<std::string>& words, const std::filesystem::path& log);
 
 /// The generator: a recording in `recording`, its truth in `truth`.

@@ -5,21 +5,29 @@
 #include <string>
 #include <vector>
 
+#include "support/hidden_effect.h"
+
 namespace fathom::proof {
 
-/// lambda (1 - |c|) below which two effects cannot be told apart at 5 %.
-inline constexpr double kSeparable = 5.4;
+using test::kSeparable;
 
 /// One recording of the proof: what is asked of the generator, and what the scorer knows besides.
 struct ProofCase {
-  enum class Kind { effect, pair, null, outside };
+  enum class Kind {
+    effect,
+    pair,
+    null,
+    outside,
+    interval,  ///< an effect that is on for a part of the recording
+    decoy      ///< an effect where another one is tempting
+  };
 
   struct Effect {
     std::string id, name;    ///< "marker-moved", "marker-moved 14"
     double sqrt_lambda = 0;  ///< in units of what the dive can resolve
     std::vector<std::string>
         inseparable;        ///< effects (ids) that it cannot be told from: lambda (1 - |c|) < 5.4
-    double nearest = 0;     ///< least lambda (1 - |c|) of all others
+    double nearest = 0;     ///< least lambda (1 - |c|) of all others; of a decoy, of what tempts
     std::string runner_up;  ///< whose that is
   };
 
@@ -31,7 +39,7 @@ struct ProofCase {
   nlohmann::json generator;     ///< the generator's case
 };
 
-inline constexpr std::array kKinds{"effect", "pair", "null", "outside"};
+inline constexpr std::array kKinds{"effect", "pair", "null", "outside", "interval", "decoy"};
 
 nlohmann::ordered_json toJson(const ProofCase& proof_case);
 /// Throws nlohmann::json::exception.

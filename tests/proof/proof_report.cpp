@@ -6,7 +6,9 @@
 #include <map>
 #include <set>
 
+#include "core/progress.h"
 #include "core/text.h"
+#include "real_recordings.h"
 
 namespace fathom::proof {
 namespace {
@@ -21,6 +23,17 @@ bool namesSomething(const Scored& s) { return !s.stated.empty(); }
 bool isNull(const Scored& s) { return s.proof_case.kind == Kind::null; }
 bool isEffect(const Scored& s) { return s.proof_case.kind == Kind::effect; }
 bool isOutside(const Scored& s) { return s.proof_case.kind == Kind::outside; }
+bool isDecoy(const Scored& s) { return s.proof_case.kind == Kind::decoy; }
+/// Of effects that one recording hides alone, wherever it is not hard on purpose.
+bool isAlone(const Scored& s) { return isEffect(s) || s.proof_case.kind == Kind::interval; }
+/// A single name, and a wrong one.
+bool isConfidentlyWrong(const Scored& s) { return namesSomething(s) && !s.in_set && s.set_size <= 1; }
+/// Whether nobody could tell the hidden effect from what tempts.
+bool needsSet(const Scored& s) {
+  if (!isDecoy(s)) return false;
+  const ProofCase::Effect& hidden = s.proof_case.effects[0];
+  return std::count(hidden.inseparable.begin(), hidden.inseparable.end(), hidden.runner_up) > 0;
+}
 bool isFrom(const Scored& s, double least) { return isEffect(s) && s.proof_case.stratum >= least; }
 
 /// So many of so many, with the 95 % interval of the share (Wilson 1927).
@@ -136,11 +149,14 @@ std::string calibrationError(const std::vector<Scored>& all) {
   return total > 0 ? print("%.3f (%.0f answers)", error, total) : "-";
 }
 
-std::string onsets(const std::vector<Scored>& all) {
+/// Beginnings or ends that are stated to within 2 s, of those that are rightly named.
+std::string onTime(const std::vector<Scored>& all, std::optional<double> Scored::*off_s) {
   return shareOf(
-      all, [](const Scored& s) { return s.onset_off_s && isFrom(s, 8); },
-      [](const Scored& s) { return *s.onset_off_s <= 2; });
+      all, [&](const Scored& s) { return s.*off_s && isAlone(s) && s.proof_case.stratum >= 8; },
+      [&](const Scored& s) { return *(s.*off_s) <= 2; });
 }
+
+std::string secondsOff(const std::optional<double>& off_s) { return off_s ? fixed(*off_s, 2) : "-"; }
 
 std::string joined(const std::vector<std::string>& parts) {
   std::string text;
@@ -203,7 +219,21 @@ Table measureTable(const std::vector<Scored>& all) {
       {"gain on another dive, share of what the truth gains", "95 %", gainShare(all, &Gains::stated)},
       {"the same of a black box", "less", gainShare(all, &Gains::black_box)},
       {"the same of the runner-up", "less", gainShare(all, &Gains::runner_up)},
-      {"onset or end within 2 s, sqrt lambda >= 8", "all", onsets(all)},
+      {"right name (first) where an effect is on for a part", "95 %",
+       shareOf(
+           all, [](const Scored& s) { return s.proof_case.kind == Kind::interval; },
+           [](const Scored& s) { return s.first_right; })},
+      {"onset within 2 s, sqrt lambda >= 8", "all", onTime(all, &Scored::onset_off_s)},
+      {"end within 2 s, sqrt lambda >= 8", "all", onTime(all, &Scored::end_off_s)},
+      {"decoys: truth in the stated set", "98 %",
+       shareOf(all, isDecoy, [](const Scored& s) { return s.in_set; })},
+      {"decoys: a set with both where it has to be one", "all",
+       shareOf(all, needsSet, [](const Scored& s) { return s.in_set && s.rival_in_set; })},
+      {"decoys: a confident wrong name", "none", shareOf(all, isDecoy, isConfidentlyWrong)},
+      {"sets that the advised manoeuvre leaves the truth alone of", "85 %",
+       shareOf(
+           all, [](const Scored& s) { return s.advised.has_value(); },
+           [](const Scored& s) { return s.advised->outcome == Outcome::right; })},
       {"calibration error of the stated confidence", "at most 0.08", calibrationError(all)}};
   return table;
 }
@@ -231,6 +261,40 @@ Table effectTable(const std::vector<Scored>& all) {
   return table;
 }
 
+Table intervalTable(const std::vector<Scored>& all) {
+  Table table{{"effect", "sqrt lambda", "answer", "onset off [s]", "end off [s]"}, {}};
+  for (const Scored& s : all)
+    if (s.proof_case.kind == Kind::interval)
+      table.rows.push_back({hiddenIn(s), fixed(s.proof_case.stratum, 0), answerOf(s),
+                            secondsOff(s.onset_off_s), secondsOff(s.end_off_s)});
+  return table;
+}
+
+Table decoyTable(const std::vector<Scored>& all) {
+  Table table{{"recording", "hidden", "tempting", "lambda (1 - c)", "right would be", "answer"}, {}};
+  for (const Scored& s : all) {
+    if (!isDecoy(s)) continue;
+    const ProofCase::Effect& hidden = s.proof_case.effects[0];
+    table.rows.push_back({s.proof_case.name, hidden.name, hidden.runner_up, fixed(hidden.nearest, 1),
+                          needsSet(s) ? "both" : "the hidden one", answerOf(s)});
+  }
+  return table;
+}
+
+Table advisedTable(const std::vector<Scored>& all) {
+  Table table{{"recording", "hidden", "answer", "advised", "answer then"}, {}};
+  for (const Scored& s : all) {
+    if (!s.advised) continue;
+    const Advised& advised = *s.advised;
+    const char* outcome = kOutcomes[static_cast<std::size_t>(advised.outcome)];
+    table.rows.push_back({s.proof_case.name, hiddenIn(s), answerOf(s), advised.manoeuvre,
+                          !advised.failure.empty() ? advised.failure
+                          : advised.stated.empty() ? outcome
+                                                   : joined(advised.stated)});
+  }
+  return table;
+}
+
 Table confusionTable(const std::vector<Scored>& all) {
   Table table{{"recording", "hidden", "size [sqrt lambda]", "answer"}, {}};
   for (const Scored& s : all) {
@@ -244,7 +308,17 @@ Table confusionTable(const std::vector<Scored>& all) {
   return table;
 }
 
-void writeProofReport(const std::vector<Scored>& all, const RunInfo& run, const std::filesystem::path& file) {
+std::vector<Table> tablesOf(const ProofResults& results) {
+  const std::vector<Scored>& all = results.scored;
+  std::vector<Table> tables;
+  for (const Table& table : {measureTable(all), effectTable(all), intervalTable(all), decoyTable(all),
+                             advisedTable(all), confusionTable(all), realTable(results.real)})
+    if (!table.rows.empty()) tables.push_back(table);
+  return tables;
+}
+
+void writeProofReport(const ProofResults& results, const RunInfo& run, const std::filesystem::path& file) {
+  const std::vector<Scored>& all = results.scored;
   HtmlReport report("Proof on sealed recordings");
   report.paragraph(
       "Recordings by a generator that shares no physics with the program, diagnosed in a sandbox without the "
@@ -255,15 +329,24 @@ void writeProofReport(const std::vector<Scored>& all, const RunInfo& run, const 
     found.x.push_back(std::log2(stratum));
     found.y.push_back(100 * counts.first / counts.second);
   }
-  report.plot({.title = "Effects found, by size",
-               .x_label = "log2 of sqrt lambda",
-               .y_label = "found [%]",
-               .series = {found},
-               .y_range = {{0, 100}}});
-  report.heading("Effects by size");
-  report.table(effectTable(all));
-  report.heading("What was not right");
-  report.table(confusionTable(all));
+  if (!interrupted())  // a plot would not be drawn any more, and what is done is to be reported
+    report.plot({.title = "Effects found, by size",
+                 .x_label = "log2 of sqrt lambda",
+                 .y_label = "found [%]",
+                 .series = {found},
+                 .y_range = {{0, 100}}});
+  const auto section = [&](const char* title, const Table& table, const char* caption = "") {
+    if (table.rows.empty()) return;
+    report.heading(title);
+    report.table(table, caption);
+  };
+  section("Effects by size", effectTable(all));
+  section("On for a part of the recording", intervalTable(all));
+  section("Decoys", decoyTable(all), "Effects on dives on which another one, which is absent, is tempting.");
+  section("Sets, and what the advised manoeuvre makes of them", advisedTable(all));
+  section("What was not right", confusionTable(all));
+  section("Real recordings", realTable(results.real),
+          "What they hide nobody knows for sure, so that nothing is right or wrong.");
   report.footer(run);
   report.write(file);
 }

@@ -7,13 +7,27 @@
 
 namespace fathom::proof {
 
+struct ProofResults {
+  std::vector<Scored> scored;
+  std::vector<nlohmann::json> real;  ///< as answerTo() has them
+};
+
 /// One row a measure: what was asked, what was reached, of how many.
 Table measureTable(const std::vector<Scored>& all);
 /// Effects by size: how each was answered.
 Table effectTable(const std::vector<Scored>& all);
+/// Effects that were on for a part of the recording: how each was answered, and when it was said to be on.
+Table intervalTable(const std::vector<Scored>& all);
+/// What tempted, and how it was answered.
+Table decoyTable(const std::vector<Scored>& all);
+/// Sets, what was advised, and what came of it.
+Table advisedTable(const std::vector<Scored>& all);
 /// What was taken for what, where it was not right.
 Table confusionTable(const std::vector<Scored>& all);
 
-void writeProofReport(const std::vector<Scored>& all, const RunInfo& run, const std::filesystem::path& file);
+/// All that have rows.
+std::vector<Table> tablesOf(const ProofResults& results);
+
+void writeProofReport(const ProofResults& results, const RunInfo& run, const std::filesystem::path& file);
 
 }  // namespace fathom::proof

@@ -1,11 +1,12 @@
 // The proof: seals recordings that hide an effect, two, none, or what no effect describes; has `fathom`
-// diagnose them without the truth; scores what it says.
+// diagnose them without the truth; scores what it says. Beside them, what it says of real recordings.
 #include <sched.h>
 
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <thread>
 
+#include "advised.h"
 #include "batch_recording.h"
 #include "core/error.h"
 #include "core/files.h"
@@ -15,6 +16,7 @@
 #include "gains.h"
 #include "plan.h"
 #include "proof_report.h"
+#include "real_recordings.h"
 
 namespace fathom::proof {
 namespace fs = std::filesystem;
@@ -27,6 +29,9 @@ struct Options {
   bool quick = false, keep = false;
   std::uint64_t first_seed = 1;
   std::string share = "1/1";
+
+  /// Of the real world, beside the checkout: no licence to ship it.
+  static fs::path realData() { return fs::path(FATHOM_SOURCE_DIR) / ".." / "shared" / "data"; }
 };
 
 /// This machine's: every so-manyth case, from the so-manyth on.
@@ -106,6 +111,29 @@ nlohmann::json judgeCase(const ProofCase& c) {
   return other;
 }
 
+/// Drives what the answer advises, where it is a set, and diagnoses that.
+void followAdvice(const nlohmann::json& answer, const Places& places, const Options& options,
+                  Scored& scored) {
+  scored.advised = adviceIn(scored, answer);
+  if (!scored.advised) return;
+  ProofCase c = scored.proof_case;
+  c.name += "-advised";
+  const Places again = placesOf(options.out, c.name);
+  try {
+    fs::path path = again.truth;
+    path += ".tum";
+    c.generator = advisedCase(c, *scored.advised, places.recording, places.answer, path);
+    sealRecording(options.programs, c.generator, again.recording, again.truth);
+    diagnoseBlind(options.programs, again.recording, {}, again.answer, options.out / "truth");
+    const Scored then = score(c, nlohmann::json::parse(readTextFile(again.answer / "result.json")));
+    scored.advised->outcome = then.outcome;
+    scored.advised->stated = then.stated;
+  } catch (const Error& error) {
+    scored.advised->failure = error.what();
+  }
+  if (!options.keep) fs::remove_all(again.recording);
+}
+
 Scored scoredCase(const ProofCase& c, const Places& places, const Options& options) {
   sealRecording(options.programs, c.generator, places.recording, places.truth);
   std::vector<fs::path> judges;
@@ -119,6 +147,7 @@ Scored scoredCase(const ProofCase& c, const Places& places, const Options& optio
   if (isJudged(c) && !scored.stated.empty())
     scored.gains = gainsOf(c, inputOf(places.recording, places.answer), inputOf(places.judge, places.answer),
                            readCalibration(places.answer / "calibration.yaml"), answer);
+  followAdvice(answer, places, options, scored);
   return scored;
 }
 
@@ -140,23 +169,49 @@ void runCase(const ProofCase& c, const Options& options) {
   writeTextFile(places.score, toJson(scored).dump(1) + "\n");
 }
 
-void writeResults(const std::vector<ProofCase>& cases, const Options& options,
-                  const std::string& command_line) {
-  std::vector<Scored> all;
-  for (const ProofCase& c : cases)
+fs::path realAnswer(const Options& options, const RealRecording& recording) {
+  return options.out / "real" / (recording.name + ".json");
+}
+
+void runReal(const RealRecording& recording, const Options& options) {
+  const fs::path file = realAnswer(options, recording);
+  if (fs::exists(file)) return;
+  stayOnOneCore();
+  writeTextFile(file,
+                answerTo(recording, options.programs, options.out / "real" / recording.name).dump(1) + "\n");
+}
+
+/// What there is to do.
+struct Work {
+  std::vector<ProofCase> cases;
+  std::vector<RealRecording> real;
+};
+
+ProofResults resultsSoFar(const Work& work, const Options& options) {
+  ProofResults results;
+  for (const ProofCase& c : work.cases)
     if (const fs::path file = placesOf(options.out, c.name).score; fs::exists(file))
-      all.push_back(scoredOf(nlohmann::json::parse(readTextFile(file))));
+      results.scored.push_back(scoredOf(nlohmann::json::parse(readTextFile(file))));
+  for (const RealRecording& recording : work.real)
+    if (const fs::path file = realAnswer(options, recording); fs::exists(file))
+      results.real.push_back(nlohmann::json::parse(readTextFile(file)));
+  return results;
+}
+
+void writeResults(const Work& work, const Options& options, const std::string& command_line) {
+  const ProofResults results = resultsSoFar(work, options);
   const RunInfo run{.command_line = command_line, .seed = options.first_seed};
   nlohmann::ordered_json json = toJson(run);
-  const Table measures = measureTable(all);
-  for (const auto& row : measures.rows) json["measures"][row[0]] = {{"target", row[1]}, {"reached", row[2]}};
-  json["recordings"] = all.size();
-  json["planned"] = cases.size();
+  for (const auto& row : measureTable(results.scored).rows)
+    json["measures"][row[0]] = {{"target", row[1]}, {"reached", row[2]}};
+  json["recordings"] = results.scored.size();
+  json["planned"] = work.cases.size();
+  json["real"] = results.real;
   writeJson(options.out / "result.json", json);
-  writeProofReport(all, run, options.out / "report.html");
-  for (const Table& table : {measures, effectTable(all), confusionTable(all)})
-    std::cout << formatTable(table) << "\n";
-  std::cout << all.size() << " of " << cases.size() << " recordings; wrote "
+  writeProofReport(results, run, options.out / "report.html");
+  for (const Table& table : tablesOf(results)) std::cout << formatTable(table) << "\n";
+  std::cout << results.scored.size() << " of " << work.cases.size() << " sealed and " << results.real.size()
+            << " of " << work.real.size() << " real recordings; wrote "
             << (options.out / "report.html").string() << "\n";
 }
 
@@ -164,16 +219,22 @@ void run(Options options, const std::string& command_line) {
   options.out = fs::absolute(options.out);
   fs::create_directories(options.out);
   const Share share = shareOf(options.share);
-  const std::vector<ProofCase> cases = planOf(options);
+  const Work work{planOf(options), realRecordings(Options::realData(), options.quick)};
+  if (work.real.empty()) std::cout << "no real recordings: ../shared/data is not there\n";
+  const std::size_t sealed = work.cases.size();
   try {
-    forEachIndex(cases.size(), "recordings", [&](std::size_t i) {
-      if (share.has(i)) runCase(cases[i], options);
+    forEachIndex(sealed + work.real.size(), "recordings", [&](std::size_t i) {
+      if (!share.has(i)) return;
+      if (i < sealed)
+        runCase(work.cases[i], options);
+      else
+        runReal(work.real[i - sealed], options);
     });
   } catch (const Interrupted&) {
-    writeResults(cases, options, command_line);  // of what is done
+    writeResults(work, options, command_line);  // of what is done
     throw;
   }
-  writeResults(cases, options, command_line);
+  writeResults(work, options, command_line);
 }
 
 }  // namespace

@@ -27,61 +27,20 @@ double quadratic(const Hidden& hidden, const Eigen::VectorXd& value, const Eigen
   return value.size() > 0 ? value[0] * value[0] * M.trace() : 0;
 }
 
-std::vector<Candidate> candidatesFor(const EffectInfo& effect, const std::vector<int>& marker_ids,
-                                     const Interval& span) {
-  std::vector<Candidate> all;
-  Candidate candidate;
-  candidate.effect = effect.index;
-  const auto addTenths = [&](const auto& at) {
-    for (int k = 1; k < 10; ++k) {
-      at(span.from_s + 0.1 * k * (span.to_s - span.from_s));
-      all.push_back(candidate);
-    }
-  };
-  if (effect.has(ParameterKind::marker_id))
-    for (const int id : marker_ids) {
-      candidate.marker_id = id;
-      all.push_back(candidate);
-    }
-  else if (hasPeak(effect))
-    addTenths([&](double t_s) { candidate.peak = Peak{t_s, 0.1 * (span.to_s - span.from_s)}; });
-  else if (effect.has(ParameterKind::time))
-    addTenths([&](double t_s) { candidate.time_s = t_s; });
-  else
-    all.push_back(candidate);
-  return all;
+/// `rivals` of another effect than the hidden one, and those that last while that is on too.
+std::vector<Candidate> rivalsAmong(const std::vector<Candidate>& candidates, const Candidate& hidden) {
+  std::vector<Candidate> rivals;
+  for (Candidate candidate : candidates) {
+    if (candidate.effect == hidden.effect) continue;
+    rivals.push_back(candidate);
+    if (hidden.active_s == Interval{} || !candidate.isForGood()) continue;
+    candidate.active_s = hidden.active_s;
+    rivals.push_back(candidate);
+  }
+  return rivals;
 }
 
 }  // namespace
-
-nlohmann::json parametersOf(const Hidden& hidden) {
-  const EffectInfo& effect = allEffects()[hidden.candidate.effect];
-  nlohmann::json json = nlohmann::json::object();
-  std::size_t scalar = effect.first_scalar;
-  for (const Parameter& parameter : effect.parameters) {
-    nlohmann::json values = nlohmann::json::array();
-    for (int i = 0; i < parameter.size; ++i, ++scalar)
-      values.push_back(asNamed(parameter, hidden.effects.values[scalar]));
-    if (parameter.kind == ParameterKind::marker_id) values = {static_cast<int>(values[0].get<double>())};
-    json[std::string(parameter.name)] = parameter.size == 1 ? values[0] : values;
-  }
-  return json;
-}
-
-Hidden scaled(const Hidden& hidden, double factor) {
-  Hidden other = hidden;
-  const EffectInfo& effect = allEffects()[hidden.candidate.effect];
-  for (std::size_t s = effect.first_scalar; s < effect.first_scalar + effect.scalars; ++s)
-    if (isSize(parameterOf(s).kind)) other.effects.values[s] *= factor;
-  return other;
-}
-
-bool isWithinLimits(const Hidden& hidden) {
-  const EffectInfo& effect = allEffects()[hidden.candidate.effect];
-  for (std::size_t s = effect.first_scalar; s < effect.first_scalar + effect.scalars; ++s)
-    if (std::abs(asNamed(parameterOf(s), hidden.effects.values[s])) > parameterOf(s).limit) return false;
-  return true;
-}
 
 Resolution::Resolution(const BatchInput& null) {
   const NominalFit nominal = nominalFit(null.data, null.start, {}, 1);
@@ -94,8 +53,8 @@ Resolution::Resolution(const BatchInput& null) {
   marker_ids_.assign(ids.begin(), ids.end());
   for (const EffectInfo& effect : allEffects())
     if (canShow(effect.index))
-      for (const Candidate& candidate : candidatesFor(effect, marker_ids_, span_))
-        rivals_.push_back(candidate);
+      for (const Candidate& candidate : test::candidatesOf(effect, marker_ids_, span_))
+        candidates_.push_back(candidate);
 }
 
 bool Resolution::canShow(std::size_t effect) const { return fathom::canShow(model_->linear(), effect); }
@@ -105,25 +64,32 @@ double Resolution::sqrtLambda(const Hidden& hidden) const {
   return std::sqrt(quadratic(hidden, valuesOf(hidden, model_->linear()), A));
 }
 
-std::vector<double> Resolution::alignments(const Hidden& hidden) const {
+std::vector<Rival> Resolution::rivalsOf(const Hidden& hidden) const {
+  const std::vector<Candidate> rivals = rivalsAmong(candidates_, hidden.candidate);
   std::vector<Candidate> all{hidden.candidate};
-  all.insert(all.end(), rivals_.begin(), rivals_.end());
+  all.insert(all.end(), rivals.begin(), rivals.end());
   const Reduced reduced = model_->reduce(all);
+  const Eigen::VectorXd sigmas = priorSigmas(model_->linear(), all);
   const Eigen::VectorXd value = valuesOf(hidden, model_->linear());
   const auto own = std::ssize(columnsOf(model_->linear(), hidden.candidate.effect));
   const double whole = quadratic(hidden, value, reduced.gram.topLeftCorner(own, own));
-  std::vector<double> alignments;
+  std::vector<Rival> described;
   Eigen::Index place = own;
-  for (const Candidate& rival : rivals_) {
-    const auto other = std::ssize(columnsOf(model_->linear(), rival.effect));
+  for (const Candidate& candidate : rivals) {
+    const auto other = std::ssize(columnsOf(model_->linear(), candidate.effect));
     const Eigen::MatrixXd B = reduced.gram.block(0, place, own, other);
     const Information information(reduced.gram.block(place, place, other, other),
                                   reduced.norms.segment(place, other));
     const double imitated = quadratic(hidden, value, B * information.inverse * B.transpose());
-    alignments.push_back(whole > 0 ? std::sqrt(std::min(1.0, imitated / whole)) : 0);
+    Rival rival{candidate, whole > 0 ? std::sqrt(std::min(1.0, imitated / whole)) : 0, 0};
+    if (!isDrawn(hidden.candidate.effect) && !isDrawn(candidate.effect))
+      rival.prior_sigmas = (information.inverse * B.transpose() * value)
+                               .cwiseQuotient(sigmas.segment(place, other))
+                               .lpNorm<Eigen::Infinity>();
+    described.push_back(rival);
     place += other;
   }
-  return alignments;
+  return described;
 }
 
 Resolution::Shown Resolution::shownBy(const BatchInput& without_noise) const {
@@ -134,7 +100,7 @@ Resolution::Shown Resolution::shownBy(const BatchInput& without_noise) const {
   Shown shown;
   shown.lambda = model.nuisances().project(model.residual()).squaredNorm();
   double imitated = 0;
-  for (const Candidate& rival : rivals_) {
+  for (const Candidate& rival : candidates_) {
     const Reduced reduced = model.reduce(std::vector<Candidate>{rival});
     const Information information(reduced.gram, reduced.norms);
     imitated = std::max(imitated, reduced.score.dot(information.inverse * reduced.score));

@@ -1,27 +1,24 @@
 #pragma once
 
 #include <memory>
-#include <nlohmann/json.hpp>
-#include <string>
 #include <vector>
 
 #include "diagnosis/refit.h"
 #include "estimation/batch_estimate.h"
+#include "support/hidden_effect.h"
 
 namespace fathom::proof {
 
-/// An effect of a size, as the program has it.
-struct Hidden {
-  Candidate candidate;
-  EffectParameters<double> effects;  ///< the candidate's on, at its values
-};
+using test::Hidden;
 
-/// By the names that `fathom effects` documents; "marker_id", "time_s" among them.
-nlohmann::json parametersOf(const Hidden& hidden);
-/// The same effect, so many times as large.
-Hidden scaled(const Hidden& hidden, double factor);
-/// Whether no parameter is larger than anybody would hide.
-bool isWithinLimits(const Hidden& hidden);
+/// An effect that a hidden one may be taken for.
+struct Rival {
+  Candidate candidate;
+  double alignment = 0;  ///< |c|: the cosine between what is hidden and the nearest that the rival can do
+  /// How large the rival would have to be for that, in units of what an engineer expects: the largest of its
+  /// parameters. 0 of what is drawn for each image.
+  double prior_sigmas = 0;
+};
 
 /// What a dive lets its recording resolve, from a recording of it that hides nothing: by the program's
 /// Jacobians there, in units of the noise that it shows. Sizes are sqrt(lambda) of that, as in
@@ -32,11 +29,9 @@ class Resolution {
   explicit Resolution(const BatchInput& null);
 
   double sqrtLambda(const Hidden& hidden) const;
-  /// All effects that the dive can show: for good, of each marker, at tenths of the recording.
-  const std::vector<Candidate>& rivals() const { return rivals_; }
-  /// |c| of each rival: the cosine between what the effect does and the nearest that the rival can, at
-  /// most 1.
-  std::vector<double> alignments(const Hidden& hidden) const;
+  /// All other effects that the dive can show: for good, of each marker, at tenths of the recording; where
+  /// the hidden effect is on for a part of it, each for that part too.
+  std::vector<Rival> rivalsOf(const Hidden& hidden) const;
   bool canShow(std::size_t effect) const;
 
   /// What a recording of the same dive without noise shows besides the nominal model, and of it what no
@@ -54,7 +49,7 @@ class Resolution {
   NoiseModel noise_;
   BatchOptions options_;
   std::shared_ptr<const WhitenedModel> model_;
-  std::vector<Candidate> rivals_;
+  std::vector<Candidate> candidates_;  // all that the dive can show
   std::vector<int> marker_ids_;
   Interval span_;
 };

@@ -67,17 +67,27 @@ void countCovered(const Json& stated, const Json& hidden, Scored& scored) {
   }
 }
 
-/// Beginning and end of an interval, or the time of a step, where the hidden effect has any.
-void compareTimes(const Json& stated, const Json& hidden, Scored& scored) {
-  std::vector<std::pair<double, double>> pairs;
-  if (hidden.at("active_s").is_array() && stated.at("active_s").is_array())
-    for (std::size_t k = 0; k < 2; ++k)
-      pairs.emplace_back(stated.at("active_s")[k].get<double>(), hidden.at("active_s")[k].get<double>());
-  if (hidden.at("parameters").contains("time_s") && stated.at("parameters").contains("time_s"))
-    pairs.emplace_back(stated.at("parameters").at("time_s").get<double>(),
-                       hidden.at("parameters").at("time_s").get<double>());
-  for (const auto& [is, was] : pairs)
-    scored.onset_off_s = std::max(scored.onset_off_s.value_or(0), std::abs(is - was));
+/// When an effect acts within its recording: of a step or a cloud just its time.
+struct When {
+  double from_s = 0;
+  std::optional<double> to_s;
+};
+When whenOf(const Json& effect, double duration_s) {
+  if (const Json& parameters = effect.at("parameters"); parameters.contains("time_s"))
+    return {parameters.at("time_s"), {}};
+  const Json& active_s = effect.at("active_s");
+  if (active_s.is_null()) return {0, duration_s};
+  return {std::max(0.0, active_s.at(0).get<double>()), std::min(duration_s, active_s.at(1).get<double>())};
+}
+
+void compareTimes(const Json& stated, const Json& hidden, double duration_s, Scored& scored) {
+  const When is = whenOf(stated, duration_s), was = whenOf(hidden, duration_s);
+  scored.onset_off_s = std::abs(is.from_s - was.from_s);
+  if (is.to_s && was.to_s) scored.end_off_s = std::abs(*is.to_s - *was.to_s);
+}
+
+bool names(const Stated& stated, const std::string& id) {
+  return std::any_of(stated.set.begin(), stated.set.end(), [&](const Json& c) { return c.at("id") == id; });
 }
 
 Outcome ofEffects(const std::vector<Stated>& stated, const Json& hidden, const ProofCase& c,
@@ -88,9 +98,8 @@ Outcome ofEffects(const std::vector<Stated>& stated, const Json& hidden, const P
   Outcome outcome = Outcome::right;
   for (const Stated& one : stated) {
     if (one.set.size() < 2) continue;
-    const auto own = std::find_if(c.effects.begin(), c.effects.end(), [&](const ProofCase::Effect& e) {
-      return std::any_of(one.set.begin(), one.set.end(), [&](const Json& s) { return s.at("id") == e.id; });
-    });
+    const auto own = std::find_if(c.effects.begin(), c.effects.end(),
+                                  [&](const ProofCase::Effect& e) { return names(one, e.id); });
     const bool needed = std::all_of(one.set.begin(), one.set.end(), [&](const Json& rival) {
       const std::string id = rival.at("id");
       return id == own->id || std::count(own->inseparable.begin(), own->inseparable.end(), id) > 0;
@@ -103,6 +112,10 @@ Outcome ofEffects(const std::vector<Stated>& stated, const Json& hidden, const P
 
 }  // namespace
 
+bool isTimed(const Json& hidden_effect) {
+  return !hidden_effect.at("active_s").is_null() || hidden_effect.at("parameters").contains("time_s");
+}
+
 Scored score(const ProofCase& proof_case, const Json& answer) {
   Scored scored;
   scored.proof_case = proof_case;
@@ -113,12 +126,15 @@ Scored score(const ProofCase& proof_case, const Json& answer) {
   for (const Stated& one : stated) {
     scored.stated.push_back(described(one));
     scored.set_size += static_cast<double>(one.set.size()) / static_cast<double>(stated.size());
+    for (const ProofCase::Effect& effect : proof_case.effects)
+      scored.rival_in_set = scored.rival_in_set || names(one, effect.runner_up);
     for (const Json& effect : hidden) {
       if (hasIt(one, effect)) ++found;
       if (!isSame(one.effect, effect)) continue;
       scored.first_right = scored.first_right || &one == &stated.front();
       countCovered(one.effect, effect, scored);
-      compareTimes(one.effect, effect, scored);
+      if (isTimed(effect))
+        compareTimes(one.effect, effect, proof_case.generator.at("dive").at("duration_s"), scored);
     }
   }
   if (!stated.empty()) scored.confidence = stated.front().effect.value("confidence", 0.0);
@@ -131,26 +147,67 @@ Scored score(const ProofCase& proof_case, const Json& answer) {
   return scored;
 }
 
+namespace {
+
+Json orNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+std::optional<double> numberOf(const Json& json) {
+  return json.is_null() ? std::nullopt : std::optional(json.get<double>());
+}
+
+const char* nameOf(Outcome outcome) { return kOutcomes[static_cast<std::size_t>(outcome)]; }
+Outcome outcomeOf(const Json& json) {
+  const auto outcome = std::find(kOutcomes.begin(), kOutcomes.end(), json.get<std::string>());
+  return static_cast<Outcome>(outcome - kOutcomes.begin());
+}
+
+Json toJson(const std::optional<Gains>& g) {
+  if (!g) return nullptr;
+  return {
+      {"truth", g->truth}, {"stated", g->stated}, {"runner_up", g->runner_up}, {"black_box", g->black_box}};
+}
+std::optional<Gains> gainsIn(const Json& g) {
+  if (g.is_null()) return {};
+  return Gains{g.at("truth"), g.at("stated"), g.at("runner_up"), g.at("black_box")};
+}
+
+Json toJson(const std::optional<Advised>& a) {
+  if (!a) return nullptr;
+  return {{"manoeuvre", a->manoeuvre},
+          {"from_s", a->from_s},
+          {"outcome", nameOf(a->outcome)},
+          {"stated", a->stated},
+          {"failure", a->failure}};
+}
+std::optional<Advised> advisedIn(const Json& a) {
+  if (a.is_null()) return {};
+  return Advised{a.at("manoeuvre"), a.at("from_s"), outcomeOf(a.at("outcome")), a.at("stated"),
+                 a.at("failure")};
+}
+
+}  // namespace
+
 nlohmann::ordered_json toJson(const Scored& s) {
-  nlohmann::ordered_json json{
-      {"case", toJson(s.proof_case)}, {"outcome", kOutcomes[static_cast<std::size_t>(s.outcome)]},
-      {"failure", s.failure},         {"stated", s.stated},
-      {"in_set", s.in_set},           {"set_size", s.set_size},
-      {"confidence", s.confidence},   {"first_right", s.first_right},
-      {"scalars", s.scalars},         {"covered", s.covered},
-      {"onset_off_s", nullptr},       {"gains", nullptr}};
-  if (s.onset_off_s) json["onset_off_s"] = *s.onset_off_s;
-  if (const auto& g = s.gains)
-    json["gains"] = {
-        {"truth", g->truth}, {"stated", g->stated}, {"runner_up", g->runner_up}, {"black_box", g->black_box}};
-  return json;
+  return {{"case", toJson(s.proof_case)},
+          {"outcome", nameOf(s.outcome)},
+          {"failure", s.failure},
+          {"stated", s.stated},
+          {"in_set", s.in_set},
+          {"set_size", s.set_size},
+          {"confidence", s.confidence},
+          {"first_right", s.first_right},
+          {"scalars", s.scalars},
+          {"covered", s.covered},
+          {"rival_in_set", s.rival_in_set},
+          {"onset_off_s", orNull(s.onset_off_s)},
+          {"end_off_s", orNull(s.end_off_s)},
+          {"gains", toJson(s.gains)},
+          {"advised", toJson(s.advised)}};
 }
 
 Scored scoredOf(const Json& json) {
   Scored s;
   s.proof_case = caseOf(json.at("case"));
-  const auto outcome = std::find(kOutcomes.begin(), kOutcomes.end(), json.at("outcome").get<std::string>());
-  s.outcome = static_cast<Outcome>(outcome - kOutcomes.begin());
+  s.outcome = outcomeOf(json.at("outcome"));
   s.failure = json.at("failure");
   s.stated = json.at("stated");
   s.in_set = json.at("in_set");
@@ -159,9 +216,11 @@ Scored scoredOf(const Json& json) {
   s.first_right = json.at("first_right");
   s.scalars = json.at("scalars");
   s.covered = json.at("covered");
-  if (!json.at("onset_off_s").is_null()) s.onset_off_s = json.at("onset_off_s").get<double>();
-  if (const Json& g = json.at("gains"); !g.is_null())
-    s.gains = Gains{g.at("truth"), g.at("stated"), g.at("runner_up"), g.at("black_box")};
+  s.rival_in_set = json.at("rival_in_set");
+  s.onset_off_s = numberOf(json.at("onset_off_s"));
+  s.end_off_s = numberOf(json.at("end_off_s"));
+  s.gains = gainsIn(json.at("gains"));
+  s.advised = advisedIn(json.at("advised"));
   return s;
 }
 

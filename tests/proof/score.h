@@ -34,6 +34,15 @@ struct Gains {
   double black_box = 0;
 };
 
+/// What became of a set on the dive that the answer advises.
+struct Advised {
+  std::string manoeuvre;
+  double from_s = 0;  ///< of the first recording: where the manoeuvre begins
+  Outcome outcome = Outcome::failed;
+  std::vector<std::string> stated;
+  std::string failure;
+};
+
 struct Scored {
   ProofCase proof_case;
   Outcome outcome = Outcome::insufficient;
@@ -44,12 +53,18 @@ struct Scored {
   double confidence = 0;              ///< stated, that the first name is right; 0: nothing was named
   bool first_right = false;           ///< the first name of a set is right
   int scalars = 0, covered = 0;       ///< of what is hidden: those in their 95 % interval
-  std::optional<double> onset_off_s;  ///< of beginnings and ends, the largest
+  bool rival_in_set = false;          ///< what it may be taken for is in the stated set
+  std::optional<double> onset_off_s;  ///< of an interval's beginning, a step, a peak
+  std::optional<double> end_off_s;    ///< of an interval
   std::optional<Gains> gains;
+  std::optional<Advised> advised;
 };
 
 /// `answer`: result.json of `fathom diagnose`. Throws nlohmann::json::exception.
 Scored score(const ProofCase& proof_case, const nlohmann::json& answer);
+
+/// Whether what is hidden is bound to a time: an interval, a step, a peak.
+bool isTimed(const nlohmann::json& hidden_effect);
 
 nlohmann::ordered_json toJson(const Scored& scored);
 Scored scoredOf(const nlohmann::json& json);

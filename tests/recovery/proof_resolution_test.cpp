@@ -32,19 +32,45 @@ TEST(ProofResolution, SizesAreThoseOfTheSignal) {
   const Hidden scale = hiddenScale(0.01);
   const double expected = excitation.sqrtLambda(scale.effects);
   EXPECT_NEAR(nullResolution().sqrtLambda(scale), expected, 0.1 * expected);
-  EXPECT_NEAR(nullResolution().sqrtLambda(scaled(scale, 2)), 2 * nullResolution().sqrtLambda(scale), 1e-9);
+  EXPECT_NEAR(nullResolution().sqrtLambda(hiddenScale(0.02)), 2 * nullResolution().sqrtLambda(scale), 1e-9);
 }
 
-TEST(ProofResolution, AnEffectIsAlignedWithItsLikes) {
-  const Hidden scale = hiddenScale(0.01);
-  const std::vector<double> alignments = nullResolution().alignments(scale);
-  ASSERT_EQ(alignments.size(), nullResolution().rivals().size());
-  for (std::size_t i = 0; i < alignments.size(); ++i) {
-    EXPECT_GE(alignments[i], 0);
-    EXPECT_LE(alignments[i], 1);
-    if (nullResolution().rivals()[i].effect == kEffectIndex<DvlScale>) EXPECT_NEAR(alignments[i], 1, 1e-9);
-    if (nullResolution().rivals()[i].effect == kEffectIndex<PressureOffset>) EXPECT_LT(alignments[i], 0.3);
+/// |c| of the rival that is most like what is hidden, of one effect.
+double alignmentWith(std::size_t effect, const Hidden& hidden) {
+  double largest = 0;
+  for (const Rival& rival : nullResolution().rivalsOf(hidden)) {
+    EXPECT_NE(rival.candidate.effect, hidden.candidate.effect);
+    EXPECT_GE(rival.alignment, 0);
+    EXPECT_LE(rival.alignment, 1);
+    if (rival.candidate.effect == effect) largest = std::max(largest, rival.alignment);
   }
+  return largest;
+}
+
+// A bias is constant in the robot's axes, the Earth's rotation in the world's: alike where it turns little.
+TEST(ProofResolution, AnEffectIsAlignedWithItsLikes) {
+  Hidden bias;
+  bias.candidate.effect = kEffectIndex<GyroBias>;
+  bias.effects.add<GyroBias>({1e-3, 0, 0});
+  EXPECT_GT(alignmentWith(kEffectIndex<EarthRotation>, bias), 0.5);
+  EXPECT_LT(alignmentWith(kEffectIndex<PressureOffset>, bias), 0.3);
+}
+
+// What is on for a part of the recording has rivals that last and such as are on for that part. The more of
+// it is needed the larger a rival would have to be.
+TEST(ProofResolution, AnEffectOfAPartHasRivalsOfThatPart) {
+  const Hidden part = test::activeDuring(hiddenScale(0.01), {10, 25});
+  const std::vector<Rival> rivals = nullResolution().rivalsOf(part),
+                           of_double =
+                               nullResolution().rivalsOf({part.candidate, test::scaled(part.effects, 2)});
+  int of_the_part = 0;
+  for (std::size_t i = 0; i < rivals.size(); ++i) {
+    if (rivals[i].candidate.active_s == part.candidate.active_s) ++of_the_part;
+    EXPECT_NEAR(of_double[i].alignment, rivals[i].alignment, 1e-9);
+    EXPECT_NEAR(of_double[i].prior_sigmas, 2 * rivals[i].prior_sigmas, 1e-6 * rivals[i].prior_sigmas);
+  }
+  EXPECT_GT(of_the_part, 10);
+  EXPECT_LT(nullResolution().sqrtLambda(part), nullResolution().sqrtLambda(hiddenScale(0.01)));
 }
 
 // What a recording without noise shows: of an effect of the catalogue its size, of which that effect leaves

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/random.h"
+#include "given_path.h"
 
 namespace fathom::sealed {
 namespace {
@@ -85,29 +86,30 @@ std::array<Swing, 6> turns(Drawn& drawn, const Vector3d& panel_odom) {
   return swings;
 }
 
-}  // namespace
-
-Coordinate Swing::at(double t_s) const {
-  Coordinate c{mean, 0, 0};
-  for (const Wave& wave : waves) {
-    const double sine = std::sin(wave.rate_rad_s * t_s + wave.phase_rad);
-    const double cosine = std::cos(wave.rate_rad_s * t_s + wave.phase_rad);
-    c.value += wave.amplitude * sine;
-    c.rate += wave.amplitude * wave.rate_rad_s * cosine;
-    c.acceleration -= wave.amplitude * wave.rate_rad_s * wave.rate_rad_s * sine;
-  }
-  return c;
+/// Nearer all the while for half a minute: range and time say the same.
+std::array<Swing, 6> closing(Drawn& drawn, const Vector3d& panel_odom) {
+  auto swings = station(drawn, panel_odom, 2.3);
+  swings[0].waves = {{1.6, drawn.between(0.045, 0.055), -drawn.between(0.7, 0.8)}};
+  swings[1].waves[0].amplitude = 0.12;
+  swings[2].waves[0].amplitude = 0.10;
+  swings[3].waves[0].amplitude = 0.08;
+  return swings;
 }
 
-Pose Dive::poseAt(double t_s) const {
-  const auto value = [&](std::size_t i) { return swings_[i].at(t_s).value; };
-  return {rotationFromYawPitchRoll(value(3), value(4), value(5)), {value(0), value(1), value(2)}};
+std::array<Swing, 6> swingsOf(const std::string& manoeuvre, Drawn& drawn, const Vector3d& panel_odom) {
+  if (manoeuvre == "rich") return rich(drawn, panel_odom);
+  if (manoeuvre == "survey") return survey(drawn, panel_odom);
+  if (manoeuvre == "approach") return approach(drawn, panel_odom);
+  if (manoeuvre == "closing") return closing(drawn, panel_odom);
+  if (manoeuvre == "turns") return turns(drawn, panel_odom);
+  return station(drawn, panel_odom, drawn.between(1.6, 2.2));
 }
 
-/// Angular velocity from Euler angles' rates, and its derivative (e.g. Diebel 2006, sec. 5.6, order 3-2-1).
-Motion Dive::at(double t_s) const {
+/// Swings of x, y, z in odom [m], yaw, pitch, roll [rad]. Angular velocity from Euler angles' rates, and its
+/// derivative (e.g. Diebel 2006, sec. 5.6, order 3-2-1).
+Motion motionOf(const std::array<Swing, 6>& swings, double t_s) {
   std::array<Coordinate, 6> c;
-  for (std::size_t i = 0; i < c.size(); ++i) c[i] = swings_[i].at(t_s);
+  for (std::size_t i = 0; i < c.size(); ++i) c[i] = swings[i].at(t_s);
   const auto& [x, y, z, yaw, pitch, roll] = c;
   const double sp = std::sin(pitch.value), cp = std::cos(pitch.value);
   const double sr = std::sin(roll.value), cr = std::cos(roll.value);
@@ -128,13 +130,29 @@ Motion Dive::at(double t_s) const {
   return motion;
 }
 
+}  // namespace
+
+Coordinate Swing::at(double t_s) const {
+  Coordinate c{mean, 0, 0};
+  for (const Wave& wave : waves) {
+    const double sine = std::sin(wave.rate_rad_s * t_s + wave.phase_rad);
+    const double cosine = std::cos(wave.rate_rad_s * t_s + wave.phase_rad);
+    c.value += wave.amplitude * sine;
+    c.rate += wave.amplitude * wave.rate_rad_s * cosine;
+    c.acceleration -= wave.amplitude * wave.rate_rad_s * wave.rate_rad_s * sine;
+  }
+  return c;
+}
+
 Dive makeDive(const std::string& manoeuvre, std::uint64_t seed, const Vector3d& panel_odom) {
   Drawn drawn(seed);
-  if (manoeuvre == "rich") return Dive(rich(drawn, panel_odom));
-  if (manoeuvre == "survey") return Dive(survey(drawn, panel_odom));
-  if (manoeuvre == "approach") return Dive(approach(drawn, panel_odom));
-  if (manoeuvre == "turns") return Dive(turns(drawn, panel_odom));
-  return Dive(station(drawn, panel_odom, drawn.between(1.6, 2.2)));
+  return Dive(
+      [swings = swingsOf(manoeuvre, drawn, panel_odom)](double t_s) { return motionOf(swings, t_s); });
+}
+
+Dive makeDive(const DiveCase& dive, const Vector3d& panel_odom) {
+  if (dive.manoeuvre != "given") return makeDive(dive.manoeuvre, dive.seed, panel_odom);
+  return Dive([path = GivenPath(dive.path, dive.duration_s)](double t_s) { return path.at(t_s); });
 }
 
 }  // namespace fathom::sealed

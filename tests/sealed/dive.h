@@ -2,29 +2,15 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "core/geometry.h"
+#include "motion.h"
+#include "sealed_case.h"
 
 /// The path of a dive: smooth and known in closed form, so that rates and accelerations are exact.
 namespace fathom::sealed {
-
-/// The robot's motion at one instant.
-struct Motion {
-  Pose T_odom_robot;
-  Vector3d velocity_odom, acceleration_odom;
-  Vector3d rate_robot, angular_acceleration_robot;  ///< of robot against odom, robot axes
-
-  /// Of a point of the robot, robot axes: rigid-body kinematics (e.g. Farrell 2008, sec. 2.6).
-  Vector3d velocityOf(const Vector3d& point_robot) const {
-    return T_odom_robot.rotation.transpose() * velocity_odom + rate_robot.cross(point_robot);
-  }
-  Vector3d accelerationOf(const Vector3d& point_robot) const {
-    return T_odom_robot.rotation.transpose() * acceleration_odom +
-           angular_acceleration_robot.cross(point_robot) + rate_robot.cross(rate_robot.cross(point_robot));
-  }
-};
 
 /// Where a coordinate is, and how it changes.
 struct Coordinate {
@@ -44,18 +30,19 @@ struct Swing {
 
 class Dive {
  public:
-  /// x, y, z in odom [m], yaw, pitch, roll [rad].
-  explicit Dive(std::array<Swing, 6> swings) : swings_(std::move(swings)) {}
+  explicit Dive(std::function<Motion(double t_s)> motion) : motion_(std::move(motion)) {}
 
-  Motion at(double t_s) const;
-  Pose poseAt(double t_s) const;
+  Motion at(double t_s) const { return motion_(t_s); }
+  Pose poseAt(double t_s) const { return motion_(t_s).T_odom_robot; }
 
  private:
-  std::array<Swing, 6> swings_;
+  std::function<Motion(double t_s)> motion_;
 };
 
 /// A dive before a panel that looks along -x of odom, its middle at `panel_odom`. Amplitudes, frequencies and
 /// phases are drawn from the seed.
 Dive makeDive(const std::string& manoeuvre, std::uint64_t seed, const Vector3d& panel_odom);
+/// The same, or along the path that is given. Throws Error as GivenPath does.
+Dive makeDive(const DiveCase& dive, const Vector3d& panel_odom);
 
 }  // namespace fathom::sealed

@@ -113,7 +113,7 @@ void sealRecording(const SealedCase& sealed, const fs::path& out, const fs::path
   const TruePanel panel(readPanelMap(recording.path() / "panel.yaml"), sealed);
   requireMarker(sealed, panel.map());
 
-  const Dive dive = makeDive(sealed.dive.manoeuvre, sealed.dive.seed, panel.map().T_odom_panel.position);
+  const Dive dive = makeDive(sealed.dive, panel.map().T_odom_panel.position);
   const Viewpoint viewpoint(vehicle, sealed, dive);
   const Time start = fromUnixSeconds(kStart_s);
   const auto stamps_s = ticks_s(vehicle.camera.rate_hz, kCameraPhase_s, sealed.dive.duration_s);

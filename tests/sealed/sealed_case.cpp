@@ -103,9 +103,12 @@ void requireImages(bool light, bool images, const JsonObject& object, const std:
   if (light && !images) throw object.error(key, "changes light only: needs camera `images`");
 }
 
-DiveCase readDive(JsonObject object) {
+/// Files beside the case are named by their place from `folder`.
+DiveCase readDive(JsonObject object, const std::filesystem::path& folder) {
   DiveCase dive;
-  dive.manoeuvre = object.oneOf("manoeuvre", {"rich", "survey", "station", "approach", "turns"});
+  dive.manoeuvre =
+      object.oneOf("manoeuvre", {"rich", "survey", "station", "approach", "closing", "turns", "given"});
+  if (dive.manoeuvre == "given") dive.path = folder / object.text("path");
   dive.seed = object.seed("seed");
   dive.duration_s = object.number("duration_s");
   if (dive.duration_s < 5 || dive.duration_s > 600) throw object.error("duration_s", "must be 5 to 600");
@@ -157,7 +160,7 @@ SealedCase parseSealedCase(const std::string& text, const std::string& name) {
   sealed.document = parseStrictJson(text, name);
   JsonObject root(sealed.document, name, "");
   sealed.name = root.text("name");
-  sealed.dive = readDive(root.object("dive"));
+  sealed.dive = readDive(root.object("dive"), std::filesystem::path(name).parent_path());
   sealed.seed = root.seed("seed");
   sealed.noise = root.flag("noise");
   sealed.rich = root.flag("rich");

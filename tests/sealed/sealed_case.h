@@ -16,7 +16,8 @@
 namespace fathom::sealed {
 
 struct DiveCase {
-  std::string manoeuvre;  ///< rich, survey, station, approach or turns
+  std::string manoeuvre;       ///< rich, survey, station, approach, closing, turns or given
+  std::filesystem::path path;  ///< of what is given: TUM text, see given_path.h; else empty
   std::uint64_t seed = 0;
   double duration_s = 0;
   bool images = false;  ///< else the corners that a detector would measure

@@ -64,31 +64,13 @@ double Excitation::kept(const Candidate& candidate) const {
 }
 
 std::vector<Candidate> Excitation::candidates() const {
+  std::vector<int> ids;
+  for (const Marker& marker : input_.data.panels[0].markers) ids.push_back(marker.id);
   std::vector<Candidate> all;
-  for (const EffectInfo& effect : allEffects()) {
-    if (!canShow(effect)) continue;
-    Candidate candidate;
-    candidate.effect = effect.index;
-    const ParameterKind kind = effect.parameters[0].kind;
-    if (hasPeak(effect)) {
-      for (int k = 1; k < 10; ++k) {
-        candidate.peak = {0.1 * k * input_.data.last_s, 0.1 * input_.data.last_s};
+  for (const EffectInfo& effect : allEffects())
+    if (canShow(effect))
+      for (const Candidate& candidate : candidatesOf(effect, ids, {0, input_.data.last_s}))
         all.push_back(candidate);
-      }
-      continue;
-    }
-    if (kind == ParameterKind::continuous || kind == ParameterKind::spread) all.push_back(candidate);
-    if (kind == ParameterKind::marker_id)
-      for (const Marker& marker : input_.data.panels[0].markers) {
-        candidate.marker_id = marker.id;
-        all.push_back(candidate);
-      }
-    if (kind == ParameterKind::time)
-      for (int k = 1; k < 10; ++k) {
-        candidate.time_s = 0.1 * k * input_.data.last_s;
-        all.push_back(candidate);
-      }
-  }
   return all;
 }
 
@@ -136,24 +118,6 @@ Eigen::MatrixXd Excitation::columns(const Candidate& candidate) const {
 
 namespace {
 
-/// As physics has it: nothing is less than nothing, the intrinsics are those of a calibration under water,
-/// and there is water all the way.
-void makePossible(EffectParameters<double>& effects) {
-  for (std::size_t s = 0; s < effects.values.size(); ++s)
-    if (!isPossible(parameterOf(s), effects.values[s])) effects.values[s] = -effects.values[s];
-  double* port = effects.of<FlatPortRefraction>();
-  port[0] = std::abs(port[0]);
-  port[1] = std::abs(port[1]);
-  port[4] = 0;
-  port[5] = 0;
-}
-
-EffectParameters<double> scaled(EffectParameters<double> effects, double factor) {
-  for (std::size_t s = 0; s < effects.values.size(); ++s)
-    if (isSize(parameterOf(s).kind)) effects.values[s] *= factor;
-  return effects;
-}
-
 /// The Earth turns as fast as it does: sqrt(lambda) is as asked because the gyro is as good as that takes.
 DiagnosisRun earthRotationOfSize(const BatchRun& nominal, double sqrt_lambda, std::uint64_t seed) {
   constexpr double kEarthRate_rad_s = 7.292e-5;
@@ -178,61 +142,32 @@ DiagnosisRun earthRotationOfSize(const BatchRun& nominal, double sqrt_lambda, st
   return hidden;
 }
 
-bool withinLimits(const EffectParameters<double>& effects) {
-  for (const EffectInfo& effect : allEffects()) {
-    std::size_t scalar = effect.first_scalar;
-    for (const Parameter& parameter : effect.parameters)
-      for (int i = 0; i < parameter.size; ++i, ++scalar)
-        if (effects.on[effect.index] &&
-            std::abs(asNamed(parameter, effects.values[scalar])) > parameter.limit)
-          return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 DiagnosisRun effectOfSize(const BatchRun& nominal, const Excitation& excitation, const EffectInfo& effect,
                           double sqrt_lambda, std::uint64_t seed) {
   if (effect.index == kEffectIndex<EarthRotation>) return earthRotationOfSize(nominal, sqrt_lambda, seed);
   Random random = Random::stream(seed, 1000 + effect.index);
-  DiagnosisRun hidden{std::string(effect.id), nominal, {}, Candidate{}, 0, nullptr};
+  DiagnosisRun hidden{std::string(effect.id), nominal, {}, {}, 0, nullptr};
   hidden.run.seed = random.bits();
-  Candidate& truth = *hidden.truth;
-  truth.effect = effect.index;
-  EffectParameters<double> direction;
-  direction.on.set(effect.index);
-  std::size_t scalar = effect.first_scalar;
-  for (const Parameter& parameter : effect.parameters)
-    for (int i = 0; i < parameter.size; ++i, ++scalar) {
-      double& value = direction.values[scalar];
-      if (isSize(parameter.kind)) value = parameter.prior_sigma * random.normal();
-      if (parameter.kind == ParameterKind::peak_time) value = nominal.duration_s * random.uniform(0.25, 0.75);
-      if (parameter.kind == ParameterKind::log_width)
-        value = std::log(nominal.duration_s * random.uniform(0.05, 0.15) / parameter.usual_width_s);
-      if (parameter.kind == ParameterKind::marker_id)
-        value = *(truth.marker_id = nominal.panel.markers[random.bits() % nominal.panel.markers.size()].id);
-      if (parameter.kind == ParameterKind::time)
-        value = *(truth.time_s = nominal.duration_s * random.uniform(0.25, 0.75));
-    }
-  if (hasPeak(effect)) truth.peak = peakOf(direction, effect.index);
-  if (effect.index == kEffectIndex<WaterCurrent> && seed % 2 == 0) {
-    truth.active_s.from_s = nominal.duration_s * random.uniform(0.1, 0.4);
-    truth.active_s.to_s = truth.active_s.from_s + nominal.duration_s * random.uniform(0.3, 0.5);
-    direction.active_s[effect.index] = truth.active_s;
-  }
-  makePossible(direction);
+  std::vector<int> ids;
+  for (const Marker& marker : nominal.panel.markers) ids.push_back(marker.id);
+  Hidden one = randomEffect(effect, ids, nominal.duration_s, random);
+  if (effect.index == kEffectIndex<WaterCurrent> && seed % 2 == 0)
+    one = activeDuring(one, randomInterval(nominal.duration_s, random));
+  hidden.truth = one.candidate;
+  const EffectParameters<double>& direction = one.effects;
   const auto sqrtLambda = [&](const EffectParameters<double>& effects) {
     return excitation.sqrtLambda(effects, hidden.run.seed);
   };
   double factor = sqrt_lambda / sqrtLambda(scaled(direction, 1e-3)) * 1e-3;
   for (int i = 0; i < 8; ++i) {
-    while (!withinLimits(scaled(direction, factor))) factor *= 0.9;
+    while (!isWithinLimits(scaled(direction, factor))) factor *= 0.9;
     hidden.sqrt_lambda = sqrtLambda(scaled(direction, factor));
     factor *=
         std::pow(std::clamp(sqrt_lambda / hidden.sqrt_lambda, 0.2, 5.0), 0.7);  // signals of order 1 to 2
   }
-  while (!withinLimits(scaled(direction, factor))) factor *= 0.9;
+  while (!isWithinLimits(scaled(direction, factor))) factor *= 0.9;
   hidden.run.effects = scaled(direction, factor);
   hidden.sqrt_lambda = sqrtLambda(hidden.run.effects);
   return hidden;

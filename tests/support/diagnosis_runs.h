@@ -2,11 +2,11 @@
 
 #include <functional>
 
-#include "diagnosis/candidate.h"
 #include "effects/catalogue.h"
 #include "estimation/linearization.h"
 #include "estimation/nuisances.h"
 #include "support/batch_runs.h"
+#include "support/hidden_effect.h"
 
 /// Recordings that hide something, for the diagnosis: an effect of a size in units of what the recording can
 /// resolve, nothing at all, something outside the catalogue, or what cannot be a recording.

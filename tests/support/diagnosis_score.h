@@ -10,9 +10,6 @@
 /// What a diagnosis is worth, next to what its recording hides.
 namespace fathom::test {
 
-/// Below this lambda (1 - |c|) two effects cannot be told apart at 5 % (see Candidate, Excitation).
-inline constexpr double kSeparable = 5.4;
-
 enum class Outcome {
   right,         ///< the hidden effect and no other
   right_set,     ///< a set with it, of effects that cannot be told apart on this recording

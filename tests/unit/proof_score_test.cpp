@@ -1,7 +1,9 @@
 // The proof's scorer: what answers are worth, on answers made up.
 #include <gtest/gtest.h>
 
+#include "proof/advised.h"
 #include "proof/proof_report.h"
+#include "proof/real_recordings.h"
 #include "proof/score.h"
 
 namespace fathom::proof {
@@ -100,14 +102,74 @@ TEST(ProofScore, CountsIntervalsThatCover) {
   EXPECT_EQ(scored.covered, 2);  // the second is three sigmas off
 }
 
-TEST(ProofScore, ComparesTimes) {
+/// Hides a scale error of the DVL in 80 s, on from 10 to 40 s where nothing else is said.
+ProofCase hiddenFor(const Json& active_s, const Json& parameters = {{"scale_error", 0.02}}) {
   ProofCase c = hiddenBias();
-  c.effects[0].id = c.effects[0].name = "water-current";
-  c.generator["effects"][0] = {
-      {"id", "water-current"}, {"parameters", Json::object()}, {"active_s", {10.0, 40.0}}};
-  Json current = found("water-current");
-  current["active_s"] = {10.5, 36.0};
-  EXPECT_EQ(score(c, answer("explained", {current})).onset_off_s, 4.0);
+  c.kind = ProofCase::Kind::interval;
+  c.effects[0].id = c.effects[0].name = "dvl-scale";
+  c.generator["dive"] = {{"duration_s", 80}};
+  c.generator["effects"][0] = {{"id", "dvl-scale"}, {"parameters", parameters}, {"active_s", active_s}};
+  return c;
+}
+Json foundFor(const Json& active_s, const Json& parameters = Json::object()) {
+  Json scale = found("dvl-scale", parameters);
+  scale["active_s"] = active_s;
+  return answer("explained", {scale});
+}
+
+TEST(ProofScore, ComparesOnsetAndEnd) {
+  const Scored scored = score(hiddenFor({10.0, 40.0}), foundFor({10.5, 36.0}));
+  EXPECT_EQ(scored.onset_off_s, 0.5);
+  EXPECT_EQ(scored.end_off_s, 4.0);
+}
+
+// What is always on begins with the recording and ends with it, and an interval that outlasts it too.
+TEST(ProofScore, AlwaysIsFromBeginningToEnd) {
+  const Scored always = score(hiddenFor({10.0, 80.0}), foundFor(nullptr));
+  EXPECT_EQ(always.onset_off_s, 10.0);
+  EXPECT_EQ(always.end_off_s, 0.0);
+  EXPECT_EQ(score(hiddenFor({10.0, 80.0}), foundFor({10.0, 1e9})).end_off_s, 0.0);
+  EXPECT_FALSE(score(hiddenFor(nullptr), foundFor({3.0, 60.0})).onset_off_s);
+}
+
+TEST(ProofScore, AStepHasATimeAndNoEnd) {
+  const Scored scored = score(hiddenFor(nullptr, {{"time_s", 30.0}}), foundFor(nullptr, {{"time_s", 31.5}}));
+  EXPECT_EQ(scored.onset_off_s, 1.5);
+  EXPECT_FALSE(scored.end_off_s);
+}
+
+TEST(ProofScore, KnowsWhetherWhatTemptsIsInTheSet) {
+  const auto rivalIn = [](const std::vector<std::string>& set) {
+    return score(hiddenBias(), answer("explained", {found(set[0])}, set)).rival_in_set;
+  };
+  EXPECT_TRUE(rivalIn({"gyro-bias", "earth-rotation"}));
+  EXPECT_TRUE(rivalIn({"earth-rotation", "gyro-scale"}));
+  EXPECT_FALSE(rivalIn({"gyro-bias", "gyro-scale"}));
+}
+
+/// The set that a gyro bias was not told from, and what would tell.
+Json advisedAnswer() {
+  Json set = answer("explained", {found("gyro-bias")}, {"gyro-bias", "earth-rotation"});
+  set["diagnosis"]["alternatives"][0]["advice"] = {{"manoeuvre", "hold station"}, {"from_s", 12.5}};
+  return set;
+}
+
+TEST(ProofScore, ASetWithTheTruthThatLastsIsDrivenAgain) {
+  const auto adviceFor = [](const ProofCase& c) {
+    return adviceIn(score(c, advisedAnswer()), advisedAnswer());
+  };
+  const std::optional<Advised> advised = adviceFor(hiddenBias());
+  ASSERT_TRUE(advised);
+  EXPECT_EQ(advised->manoeuvre, "hold station");
+  EXPECT_EQ(advised->from_s, 12.5);
+  EXPECT_FALSE(adviceFor(hiddenFor(nullptr)));  // that was wrong
+  ProofCase timed = hiddenBias();
+  timed.generator["dive"] = {{"duration_s", 80}};
+  timed.generator["effects"][0]["active_s"] = {10.0, 40.0};
+  EXPECT_FALSE(adviceFor(timed));
+  Json without = advisedAnswer();
+  without["diagnosis"]["alternatives"][0]["advice"] = nullptr;
+  EXPECT_FALSE(adviceIn(score(hiddenBias(), without), without));
 }
 
 TEST(ProofScore, IsReadAsItWasWritten) {
@@ -115,6 +177,7 @@ TEST(ProofScore, IsReadAsItWasWritten) {
       score(hiddenBias(), answer("explained", {found("gyro-bias")}, {"gyro-bias", "earth-rotation"}));
   scored.gains = Gains{10, 9, 3, 1};
   scored.onset_off_s = 0.5;
+  scored.advised = Advised{"hold station", 12.5, Outcome::right, {"gyro-bias"}, ""};
   EXPECT_EQ(toJson(scoredOf(toJson(scored))).dump(), toJson(scored).dump());
 }
 
@@ -125,6 +188,47 @@ TEST(ProofReport, SaysOfHowMany) {
   const Table table = measureTable(all);
   EXPECT_EQ(table.rows[0][2], "2.0 % (1 of 50; 0 to 10 %)");  // Wilson's interval: 0.35 to 10.5 %
   EXPECT_EQ(confusionTable(all).rows.size(), 1u);
+}
+
+/// A decoy that cannot be told from the Earth's rotation, answered so.
+Scored answeredDecoy(const Json& answer) {
+  ProofCase c = hiddenBias();
+  c.kind = ProofCase::Kind::decoy;
+  return score(c, answer);
+}
+
+TEST(ProofReport, CountsWhatDecoysTempted) {
+  const std::vector<Scored> all{
+      answeredDecoy(answer("explained", {found("gyro-bias")}, {"gyro-bias", "earth-rotation"})),
+      answeredDecoy(answer("explained", {found("gyro-bias")})),
+      answeredDecoy(answer("explained", {found("earth-rotation")})), answeredDecoy(answer("unexplained"))};
+  const auto reached = [&, table = measureTable(all)](const std::string& measure) {
+    for (const auto& row : table.rows)
+      if (row[0] == measure) return row[2].substr(row[2].find('('), 7);
+    return std::string("no such row");
+  };
+  EXPECT_EQ(reached("decoys: truth in the stated set"), "(2 of 4");
+  EXPECT_EQ(reached("decoys: a set with both where it has to be one"), "(1 of 4");
+  EXPECT_EQ(reached("decoys: a confident wrong name"), "(1 of 4");
+  EXPECT_EQ(decoyTable(all).rows.size(), 4u);
+}
+
+TEST(ProofReport, RealRecordingsAreShownAndNotJudged) {
+  const Json heldout{{"metric", "reprojection_rms_px"}, {"before", 4.46},    {"after", 0.24},
+                     {"after_ci95", {0.2, 0.3}},        {"black_box", 4.04}, {"noise_floor", 0.11}};
+  const Json nearest = found("flat-port-refraction", {{"slab_m", 0.243}}, {{"slab_m", 0.007}});
+  const Table table = realTable({{{"name", "tank"},
+                                  {"what", "boards"},
+                                  {"failure", ""},
+                                  {"verdict", "unexplained"},
+                                  {"effects", Json::array()},
+                                  {"nearest", {nearest}},
+                                  {"heldout", heldout}},
+                                 {{"name", "dome"}, {"what", "boards"}, {"failure", "no such file"}}});
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_EQ(table.rows[0][2], "nearest flat-port-refraction: slab_m 0.243 ± 0.007");
+  EXPECT_EQ(table.rows[0][6], "(0.2, 0.3)");
+  EXPECT_EQ(table.rows[1][2], "no such file");
 }
 
 }  // namespace

@@ -56,7 +56,17 @@ TEST(SealedCase, SaysWhatIsWrongAndWhere) {
   EXPECT_NE(complaint(exampleCaseText("[]", "corners", R"([{"kind": "ghost", "size": 1}])"))
                 .find("unknown: `ghost`"),
             std::string::npos);
+  EXPECT_EQ(complaint(replaced(good, "\"rich\", \"seed\"", "\"given\", \"seed\"")),
+            "case.json: dive.path: is missing");
+  EXPECT_EQ(complaint(replaced(good, "\"rich\", \"seed\"", "\"rich\", \"path\": \"a.tum\", \"seed\"")),
+            "case.json: dive.path: unknown key");
   EXPECT_NE(complaint("{\"name\": ").find("is no JSON"), std::string::npos);
+}
+
+TEST(SealedCase, AGivenPathStandsBesideTheCase) {
+  const std::string given =
+      replaced(exampleCaseText(), "\"rich\", \"seed\"", "\"given\", \"path\": \"path.tum\", \"seed\"");
+  EXPECT_EQ(parseSealedCase(given, "folder/case.json").dive.path, fs::path("folder/path.tum"));
 }
 
 TEST(Sha256, KnownAnswers) {  // FIPS 180-2, appendix B

@@ -2,9 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
+#include "core/error.h"
+#include "recording/tum.h"
 #include "sealed/depth_gauge.h"
 #include "sealed/doppler.h"
+#include "sealed/given_path.h"
 #include "sealed/inertial.h"
 #include "support/sealed_example.h"
 
@@ -14,23 +18,87 @@ namespace {
 constexpr double kFloor_m = 6;
 const Vector3d kPanel_odom(6, 0, -4.2);
 
-TEST(SealedDive, RatesAreThePathsDerivatives) {
+void expectRatesAreDerivatives(const Dive& dive, double t_s) {
   constexpr double kStep_s = 1e-4;
-  for (const char* manoeuvre : {"rich", "survey", "station", "approach", "turns"}) {
-    const Dive dive = makeDive(manoeuvre, 5, kPanel_odom);
-    for (const double t_s : {0.0, 7.3, 41.9}) {
-      const Motion before = dive.at(t_s - kStep_s), now = dive.at(t_s), later = dive.at(t_s + kStep_s);
-      const Matrix3d turned = before.T_odom_robot.rotation.transpose() * later.T_odom_robot.rotation;
-      const auto mean = [&](const Vector3d& a, const Vector3d& b) {
-        return Vector3d((b - a) / (2 * kStep_s));
-      };
-      EXPECT_LT((now.velocity_odom - mean(before.T_odom_robot.position, later.T_odom_robot.position)).norm(),
-                1e-7);
-      EXPECT_LT((now.acceleration_odom - mean(before.velocity_odom, later.velocity_odom)).norm(), 1e-7);
-      EXPECT_LT((now.rate_robot - logSO3<double>(turned) / (2 * kStep_s)).norm(), 1e-7);
-      EXPECT_LT((now.angular_acceleration_robot - mean(before.rate_robot, later.rate_robot)).norm(), 1e-7);
-    }
+  const Motion before = dive.at(t_s - kStep_s), now = dive.at(t_s), later = dive.at(t_s + kStep_s);
+  const Matrix3d turned = before.T_odom_robot.rotation.transpose() * later.T_odom_robot.rotation;
+  const auto mean = [&](const Vector3d& a, const Vector3d& b) { return Vector3d((b - a) / (2 * kStep_s)); };
+  EXPECT_LT((now.velocity_odom - mean(before.T_odom_robot.position, later.T_odom_robot.position)).norm(),
+            1e-7);
+  EXPECT_LT((now.acceleration_odom - mean(before.velocity_odom, later.velocity_odom)).norm(), 1e-7);
+  EXPECT_LT((now.rate_robot - logSO3<double>(turned) / (2 * kStep_s)).norm(), 1e-7);
+  EXPECT_LT((now.angular_acceleration_robot - mean(before.rate_robot, later.rate_robot)).norm(), 1e-7);
+}
+
+TEST(SealedDive, RatesAreThePathsDerivatives) {
+  for (const char* manoeuvre : {"rich", "survey", "station", "approach", "closing", "turns"})
+    for (const double t_s : {0.0, 7.3, 41.9})
+      expectRatesAreDerivatives(makeDive(manoeuvre, 5, kPanel_odom), t_s);
+}
+
+TEST(SealedDive, ComesNearerAllTheWhile) {
+  const Dive dive = makeDive("closing", 5, kPanel_odom);
+  for (double t_s = 0; t_s < 30; t_s += 1) EXPECT_GT(dive.at(t_s).velocity_odom.x(), 0.01) << t_s;
+}
+
+/// A path as a file, and a dive along it.
+class GivenDive : public testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove(file_); }
+  void write(const Dive& path, double rate_hz, double duration_s) const {
+    std::vector<StampedPose> poses;
+    for (int i = 0; i <= duration_s * rate_hz; ++i)
+      poses.push_back({fromUnixSeconds(i / rate_hz), path.poseAt(i / rate_hz)});
+    writeTum(file_, poses);
   }
+  Dive along(const Dive& path, double rate_hz, double duration_s) const {
+    write(path, rate_hz, duration_s);
+    return makeDive({.manoeuvre = "given", .path = file_, .duration_s = duration_s}, kPanel_odom);
+  }
+  const std::filesystem::path file_ = std::filesystem::temp_directory_path() / "fathom_given_dive_test.tum";
+};
+
+// Turns by far more than half a turn to either side, so that quaternions change their sign.
+TEST_F(GivenDive, GoesThroughTheGivenPoses) {
+  const Dive path([](double t_s) {
+    Motion motion = makeDive("rich", 3, kPanel_odom).at(t_s);
+    motion.T_odom_robot.rotation *= expSO3<double>({0, 0, 5 * std::sin(0.3 * t_s)});
+    return motion;
+  });
+  const Dive dive = along(path, 20, 30);
+  for (const double t_s : {1.02, 3.02, 11.01, 28.97}) {
+    EXPECT_LT((dive.poseAt(t_s).position - path.poseAt(t_s).position).norm(), 1e-5) << t_s;
+    EXPECT_LT(angleBetween(dive.poseAt(t_s).rotation, path.poseAt(t_s).rotation), 1e-4) << t_s;
+    expectRatesAreDerivatives(dive, t_s);
+  }
+}
+
+TEST_F(GivenDive, IsContinuousToTheAcceleration) {
+  const Dive dive = along(makeDive("rich", 3, kPanel_odom), 10, 30);
+  const Motion before = dive.at(12.3 - 1e-9), after = dive.at(12.3 + 1e-9);  // about a given pose
+  EXPECT_LT((before.acceleration_odom - after.acceleration_odom).norm(), 1e-6);
+  EXPECT_LT((before.angular_acceleration_robot - after.angular_acceleration_robot).norm(), 1e-6);
+}
+
+TEST_F(GivenDive, RestsBeforeAndAfter) {
+  const Dive dive = along(makeDive("rich", 3, kPanel_odom), 20, 10);
+  EXPECT_EQ(dive.poseAt(10.5).position, dive.poseAt(10).position);
+  EXPECT_EQ(dive.at(-1).velocity_odom, Vector3d::Zero());
+}
+
+TEST_F(GivenDive, SaysWhatIsWrongAndWhere) {
+  const auto complaint = [&](double rate_hz, double duration_s, double asked_s) {
+    write(makeDive("station", 3, kPanel_odom), rate_hz, duration_s);
+    try {
+      GivenPath(file_, asked_s);
+    } catch (const Error& error) {
+      return error.where + ": " + error.why;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(complaint(20, 10, 10), "");
+  EXPECT_EQ(complaint(20, 10, 11), ": must reach from 0 to 11 s");
+  EXPECT_EQ(complaint(5, 10, 10), "0.2 s: is more than 0.1 s after the pose before");
 }
 
 TEST(SealedInertialUnit, StrapdownIntegrationReturnsThePath) {
