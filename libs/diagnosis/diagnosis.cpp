@@ -28,8 +28,7 @@ constexpr double kConfirmed = 0.3;  // of the likelihood it gains, on stretches 
 
 /// To compare what a camera by itself shows: its noise and the markers' scatter, multiplied.
 double cameraNoise(const NoiseModel& noise) {
-  const auto [in_face_m, off_face_m] = noise.markers;
-  double product = in_face_m > 0 ? std::cbrt(in_face_m * in_face_m * off_face_m) : 1;
+  double product = noise.markers.largest_m() > 0 ? noise.markers.rms_m() : 1;
   for (const BatchChannel channel : {BatchChannel::markers, BatchChannel::tie_points, BatchChannel::pixels})
     product *= noise.of(channel).independentScale();
   return product;

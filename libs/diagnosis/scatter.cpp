@@ -122,6 +122,13 @@ double bentPanel_m(const Linearization& linear, const std::vector<Candidate>& ef
   return scatter_m;
 }
 
+/// What it sees through may be whole pixels from what is nominal, which is far from linear: then markers seem
+/// to lie elsewhere in all directions, and would make up for nearly all of it were they tilted, too.
+bool isCameraAlone(const Linearization& linear) {
+  return std::none_of(linear.rows.begin(), linear.rows.end(),
+                      [](const RowInfo& row) { return row.channel == BatchChannel::gyro; });
+}
+
 /// A place's readings in one colour, by row.
 struct Place {
   ImagePatch::Surface surface;
@@ -220,23 +227,28 @@ double printScatter(const std::vector<Place>& places, const MeasuredPrint& measu
 }  // namespace
 
 MarkerScatter markerScatter(const Saturated& saturated, const Linearization& linear) {
-  std::vector<Eigen::Index> in_face, off_face;
+  std::vector<Eigen::Index> in_face, off_face, both;
   Eigen::Index column = linear.J.cols();
   for (const Candidate& candidate : saturated.candidates) {
     if (candidate.effect == kEffectIndex<MarkerMoved>) {
       in_face.insert(in_face.end(), {column, column + 1});
       off_face.push_back(column + kOffFace);
+      both.insert(both.end(), {column, column + 1, column + kOffFace});
     }
     column += std::ssize(columnsOf(linear, candidate.effect));
   }
   const double least_m = cornerBias_m(linear);
-  MarkerScatter scatter{least_m, least_m};
-  if (off_face.size() < kFewestMarkers) return scatter;
+  if (off_face.size() < kFewestMarkers) return {least_m, least_m, least_m};
   const Eigen::VectorXd x = saturated.nuisances.step(saturated.residual);
   const auto beyond = [&](const std::vector<Eigen::Index>& own, Eigen::Index together) {
     return std::max(least_m, scatterOf(x(own), saturated.nuisances.covariance(own), together));
   };
-  return {beyond(in_face, 2), std::max(beyond(off_face, 1), bentPanel_m(linear, saturated.candidates))};
+  if (isCameraAlone(linear)) {
+    const double any_m = beyond(both, 3);
+    return {any_m, any_m, 0};
+  }
+  const double off_m = std::max(beyond(off_face, 1), bentPanel_m(linear, saturated.candidates));
+  return {beyond(in_face, 2), off_m, off_m};
 }
 
 PrintScatter printScatter(const Saturated& saturated, const Linearization& linear) {
@@ -249,10 +261,10 @@ PrintScatter printScatter(const Saturated& saturated, const Linearization& linea
 
 HeldColumns placeColumns(const Linearization& linear, const MarkerScatter& scatter,
                          const std::map<int, double>& half_sizes_m) {
-  constexpr Eigen::Index kMoved = 4, kTilts = 2, kAll = kMoved + kTilts;
+  constexpr Eigen::Index kMoved = 4;
+  const Eigen::Index tilts = scatter.tilted_m > 0 ? 2 : 0, all = kMoved + tilts;
   const std::set<int> ids = markersOf(linear);
-  HeldColumns held{{std::ssize(linear.rows), kAll * std::ssize(ids)},
-                   Eigen::VectorXd(kAll * std::ssize(ids))};
+  HeldColumns held{{std::ssize(linear.rows), all * std::ssize(ids)}, Eigen::VectorXd(all * std::ssize(ids))};
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::Index first = 0;
   for (const int id : ids) {
@@ -265,18 +277,17 @@ HeldColumns placeColumns(const Linearization& linear, const MarkerScatter& scatt
     for (Eigen::Index c = 0; c < kMoved; ++c)
       for (Eigen::SparseMatrix<double>::InnerIterator entry(moved, c); entry; ++entry) {
         add(entry, c, 1);
-        if (c != kOffFace) continue;
         // As Marker::corners_panel() has them: in its own axes, in units of half its size.
-        constexpr std::array<std::array<int, kTilts>, 4> kCorners{{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}};
-        const int component = linear.rows[static_cast<std::size_t>(entry.row())].component;
-        for (std::size_t axis = 0; axis < kTilts; ++axis)
-          add(entry, kMoved + static_cast<Eigen::Index>(axis),
-              kCorners[static_cast<std::size_t>(component / 2)][axis]);
+        constexpr std::array<std::array<int, 2>, 4> kCorners{{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}};
+        const int corner = linear.rows[static_cast<std::size_t>(entry.row())].component / 2;
+        for (Eigen::Index axis = 0; c == kOffFace && axis < tilts; ++axis)
+          add(entry, kMoved + axis,
+              kCorners[static_cast<std::size_t>(corner)][static_cast<std::size_t>(axis)]);
       }
-    const auto [in_face_m, off_face_m] = scatter;
-    held.sigma.segment<kAll>(first) << in_face_m, in_face_m, off_face_m,
-        degrees(in_face_m / half_sizes_m.at(id)), off_face_m, off_face_m;
-    first += kAll;
+    held.sigma.segment<kMoved>(first) << scatter.in_face_m, scatter.in_face_m, scatter.off_face_m,
+        degrees(scatter.in_face_m / half_sizes_m.at(id));
+    held.sigma.segment(first + kMoved, tilts).setConstant(scatter.tilted_m);
+    first += all;
   }
   held.columns.setFromTriplets(entries.begin(), entries.end());
   return held;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <map>
 
 #include "estimation/linearization.h"
@@ -14,8 +15,11 @@ struct Saturated;
 struct MarkerScatter {
   double in_face_m = 0;   ///< each axis of the panel's face
   double off_face_m = 0;  ///< out of its plane
+  double tilted_m = 0;    ///< their corners, about that: how they are tilted; 0: are not
 
   double largest_m() const { return in_face_m > off_face_m ? in_face_m : off_face_m; }
+  /// Of an axis.
+  double rms_m() const { return std::sqrt((2 * in_face_m * in_face_m + off_face_m * off_face_m) / 3); }
 };
 
 /// What the panel's places scatter by, for good, about the albedos that the map has for their kind: shares of
@@ -52,8 +56,8 @@ struct HeldColumns {
   Eigen::VectorXd sigma;
 };
 
-/// Each marker's own place: where its centre is, how it is turned in the panel's face, and how it is tilted,
-/// which moves its corners as far as its centre. `half_sizes_m` by marker id.
+/// Each marker's own place: where its centre is, how it is turned in the panel's face, and how it is tilted.
+/// `half_sizes_m` by marker id.
 HeldColumns placeColumns(const Linearization& linear, const MarkerScatter& scatter,
                          const std::map<int, double>& half_sizes_m);
 
