@@ -68,7 +68,8 @@ Eigen::MatrixXd correlated(Eigen::MatrixXd noise, const std::array<ChannelRows, 
 
 /// The pixels' noise as two parts: the sigma stated, so many times, and a share of the light. By the sum of
 /// what is left squared, and by the same with more weight where the second part would show most; without a
-/// second part where that sum is not beyond chance.
+/// second part where that sum is not beyond chance, or where there is no more noise than is stated: that
+/// counts what rounding does to dark places, which lasts, and is not to be made less of.
 void splitLightNoise(const Saturated& saturated, const Linearization& linear,
                      const std::vector<std::size_t>& rows, const Eigen::MatrixXd& white,
                      const NoiseModel& assumed, NoiseModel& noise) {
@@ -93,7 +94,7 @@ void splitLightNoise(const Saturated& saturated, const Linearization& linear,
   const double plain = seen.sum() / of_stated;
   const double excess = (weight * seen).sum(),
                chance = std::sqrt(2 * (weight * left * plain * stated).square().sum());
-  if (excess <= kClearSigmas * chance) return;
+  if (excess <= kClearSigmas * chance || plain < 1) return;
   const double share = excess / (weight * left * light).sum();
   noise.light_scatter = std::sqrt(std::max(0.0, share));
   noise.channels[kPixels].scale =

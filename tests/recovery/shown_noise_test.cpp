@@ -53,6 +53,21 @@ TEST(ShownNoise, OfLightThatScattersWithItsStrength) {
   EXPECT_NEAR(noise.of(BatchChannel::pixels).scale, 1, 0.1);
 }
 
+// What is stated counts what lasts, such as rounding: where it is not used up nothing is made less of it.
+TEST(ShownNoise, NoPartThatGoesWithLightWhereThereIsLessThanStated) {
+  test::DiagnosisRun run = test::plainNull(quietDive(), 2);
+  run.change_light = [](std::vector<ImagePatch>& patches) {
+    Random noise(1);
+    for (ImagePatch& patch : patches) {
+      patch.radiance += 0.001 * noise.normal3().cwiseProduct(patch.radiance);
+      patch.sigma *= 2;
+    }
+  };
+  const NoiseModel noise = noiseOf(run);
+  EXPECT_LT(noise.of(BatchChannel::pixels).scale, 0.9);
+  EXPECT_EQ(noise.light_scatter, 0);
+}
+
 TEST(ShownNoise, OfPrintThatIsUneven) {
   constexpr double kShare = 0.01;
   test::DiagnosisRun run = test::plainNull(quietDive(), 3);
