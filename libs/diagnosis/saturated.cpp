@@ -35,7 +35,7 @@ std::vector<Candidate> otherMarkers(const Linearization& linear) {
   const auto moved = std::find_if(linear.blocks.begin(), linear.blocks.end(), [](const UnknownBlock& block) {
     return block.kind == UnknownBlock::Kind::effect && block.index == kEffectIndex<MarkerMoved>;
   });
-  if (moved == linear.blocks.end()) return {};
+  if (moved == linear.blocks.end() || isCameraAlone(linear)) return {};
   std::set<int> ids = markersOf(linear);
   for (Eigen::SparseMatrix<double>::InnerIterator entry(linear.J, moved->column); entry; ++entry)
     if (entry.value() != 0) ids.erase(linear.rows[static_cast<std::size_t>(entry.row())].marker_id);

@@ -122,13 +122,6 @@ double bentPanel_m(const Linearization& linear, const std::vector<Candidate>& ef
   return scatter_m;
 }
 
-/// What it sees through may be whole pixels from what is nominal, which is far from linear: then markers seem
-/// to lie elsewhere in all directions, and would make up for nearly all of it were they tilted, too.
-bool isCameraAlone(const Linearization& linear) {
-  return std::none_of(linear.rows.begin(), linear.rows.end(),
-                      [](const RowInfo& row) { return row.channel == BatchChannel::gyro; });
-}
-
 /// A place's readings in one colour, by row.
 struct Place {
   ImagePatch::Surface surface;
@@ -225,6 +218,11 @@ double printScatter(const std::vector<Place>& places, const MeasuredPrint& measu
 }
 
 }  // namespace
+
+bool isCameraAlone(const Linearization& linear) {
+  return std::none_of(linear.rows.begin(), linear.rows.end(),
+                      [](const RowInfo& row) { return row.channel == BatchChannel::gyro; });
+}
 
 MarkerScatter markerScatter(const Saturated& saturated, const Linearization& linear) {
   std::vector<Eigen::Index> in_face, off_face, both;

@@ -43,6 +43,11 @@ struct PrintScatter {
   bool isSeen() const { return black > 0 || white > 0 || body > 0; }
 };
 
+/// What a camera by itself sees through may be whole pixels from what is nominal, which is far from linear:
+/// then markers seem to lie elsewhere in all directions, and would make up for nearly all of it were they
+/// free.
+bool isCameraAlone(const Linearization& linear);
+
 /// What the markers' places scatter by beyond their own uncertainty. Panels bend more than prints stretch.
 MarkerScatter markerScatter(const Saturated& saturated, const Linearization& linear);
 
