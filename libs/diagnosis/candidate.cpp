@@ -117,4 +117,27 @@ Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::ve
   return columns;
 }
 
+std::set<int> markersOf(const Linearization& linear) {
+  std::set<int> ids;
+  for (const RowInfo& row : linear.rows)
+    if (row.marker_id >= 0) ids.insert(row.marker_id);
+  return ids;
+}
+
+std::vector<Candidate> lastingCandidates(const Linearization& linear) {
+  const std::set<int> ids = markersOf(linear);
+  std::vector<Candidate> candidates;
+  for (const EffectInfo& effect : allEffects()) {
+    if (isEstimated(linear, effect.index) || effect.has(ParameterKind::time) || hasPeak(effect)) continue;
+    Candidate candidate{.effect = effect.index, .marker_id = {}, .time_s = {}, .peak = {}, .active_s = {}};
+    if (!effect.has(ParameterKind::marker_id)) candidates.push_back(candidate);
+    for (const int id : ids)
+      if (effect.has(ParameterKind::marker_id)) {
+        candidate.marker_id = id;
+        candidates.push_back(candidate);
+      }
+  }
+  return candidates;
+}
+
 }  // namespace fathom

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -68,5 +69,12 @@ bool isEstimated(const Linearization& linear, std::size_t effect);
 /// Columns of the candidates, one behind the other, over the linearization's rows: zero where a candidate
 /// does not act.
 Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::vector<Candidate>& candidates);
+
+/// Ids of all markers seen.
+std::set<int> markersOf(const Linearization& linear);
+
+/// Every effect not yet estimated that a fit can differentiate by, for good; those with a marker's id once
+/// for each id.
+std::vector<Candidate> lastingCandidates(const Linearization& linear);
 
 }  // namespace fathom

@@ -46,7 +46,9 @@ bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
   return shown.markers.in_face_m < kLessNoise * before.markers.in_face_m ||
          shown.markers.off_face_m < kLessNoise * before.markers.off_face_m ||
          shown.light_scatter < kLessNoise * before.light_scatter ||
-         shown.print.white < kLessNoise * before.print.white;
+         shown.print.black < kLessNoise * before.print.black ||
+         shown.print.white < kLessNoise * before.print.white ||
+         shown.print.body < kLessNoise * before.print.body;
 }
 
 /// The course of a diagnosis.

@@ -86,10 +86,9 @@ bool moveTo(const View& view, const CameraModel& camera, const Pose& T_odom_pane
 
 /// What is above the horizon at the same place in the picture.
 bool moveWaterTo(const View& view, const CameraModel& camera, const Pose& T_odom_panel, ImagePatch& patch) {
-  constexpr double kAbove = 0.087;  // 5 degrees: see environment/open_water.h
   const Pose T_odom_camera = view.T_odom_robot * patch.T_robot_camera;
   const Vector3d direction = camera.idealAt(patch.pixel).homogeneous();
-  if ((T_odom_camera.rotation * direction).normalized().z() < kAbove) return false;
+  if ((T_odom_camera.rotation * direction).normalized().z() < kOpenWaterSteepness) return false;
   patch.t_s = view.t_s;
   patch.image = view.image;
   patch.point_panel = T_odom_panel.inverse() * (T_odom_camera * Vector3d(kOpenWater_m * direction));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/median.h"
 #include "core/random.h"
 #include "diagnosis/saturated.h"
 
@@ -24,21 +25,31 @@ struct Moments {
 
 using Pairs = std::vector<std::array<std::size_t, 2>>;
 
-Moments momentsOf(const Eigen::Ref<const Eigen::VectorXd>& r, const std::vector<std::size_t>& rows,
-                  const Pairs& pairs) {
-  Moments moments;
-  for (const std::size_t i : rows)
-    moments.square += r[static_cast<Eigen::Index>(i)] * r[static_cast<Eigen::Index>(i)];
-  for (const auto& [a, b] : pairs)
-    moments.product += r[static_cast<Eigen::Index>(a)] * r[static_cast<Eigen::Index>(b)];
-  if (!pairs.empty()) moments.product *= static_cast<double>(rows.size()) / static_cast<double>(pairs.size());
-  return moments;
-}
-
 struct ChannelRows {
   std::vector<std::size_t> rows;
   Pairs pairs;
 };
+
+Moments momentsOf(const Eigen::Ref<const Eigen::VectorXd>& r, const ChannelRows& own) {
+  Moments moments;
+  for (const std::size_t i : own.rows)
+    moments.square += r[static_cast<Eigen::Index>(i)] * r[static_cast<Eigen::Index>(i)];
+  for (const auto& [a, b] : own.pairs)
+    moments.product += r[static_cast<Eigen::Index>(a)] * r[static_cast<Eigen::Index>(b)];
+  if (!own.pairs.empty())
+    moments.product *= static_cast<double>(own.rows.size()) / static_cast<double>(own.pairs.size());
+  return moments;
+}
+
+Moments meanMoments(const Eigen::MatrixXd& draws, const ChannelRows& own) {
+  Moments mean;
+  for (const auto& draw : draws.colwise()) {
+    const Moments moments = momentsOf(draw, own);
+    mean.square += moments.square / static_cast<double>(draws.cols());
+    mean.product += moments.product / static_cast<double>(draws.cols());
+  }
+  return mean;
+}
 
 std::array<ChannelRows, kBatchChannels.size()> rowsByChannel(const Linearization& linear) {
   std::array<ChannelRows, kBatchChannels.size()> channels;
@@ -69,13 +80,13 @@ Eigen::MatrixXd correlated(Eigen::MatrixXd noise, const std::array<ChannelRows, 
 /// The pixels' noise as two parts: the sigma stated, so many times, and a share of the light. By the sum of
 /// what is left squared, and by the same with more weight where the second part would show most; without a
 /// second part where that sum is not beyond chance, or where there is no more noise than is stated: that
-/// counts what rounding does to dark places, which lasts, and is not to be made less of.
+/// counts what rounding does to dark places, which lasts, and is not to be made less of. `simulated`: what
+/// would be left of white noise.
 void splitLightNoise(const Saturated& saturated, const Linearization& linear,
-                     const std::vector<std::size_t>& rows, const Eigen::MatrixXd& white,
+                     const std::vector<std::size_t>& rows, const Eigen::MatrixXd& simulated,
                      const NoiseModel& assumed, NoiseModel& noise) {
   constexpr auto kPixels = static_cast<std::size_t>(BatchChannel::pixels);
   if (rows.size() < kFewestRows) return;
-  const Eigen::MatrixXd simulated = saturated.nuisances.project(white);
   const double scale = assumed.channels[kPixels].independentScale();
   const auto count = std::ssize(rows);
   // As shares of the variance assumed: of what is stated, of all the light; what is left of them; and what is
@@ -103,11 +114,6 @@ void splitLightNoise(const Saturated& saturated, const Linearization& linear,
 
 }  // namespace
 
-double lastingBias(BatchChannel channel) {
-  if (channel == BatchChannel::markers) return 0.005;
-  return channel == BatchChannel::edges ? 0.01 : 0;
-}
-
 double ChannelNoise::independentScale() const {
   return scale * std::sqrt((1 + correlation) / (1 - correlation));
 }
@@ -117,29 +123,6 @@ void NoiseModel::applyTo(ProblemOptions& options) const {
   options.light_scatter = light_scatter;
 }
 
-std::set<int> markersOf(const Linearization& linear) {
-  std::set<int> ids;
-  for (const RowInfo& row : linear.rows)
-    if (row.marker_id >= 0) ids.insert(row.marker_id);
-  return ids;
-}
-
-std::vector<Candidate> lastingCandidates(const Linearization& linear) {
-  const std::set<int> ids = markersOf(linear);
-  std::vector<Candidate> candidates;
-  for (const EffectInfo& effect : allEffects()) {
-    if (isEstimated(linear, effect.index) || effect.has(ParameterKind::time) || hasPeak(effect)) continue;
-    Candidate candidate{.effect = effect.index, .marker_id = {}, .time_s = {}, .peak = {}, .active_s = {}};
-    if (!effect.has(ParameterKind::marker_id)) candidates.push_back(candidate);
-    for (const int id : ids)
-      if (effect.has(ParameterKind::marker_id)) {
-        candidate.marker_id = id;
-        candidates.push_back(candidate);
-      }
-  }
-  return candidates;
-}
-
 std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, BatchChannel channel) {
   std::vector<std::array<std::size_t, 2>> pairs;
   for (const auto& track : linear.tracks) {
@@ -147,9 +130,7 @@ std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, 
     std::vector<double> spacings;
     for (std::size_t k = 1; k < track.size(); ++k)
       spacings.push_back(linear.rows[track[k]].t_s - linear.rows[track[k - 1]].t_s);
-    std::vector<double> sorted = spacings;
-    std::nth_element(sorted.begin(), sorted.begin() + std::ssize(sorted) / 2, sorted.end());
-    const double longest_s = 1.5 * sorted[sorted.size() / 2];
+    const double longest_s = 1.5 * upperMedian(spacings);
     for (std::size_t k = 1; k < track.size(); ++k)
       if (spacings[k - 1] <= longest_s) pairs.push_back({track[k - 1], track[k]});
   }
@@ -163,26 +144,21 @@ NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint
   if (noise.print.isSeen()) saturated = saturate(linear, noise.print);
   noise.markers = markerScatter(*saturated, linear);
   const auto rows = rowsByChannel(linear);
-  const Eigen::VectorXd& left = saturated->left;
   Random random(seed);
-  const Eigen::MatrixXd white = random.normals(left.size(), kNoiseDraws);
+  const Eigen::MatrixXd white = random.normals(saturated->left.size(), kNoiseDraws),
+                        left_of_white = saturated->nuisances.project(white);
 
   std::array<double, kBatchChannels.size()> correlation{};
   std::array<bool, kBatchChannels.size()> is_correlated{};
+  Eigen::MatrixXd simulated = left_of_white;
   for (int round = 0; round < kCorrelationRounds; ++round) {
-    const Eigen::MatrixXd simulated = saturated->nuisances.project(correlated(white, rows, correlation));
+    if (round > 0) simulated = saturated->nuisances.project(correlated(white, rows, correlation));
     for (std::size_t c = 0; c < rows.size(); ++c) {
       ChannelNoise& channel = noise.channels[c];
       channel.rows = rows[c].rows.size();
       // Numbers of specks scatter by Poisson's law, and where there are none they do not.
       if (channel.rows < kFewestRows || static_cast<BatchChannel>(c) == BatchChannel::specks) continue;
-      const Moments seen = momentsOf(left, rows[c].rows, rows[c].pairs);
-      Moments expected;
-      for (Eigen::Index d = 0; d < kNoiseDraws; ++d) {
-        const Moments draw = momentsOf(simulated.col(d), rows[c].rows, rows[c].pairs);
-        expected.square += draw.square / kNoiseDraws;
-        expected.product += draw.product / kNoiseDraws;
-      }
+      const Moments seen = momentsOf(saturated->left, rows[c]), expected = meanMoments(simulated, rows[c]);
       const double difference = seen.correlation() - expected.correlation();
       if (round == 0)
         is_correlated[c] = rows[c].pairs.size() >= kFewestRows &&
@@ -194,10 +170,11 @@ NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint
       if (is_correlated[c])
         correlation[c] = std::clamp(correlation[c] + difference, -0.5, kLargestCorrelation);
     }
+    if (std::none_of(is_correlated.begin(), is_correlated.end(), [](bool is) { return is; })) break;
   }
   noise.light_scatter = 0;
-  splitLightNoise(*saturated, linear, rows[static_cast<std::size_t>(BatchChannel::pixels)].rows, white,
-                  assumed, noise);
+  splitLightNoise(*saturated, linear, rows[static_cast<std::size_t>(BatchChannel::pixels)].rows,
+                  left_of_white, assumed, noise);
   return noise;
 }
 

@@ -3,17 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <set>
 
 #include "diagnosis/candidate.h"
 #include "diagnosis/scatter.h"
 
 namespace fathom {
-
-/// What a channel's readings can be off by for no reason of their own however often they are taken, reading's
-/// own unit. Of markers' corners what the pixels' lattice leaves, of edges what renderers differ by; of
-/// others nothing is known.
-double lastingBias(BatchChannel channel);
 
 /// The noise that one channel shows.
 struct ChannelNoise {
@@ -49,12 +43,5 @@ NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint
 
 /// Rows of a track that follow one another without a gap: pairs of neighbours, by row.
 std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, BatchChannel channel);
-
-/// Ids of all markers seen.
-std::set<int> markersOf(const Linearization& linear);
-
-/// Every effect not yet estimated that a fit can differentiate by, for good; those with a marker's id once
-/// for each id.
-std::vector<Candidate> lastingCandidates(const Linearization& linear);
 
 }  // namespace fathom

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/chi_square.h"
+#include "diagnosis/lasting_bias.h"
 #include "effects/catalogue.h"
 
 namespace fathom {

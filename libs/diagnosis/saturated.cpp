@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <set>
 
-#include "diagnosis/noise.h"
 #include "diagnosis/scatter.h"
 #include "effects/catalogue.h"
 

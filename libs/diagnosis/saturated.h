@@ -9,8 +9,7 @@
 namespace fathom {
 
 /// An estimate with every effect of the catalogue among its unknowns, each held by its prior, and the places'
-/// albedos, held as they scatter. What is then left is noise, or
-/// nothing that is known.
+/// albedos, held as they scatter. What is then left is noise, or nothing that is known.
 struct Saturated {
   std::vector<Candidate> candidates;
   Nuisances nuisances;             ///< unknowns of the linearization, candidates' columns, print's

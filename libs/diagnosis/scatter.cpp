@@ -8,9 +8,11 @@
 #include <set>
 
 #include "core/chi_square.h"
-#include "diagnosis/noise.h"
+#include "core/median.h"
+#include "diagnosis/lasting_bias.h"
 #include "diagnosis/saturated.h"
 #include "effects/catalogue.h"
+#include "panel/panel_map.h"
 
 namespace fathom {
 namespace {
@@ -89,7 +91,6 @@ double evidence(const Eigen::MatrixXd& information, const Eigen::VectorXd& score
 /// Where effects can make up for a panel that is not plane, and no single one does it as well as a panel that
 /// is bent a little: by how much it then is. 0: not so.
 double bentPanel_m(const Linearization& linear, const std::vector<Candidate>& effects) {
-  const Nuisances nuisances(linear.J);
   std::vector<Eigen::Index> sizes, off_face;
   Eigen::Index count = 0;
   for (const Candidate& effect : effects) {
@@ -98,6 +99,7 @@ double bentPanel_m(const Linearization& linear, const std::vector<Candidate>& ef
     count += sizes.back();
   }
   if (off_face.size() < kFewestMarkers) return 0;
+  const Nuisances nuisances(linear.J);
   const Eigen::SparseMatrix<double> columns = columnsOf(linear, effects);
   const Eigen::VectorXd priors = priorSigmas(linear, effects);
   const Reduced apart = nuisances.reduce(columns, linear.residual, sizes);
@@ -158,12 +160,6 @@ Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::ve
   return columns;
 }
 
-double medianOf(std::vector<double> values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// By which share of its albedo each place is brighter than the map has it, as its readings by themselves
 /// have it.
 struct MeasuredPrint {
@@ -186,7 +182,7 @@ struct MeasuredPrint {
       if (places[k].rows.size() > 1)
         noise.push_back(square / (static_cast<double>(places[k].rows.size()) - 1));
     }
-    variance = (noise.empty() ? 1.0 : medianOf(noise)) / information;
+    variance = (noise.empty() ? 1.0 : upperMedian(noise)) / information;
   }
 };
 
@@ -207,10 +203,10 @@ double printScatter(const std::vector<Place>& places, const MeasuredPrint& measu
     std::vector<double> off;
     for (const Eigen::Index k : own) {
       const int colour = places[static_cast<std::size_t>(k)].colour;
-      off.push_back(std::abs(measured.share[k] - medianOf(by_colour[static_cast<std::size_t>(colour)])) /
+      off.push_back(std::abs(measured.share[k] - upperMedian(by_colour[static_cast<std::size_t>(colour)])) /
                     std::sqrt(measured.variance[k] + scatter * scatter));
     }
-    return kSigmasByMedian * medianOf(off);
+    return kSigmasByMedian * upperMedian(off);
   };
   // A sigma by the median of n scatters by kMedianScatter / sqrt(n) of itself.
   if (typical(0) < 1 + kClearScatter * kMedianScatter / std::sqrt(static_cast<double>(own.size()))) return 0;
@@ -220,8 +216,10 @@ double printScatter(const std::vector<Place>& places, const MeasuredPrint& measu
 }  // namespace
 
 bool isCameraAlone(const Linearization& linear) {
-  return std::none_of(linear.rows.begin(), linear.rows.end(),
-                      [](const RowInfo& row) { return row.channel == BatchChannel::gyro; });
+  return std::none_of(linear.rows.begin(), linear.rows.end(), [](const RowInfo& row) {
+    return row.channel == BatchChannel::gyro || row.channel == BatchChannel::accelerometer ||
+           row.channel == BatchChannel::dvl;
+  });
 }
 
 MarkerScatter markerScatter(const Saturated& saturated, const Linearization& linear) {
@@ -275,12 +273,10 @@ HeldColumns placeColumns(const Linearization& linear, const MarkerScatter& scatt
     for (Eigen::Index c = 0; c < kMoved; ++c)
       for (Eigen::SparseMatrix<double>::InnerIterator entry(moved, c); entry; ++entry) {
         add(entry, c, 1);
-        // As Marker::corners_panel() has them: in its own axes, in units of half its size.
-        constexpr std::array<std::array<int, 2>, 4> kCorners{{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}};
         const int corner = linear.rows[static_cast<std::size_t>(entry.row())].component / 2;
         for (Eigen::Index axis = 0; c == kOffFace && axis < tilts; ++axis)
           add(entry, kMoved + axis,
-              kCorners[static_cast<std::size_t>(corner)][static_cast<std::size_t>(axis)]);
+              kMarkerCorners[static_cast<std::size_t>(corner)][static_cast<std::size_t>(axis)]);
       }
     held.sigma.segment<kMoved>(first) << scatter.in_face_m, scatter.in_face_m, scatter.off_face_m,
         degrees(scatter.in_face_m / half_sizes_m.at(id));

@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "core/chi_square.h"
+#include "core/median.h"
 #include "core/random.h"
 #include "effects/drawn.h"
 
@@ -330,8 +331,7 @@ double Screening::independentLooks(std::uint64_t seed) const {
     double& least = best[static_cast<std::size_t>(draw)];
     for (const auto& [dof, statistic] : largest) least = std::min(least, chiSquareLogTail(dof, statistic));
   });
-  std::nth_element(best.begin(), best.begin() + kAlarmDraws / 2, best.end());
-  return std::log(2.0) / std::exp(best[kAlarmDraws / 2]);
+  return std::log(2.0) / std::exp(upperMedian(std::move(best)));
 }
 
 double alarmOf(double log_p, double looks) { return -std::expm1(-looks * std::exp(log_p)); }

@@ -7,7 +7,6 @@ namespace fathom {
 namespace {
 
 constexpr int kAcross = 4, kDown = 3;
-const double kSteepness = std::sin(radians(5));  // by which no sea floor rises for long
 // A marker's white has no more, and light in water is not so even that it should count for more.
 constexpr int kPixelsOfCell = 400;
 
@@ -32,7 +31,7 @@ std::vector<Patch> openWaterOf(const CleanPair& pair, const cv::Mat& rays, const
   for (int v = 0; v < size.height; ++v)
     for (int u = 0; u < size.width; ++u) {
       const cv::Vec3f& ray = rays.at<cv::Vec3f>(v, u);
-      const bool rises = up_camera.dot(Vector3d(ray[0], ray[1], ray[2])) > kSteepness;
+      const bool rises = up_camera.dot(Vector3d(ray[0], ray[1], ray[2])) > kOpenWaterSteepness;
       if (rises && std::isinf(pair.clean.range_m.at<float>(v, u))) open.at<std::uint8_t>(v, u) = 255;
     }
   View water;

@@ -6,16 +6,14 @@
 #include <limits>
 #include <numeric>
 
+#include "core/median.h"
 #include "estimation/readings.h"
 
 namespace fathom {
 namespace {
 
 double medianOf(const Eigen::VectorXd& values) {
-  std::vector<double> sorted(values.begin(), values.end());
-  const auto middle = sorted.begin() + std::ssize(sorted) / 2;
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle;
+  return upperMedian(std::vector<double>(values.begin(), values.end()));
 }
 
 /// What pairs of nominal cameras contradict themselves by, in sigmas of the scatter: the right one moved to

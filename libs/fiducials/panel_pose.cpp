@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/chi_square.h"
+#include "core/median.h"
 #include "fiducials/single_marker_pose.h"
 
 namespace fathom {
@@ -84,13 +85,6 @@ std::vector<double> chiSquaresOf(const std::vector<Sighting>& sightings, const P
   values.reserve(sightings.size());
   for (const Sighting& sighting : sightings) values.push_back(chiSquareOf(sighting, pose));
   return values;
-}
-
-/// The upper of the two middle values where their count is even: more than half must agree.
-double upperMedian(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 Pose moved(const Pose& pose, const Vector6d& step) {

@@ -43,8 +43,8 @@ std::vector<Pose> solve(const std::vector<cv::Point3d>& points, const std::vecto
 
 std::vector<MarkerPose> poseOfMarker(const Detection& detection, double size_m, const CameraModel& camera) {
   const double half = size_m / 2;
-  const std::vector<cv::Point3d> square{
-      {-half, half, 0}, {half, half, 0}, {half, -half, 0}, {-half, -half, 0}};
+  std::vector<cv::Point3d> square;
+  for (const auto& [right, up] : kMarkerCorners) square.emplace_back(half * right, half * up, 0);
   const std::vector<Vector2d> pixels(detection.corners_px.begin(), detection.corners_px.end());
   std::vector<MarkerPose> poses;
   for (const Pose& pose : solve(square, pixels, camera, cv::SOLVEPNP_IPPE_SQUARE)) {

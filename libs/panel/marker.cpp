@@ -34,9 +34,12 @@ Surface cellsOf(const MarkerPattern& pattern, double border_m, float white_albed
 }  // namespace
 
 std::array<Vector3d, 4> Marker::corners_panel() const {
-  const double half_m = size_m / 2;
-  return {T_panel_marker * Vector3d(-half_m, half_m, 0), T_panel_marker * Vector3d(half_m, half_m, 0),
-          T_panel_marker * Vector3d(half_m, -half_m, 0), T_panel_marker * Vector3d(-half_m, -half_m, 0)};
+  std::array<Vector3d, 4> corners;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto [right, up] = kMarkerCorners[k];
+    corners[k] = T_panel_marker * Vector3d(right * size_m / 2, up * size_m / 2, 0);
+  }
+  return corners;
 }
 
 Surface surfaceOf(const PanelMap& map) {

@@ -13,6 +13,10 @@
 /// maps/dexrov/panel.yaml. Panel frame: centre of the front face; x right, y up, z out of the face.
 namespace fathom {
 
+/// Corners of a marker's border square in its own axes, right and up, in units of half its size: top-left,
+/// top-right, bottom-right, bottom-left. Every list of corners has this order.
+inline constexpr std::array<std::array<int, 2>, 4> kMarkerCorners{{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}};
+
 /// A planar square fiducial on the face. Marker frame: centre of the marker; x right, y up, z out of the
 /// face, seen upright (see marker_family.h).
 struct Marker {
@@ -21,7 +25,7 @@ struct Marker {
   double size_m = 0;    ///< side of the border square
   Pose T_panel_marker;  ///< turned about the panel's z axis, counter-clockwise seen from in front
 
-  /// Top-left, top-right, bottom-right, bottom-left of the border square, seen upright; panel frame, m.
+  /// In the order of kMarkerCorners; panel frame, m.
   std::array<Vector3d, 4> corners_panel() const;
 };
 

@@ -5,6 +5,7 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include "core/median.h"
 #include "core/text.h"
 #include "recording/fields.h"
 #include "recording/time_text.h"
@@ -97,16 +98,15 @@ class LabelAccumulator {
   }
 
   void summarize(std::vector<std::int64_t>& periods, double gap_periods) {
-    const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
-    std::nth_element(periods.begin(), middle, periods.end());
-    info_.median_period_s = 1e-7 * static_cast<double>(*middle);
-    const double gap_ticks = gap_periods * static_cast<double>(*middle);
+    const std::int64_t middle = upperMedian(periods);
+    info_.median_period_s = 1e-7 * static_cast<double>(middle);
+    const double gap_ticks = gap_periods * static_cast<double>(middle);
 
     double sum = 0.0, regular_sum = 0.0, regular_squares = 0.0, regular = 0.0;
     for (const auto ticks : periods) {
       sum += 1e-7 * static_cast<double>(ticks);
       if (static_cast<double>(ticks) > gap_ticks) continue;
-      const double deviation = 1e-7 * static_cast<double>(ticks - *middle);
+      const double deviation = 1e-7 * static_cast<double>(ticks - middle);
       regular += 1.0;
       regular_sum += deviation;
       regular_squares += deviation * deviation;

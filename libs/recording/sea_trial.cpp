@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/median.h"
 #include "core/text.h"
 
 namespace fathom {
@@ -70,10 +71,7 @@ Vector3d median(const std::vector<Vector3d>& values) {
     std::vector<double> column;
     column.reserve(values.size());
     for (const Vector3d& v : values) column.push_back(v[i]);
-    if (column.empty()) continue;
-    const auto middle = column.begin() + static_cast<std::ptrdiff_t>(column.size() / 2);
-    std::nth_element(column.begin(), middle, column.end());
-    result[i] = *middle;
+    if (!column.empty()) result[i] = upperMedian(std::move(column));
   }
   return result;
 }

@@ -209,11 +209,13 @@ std::array<Vector3<T>, 4> markerCorners_panel(const Marker& nominal, const Effec
                                               double t_s) {
   const MarkerPlacement<T> marker = markerPlacement(nominal, effects, t_s);
   const T half_m = 0.5 * marker.size_m;
-  const auto corner = [&](double right, double up) {
-    return Vector3<T>(marker.position_panel +
-                      marker.R_panel_marker * Vector3<T>(half_m * right, half_m * up, T(0)));
-  };
-  return {corner(-1, 1), corner(1, 1), corner(1, -1), corner(-1, -1)};
+  std::array<Vector3<T>, 4> corners;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double right = kMarkerCorners[k][0], up = kMarkerCorners[k][1];
+    corners[k] =
+        marker.position_panel + marker.R_panel_marker * Vector3<T>(half_m * right, half_m * up, T(0));
+  }
+  return corners;
 }
 
 /// The camera's forward model: pixels of a marker's four corners in an image stamped t_s, in the order of

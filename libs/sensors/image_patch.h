@@ -27,6 +27,8 @@ struct PatchSurface {
 
 /// Along the optical axis: so far away that nothing of what is there would arrive.
 inline constexpr double kOpenWater_m = 1e4;
+/// What shows nothing but water rises so steeply, sine of the angle: by 5 degrees no sea floor does for long.
+inline const double kOpenWaterSteepness = std::sin(radians(5));
 
 /// A few pixels of one surface of a panel, in one image, or of open water: a black surface at kOpenWater_m.
 struct ImagePatch : PatchSurface {

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "core/median.h"
 #include "core/progress.h"
 #include "core/text.h"
 #include "real_recordings.h"
@@ -57,9 +58,7 @@ std::string shareOf(const std::vector<Scored>& all, const Choose& among, const C
 }
 
 double medianOf(std::vector<double> values) {
-  if (values.empty()) return std::nan("");
-  std::nth_element(values.begin(), values.begin() + std::ssize(values) / 2, values.end());
-  return values[values.size() / 2];
+  return values.empty() ? std::nan("") : upperMedian(std::move(values));
 }
 
 std::map<double, std::pair<double, double>> foundByStratum(const std::vector<Scored>& all) {

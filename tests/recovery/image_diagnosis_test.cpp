@@ -10,22 +10,14 @@
 namespace fathom {
 namespace {
 
-const test::BatchRun& lightDive() {
-  static const test::BatchRun run = [] {
-    test::BatchRun with_images = test::richRun(1, 24.0);
-    with_images.pixels = true;
-    return with_images;
-  }();
-  return run;
-}
 const test::Excitation& lightExcitation() {
-  static const test::Excitation excitation(lightDive());
+  static const test::Excitation excitation(test::lightDive());
   return excitation;
 }
 
 // Its water is found beside path and calibration: within 4 of the sigmas that the linearization states.
 TEST(ImageDiagnosis, TheWaterIsFound) {
-  const BatchInput input = lightDive().input();
+  const BatchInput input = test::lightDive().input();
   const BatchEstimate estimate = estimateBatch(input.data, input.start, {});
   ASSERT_TRUE(estimate.succeeded) << estimate.failure;
   const auto problem = problemAt(input.data, estimate, {});
@@ -52,7 +44,7 @@ BatchEstimate withOneMore(const BatchInput& input, const BatchEstimate& from, co
 // One more effect on light leaves poses where they are, and ends where it would if all were minimized again;
 // one on the DVL moves them, and the water with them, as light is then looked at from elsewhere.
 TEST(ImageDiagnosis, OnlyWhatAnEffectTouchesIsEstimatedAgain) {
-  test::BatchRun run = lightDive();
+  test::BatchRun run = test::lightDive();
   run.effects.add<SlantRange>({0.5});
   run.effects.add<DvlScale>({0.02});
   const BatchInput input = run.input();
@@ -86,7 +78,7 @@ TEST(ImageDiagnosis, SaysThatNothingIsMissing) {
 #ifdef FATHOM_SANITIZE
   GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
 #endif
-  const test::Answer answer = test::answerOf(test::plainNull(lightDive(), 1), lightExcitation());
+  const test::Answer answer = test::answerOf(test::plainNull(test::lightDive(), 1), lightExcitation());
   EXPECT_EQ(nameOf(answer.outcome), "none") << test::told(answer);
 }
 
@@ -97,7 +89,7 @@ TEST(ImageDiagnosis, ALatencyIsToldByWhatItAsksOfTheGyro) {
   GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
 #endif
   const EffectInfo& late = *findEffect("camera-latency");
-  test::DiagnosisRun hidden = test::effectOfSize(lightDive(), lightExcitation(), late, 12.0, 1);
+  test::DiagnosisRun hidden = test::effectOfSize(test::lightDive(), lightExcitation(), late, 12.0, 1);
   hidden.run.effects.add<DarkOffset>({-0.002});
   const Diagnosis diagnosis = diagnose(hidden.input());
   std::set<std::string> named;
@@ -113,7 +105,8 @@ TEST_P(HiddenImageEffect, IsNamed) {
 #ifdef FATHOM_SANITIZE
   GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
 #endif
-  const auto hidden = test::effectOfSize(lightDive(), lightExcitation(), *findEffect(GetParam()), 24.0, 1);
+  const auto hidden =
+      test::effectOfSize(test::lightDive(), lightExcitation(), *findEffect(GetParam()), 24.0, 1);
   const test::Answer answer = test::answerOf(hidden, lightExcitation());
   EXPECT_TRUE(test::namesTheEffect(answer)) << test::told(answer);
 }
@@ -129,7 +122,7 @@ TEST(ImageDiagnosis, TheAdvisedManoeuvreTellsASetApart) {
   GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
 #endif
   const EffectInfo& offset = *findEffect("dark-offset");
-  const test::DiagnosisRun dive = test::effectOfSize(lightDive(), lightExcitation(), offset, 8.0, 2);
+  const test::DiagnosisRun dive = test::effectOfSize(test::lightDive(), lightExcitation(), offset, 8.0, 2);
   const Diagnosis unsure = diagnose(dive.input());
   ASSERT_EQ(unsure.alternatives.size(), 1u) << unsure.why;
   const Advice& advice = unsure.alternatives[0].advice;
@@ -173,7 +166,7 @@ TEST(ImageDiagnosis, ALensOutOfFocusIsOutsideTheCatalogue) {
 #endif
   constexpr std::size_t kOutOfFocus = 11;  // by 1 px²
   const test::Answer answer =
-      test::answerOf(test::outsideLight(lightDive(), kOutOfFocus, 1), lightExcitation());
+      test::answerOf(test::outsideLight(test::lightDive(), kOutOfFocus, 1), lightExcitation());
   EXPECT_EQ(nameOf(answer.outcome), "unexplained") << test::told(answer);
   EXPECT_NE(answer.why.find("of edges against all images"), std::string::npos) << test::told(answer);
 }
@@ -186,7 +179,7 @@ TEST_P(HiddenDrawnEffect, IsNamed) {
 #endif
   constexpr double kSpread = 0.05;
   const EffectInfo& effect = *findEffect(GetParam());
-  test::DiagnosisRun hidden = test::plainNull(lightDive(), 1);
+  test::DiagnosisRun hidden = test::plainNull(test::lightDive(), 1);
   hidden.truth = Candidate{.effect = effect.index};
   hidden.run.effects.on.set(effect.index);
   hidden.run.effects.values[effect.first_scalar] = kSpread;

@@ -9,15 +9,6 @@
 namespace fathom {
 namespace {
 
-const test::BatchRun& quietDive() {
-  static const test::BatchRun run = [] {
-    test::BatchRun with_images = test::richRun(1, 24.0);
-    with_images.pixels = true;
-    return with_images;
-  }();
-  return run;
-}
-
 NoiseModel noiseOf(const test::DiagnosisRun& run) {
   const BatchInput input = run.input();
   const NominalFit nominal = nominalFit(input.data, input.start, {}, 1);
@@ -33,7 +24,7 @@ Vector3d reflected(const ImagePatch& patch) {
 }
 
 TEST(ShownNoise, NoneBeyondWhatIsStated) {
-  const NoiseModel noise = noiseOf(test::plainNull(quietDive(), 1));
+  const NoiseModel noise = noiseOf(test::plainNull(test::lightDive(), 1));
   EXPECT_EQ(noise.light_scatter, 0);
   EXPECT_FALSE(noise.print.isSeen());
   EXPECT_LT(noise.markers.largest_m(), 0.0001);
@@ -41,7 +32,7 @@ TEST(ShownNoise, NoneBeyondWhatIsStated) {
 
 TEST(ShownNoise, OfLightThatScattersWithItsStrength) {
   constexpr double kShare = 0.003;
-  test::DiagnosisRun run = test::plainNull(quietDive(), 2);
+  test::DiagnosisRun run = test::plainNull(test::lightDive(), 2);
   run.change_light = [kShare](std::vector<ImagePatch>& patches) {
     Random noise(1);
     for (ImagePatch& patch : patches) patch.radiance += kShare * noise.normal3().cwiseProduct(patch.radiance);
@@ -55,7 +46,7 @@ TEST(ShownNoise, OfLightThatScattersWithItsStrength) {
 
 // What is stated counts what lasts, such as rounding: where it is not used up nothing is made less of it.
 TEST(ShownNoise, NoPartThatGoesWithLightWhereThereIsLessThanStated) {
-  test::DiagnosisRun run = test::plainNull(quietDive(), 2);
+  test::DiagnosisRun run = test::plainNull(test::lightDive(), 2);
   run.change_light = [](std::vector<ImagePatch>& patches) {
     Random noise(1);
     for (ImagePatch& patch : patches) {
@@ -70,7 +61,7 @@ TEST(ShownNoise, NoPartThatGoesWithLightWhereThereIsLessThanStated) {
 
 TEST(ShownNoise, OfPrintThatIsUneven) {
   constexpr double kShare = 0.01;
-  test::DiagnosisRun run = test::plainNull(quietDive(), 3);
+  test::DiagnosisRun run = test::plainNull(test::lightDive(), 3);
   run.change_light = [kShare](std::vector<ImagePatch>& patches) {
     Random random(2);
     std::map<int, Vector3d> prints;
@@ -88,7 +79,7 @@ TEST(ShownNoise, OfPrintThatIsUneven) {
 }
 
 TEST(ShownNoise, OfMarkersThatAreNotInOnePlane) {
-  test::BatchRun rippled = quietDive();
+  test::BatchRun rippled = test::lightDive();
   rippled.pixels = false;
   test::DiagnosisRun run = test::plainNull(rippled, 4);
   Random random(3);

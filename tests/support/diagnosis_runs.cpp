@@ -31,6 +31,15 @@ BatchRun richRun(std::uint64_t seed, double duration_s) {
   return run;
 }
 
+const BatchRun& lightDive() {
+  static const BatchRun dive = [] {
+    BatchRun run = richRun(1, 24.0);
+    run.pixels = true;
+    return run;
+  }();
+  return dive;
+}
+
 Excitation::Excitation(BatchRun run) {
   run.noise = false;
   run.effects = {};

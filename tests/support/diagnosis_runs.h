@@ -19,6 +19,8 @@ Pose richPose(double t);
 Trajectory pathOf(double duration_s, const std::function<Pose(double)>& poseAt);
 
 BatchRun richRun(std::uint64_t seed, double duration_s = 80.0);
+/// 24 s of it, with what its images show of light.
+const BatchRun& lightDive();
 
 class Excitation;
 
