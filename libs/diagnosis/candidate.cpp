@@ -98,22 +98,23 @@ bool isEstimated(const Linearization& linear, std::size_t effect) {
 }
 
 Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::vector<Candidate>& candidates) {
-  std::vector<Eigen::Triplet<double>> entries;
-  int column = 0;
+  Eigen::Index count = 0, column = 0;
+  for (const Candidate& candidate : candidates) count += std::ssize(columnsOf(linear, candidate.effect));
+  Eigen::SparseMatrix<double> columns(std::ssize(linear.rows), count);
   for (const Candidate& candidate : candidates)
     for (const CandidateColumn& own : columnsOf(linear, candidate.effect)) {
+      columns.startVec(column);
       const bool at_peak = candidate.peak && !linear.columns[own.column].on;
       for (std::size_t i = 0; i < linear.rows.size(); ++i) {
         const double value = linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(own.column));
         if (value == 0 || !own.has(linear.rows[i]) || !actsOn(candidate, linear.rows[i])) continue;
         const double share =
             at_peak ? shareOfPeak(linear.rows[i].t_s, candidate.peak->time_s, candidate.peak->width_s) : 1;
-        entries.emplace_back(static_cast<int>(i), column, share * value);
+        columns.insertBack(static_cast<Eigen::Index>(i), column) = share * value;
       }
       ++column;
     }
-  Eigen::SparseMatrix<double> columns(std::ssize(linear.rows), column);
-  columns.setFromTriplets(entries.begin(), entries.end());
+  columns.finalize();
   return columns;
 }
 

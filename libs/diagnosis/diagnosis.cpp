@@ -1,5 +1,7 @@
 #include "diagnosis/diagnosis.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -51,6 +53,19 @@ bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
          shown.print.body < kLessNoise * before.print.body;
 }
 
+/// The same for the same effects, in whatever order.
+std::string keyOf(const std::vector<Candidate>& effects) {
+  std::set<std::string> names;
+  for (const Candidate& effect : effects)
+    names.insert(nameOf(effect) + print(" %.17g %.17g %.17g %.17g %.17g", effect.time_s.value_or(0),
+                                        effect.active_s.from_s, effect.active_s.to_s,
+                                        effect.peak.value_or(Peak{}).time_s,
+                                        effect.peak.value_or(Peak{}).width_s));
+  std::string key;
+  for (const std::string& name : names) key += name + "\n";
+  return key;
+}
+
 /// The course of a diagnosis.
 class Course {
  public:
@@ -75,8 +90,9 @@ class Course {
   void report();
 
   bool insufficient(const std::string& why);
-  /// Each set of effects is fitted once.
-  Refit fit(const Refit& from, const std::vector<Candidate>& effects);
+  /// Each set of effects is fitted once, those that are new beside each other.
+  std::vector<Refit> fits(const Refit& from, const std::vector<std::vector<Candidate>>& sets);
+  Refit fit(const Refit& from, const std::vector<Candidate>& effects) { return fits(from, {effects})[0]; }
   /// Worth of a fit against the nominal one, with the odds against so many effects. (The first is believed by
   /// the alarm: it knows the chance of a false one.)
   double worth(const Refit& fit) const {
@@ -117,18 +133,20 @@ class Course {
   Diagnosis diagnosis_;
 };
 
-Refit Course::fit(const Refit& from, const std::vector<Candidate>& effects) {
-  std::set<std::string> names;
-  for (const Candidate& effect : effects)
-    names.insert(nameOf(effect) + print(" %.17g %.17g %.17g %.17g %.17g", effect.time_s.value_or(0),
-                                        effect.active_s.from_s, effect.active_s.to_s,
-                                        effect.peak.value_or(Peak{}).time_s,
-                                        effect.peak.value_or(Peak{}).width_s));
-  std::string key;
-  for (const std::string& name : names) key += name + "\n";
-  const auto [it, is_new] = fitted_.try_emplace(key);
-  if (is_new) it->second = refit(data_, from.estimate, base_, effects, diagnosis_.noise);
-  return it->second;
+std::vector<Refit> Course::fits(const Refit& from, const std::vector<std::vector<Candidate>>& sets) {
+  std::vector<Refit*> all;
+  std::vector<std::size_t> left;
+  for (const std::vector<Candidate>& effects : sets) {
+    const auto [it, is_new] = fitted_.try_emplace(keyOf(effects));
+    if (is_new) left.push_back(all.size());
+    all.push_back(&it->second);
+  }
+  tbb::parallel_for(std::size_t{0}, left.size(), [&](std::size_t i) {
+    *all[left[i]] = refit(data_, from.estimate, base_, sets[left[i]], diagnosis_.noise);
+  });
+  std::vector<Refit> fits;
+  for (const Refit* fit : all) fits.push_back(*fit);
+  return fits;
 }
 
 bool Course::insufficient(const std::string& why) {
@@ -171,10 +189,10 @@ Refit Course::settled(Refit fit) {
 /// The best set of so many more effects, each contender estimated in full.
 std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screening, std::size_t size) {
   const std::vector<TestedSet> sets = screening.bestSets(size, kLooked, kLogOdds);
-  std::optional<Refit> best;
-  const auto tryOne = [&](const std::vector<Candidate>& effects) {
-    Refit refitted = fit(from, effects);
-    if (refitted.succeeded && (!best || worth(refitted) > worth(*best))) best = std::move(refitted);
+  std::vector<std::vector<Candidate>> contenders;
+  const auto add = [&](const std::vector<Candidate>& more) {
+    contenders.push_back(from.effects);
+    contenders.back().insert(contenders.back().end(), more.begin(), more.end());
   };
   std::vector<std::vector<std::size_t>> tried;
   for (const TestedSet& set : sets) {
@@ -188,15 +206,14 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
         }))
       continue;
     tried.push_back(set.members);
-    std::vector<Candidate> effects = from.effects;
-    for (const std::size_t m : set.members) effects.push_back(screening.candidates()[m].candidate);
-    tryOne(effects);
+    std::vector<Candidate> members;
+    for (const std::size_t m : set.members) members.push_back(screening.candidates()[m].candidate);
+    add(members);
   }
-  for (const Candidate& alone : farContenders(screening)) {
-    std::vector<Candidate> effects = from.effects;
-    effects.push_back(alone);
-    tryOne(effects);
-  }
+  for (const Candidate& alone : farContenders(screening)) add({alone});
+  std::optional<Refit> best;
+  for (Refit& refitted : fits(from, contenders))
+    if (refitted.succeeded && (!best || worth(refitted) > worth(*best))) best = std::move(refitted);
   return best;
 }
 

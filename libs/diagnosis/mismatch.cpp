@@ -1,5 +1,7 @@
 #include "diagnosis/mismatch.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -372,10 +374,10 @@ std::vector<Mismatch> mismatchMaps(const WhitenedModel& model, std::uint64_t see
       model.nuisances().reduce(model.whitened(planner.columns()), model.residual(), planner.blocks());
   std::vector<Mismatch> maps = spectra(model, seed);
   for (Mismatch& map : imageFlaws(model)) maps.push_back(std::move(map));
-  for (Plan& plan : planner.plans) {
-    finish(plan, model, reduced);
+  tbb::parallel_for(std::size_t{0}, planner.plans.size(),
+                    [&](std::size_t i) { finish(planner.plans[i], model, reduced); });
+  for (Plan& plan : planner.plans)
     if (plan.map.dof > 0) maps.push_back(std::move(plan.map));
-  }
   for (Mismatch& map : maps) {
     map.log_p = std::min(0.0, map.log_p + std::log(static_cast<double>(maps.size())));
     map.p_value = std::exp(map.log_p);

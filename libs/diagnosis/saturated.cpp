@@ -5,6 +5,7 @@
 
 #include "diagnosis/scatter.h"
 #include "effects/catalogue.h"
+#include "estimation/sparse.h"
 
 namespace fathom {
 namespace {

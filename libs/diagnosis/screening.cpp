@@ -279,7 +279,7 @@ std::vector<TestedSet> Screening::bestSets(std::size_t size, std::size_t count, 
   std::vector<TestedSet> all, latest{{{}, 0}};
   const auto byEvidence = [](const TestedSet& a, const TestedSet& b) { return a.support > b.support; };
   for (std::size_t k = 1; k <= size; ++k) {
-    std::map<std::vector<std::size_t>, double> grown;
+    std::set<std::vector<std::size_t>> grown;
     for (const TestedSet& set : latest)
       for (std::size_t m = 0; m < tested_.size(); ++m) {
         const bool there = std::any_of(set.members.begin(), set.members.end(), [&](std::size_t other) {
@@ -288,10 +288,12 @@ std::vector<TestedSet> Screening::bestSets(std::size_t size, std::size_t count, 
         if (there) continue;
         std::vector<std::size_t> members = set.members;
         members.insert(std::upper_bound(members.begin(), members.end(), m), m);
-        if (!grown.contains(members)) grown[members] = supportOf(members);
+        grown.insert(std::move(members));
       }
     latest.clear();
-    for (const auto& [members, evidence] : grown) latest.push_back({members, evidence});
+    for (const auto& members : grown) latest.push_back({members, 0});
+    tbb::parallel_for(std::size_t{0}, latest.size(),
+                      [&](std::size_t i) { latest[i].support = supportOf(latest[i].members); });
     std::stable_sort(latest.begin(), latest.end(), byEvidence);
     if (latest.size() > kKeptSets) latest.resize(kKeptSets);
     for (const TestedSet& set : latest)

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "effects/registry.h"
+#include "estimation/sparse.h"
 
 namespace fathom {
 namespace {

@@ -1,5 +1,7 @@
 #include "environment/image_patches.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -135,12 +137,16 @@ std::vector<ImageSpecks> withSigmas(const std::vector<PosedImage>& posed,
                                     const std::vector<std::optional<SpeckCount>>& counts,
                                     const Environment& environment, Time time_zero) {
   constexpr double kFalse = 1;
+  std::vector<SpeckVolumes> volumes(posed.size());
+  tbb::parallel_for(std::size_t{0}, posed.size(), [&](std::size_t i) {
+    if (counts[i]) volumes[i] = volumesOf(counts[i]->cells, environment);
+  });
   std::vector<ImageSpecks> specks;
   double counted = 0, visible_m3 = 0;
   for (std::size_t i = 0; i < posed.size(); ++i) {
     if (!counts[i]) continue;
     specks.push_back({secondsBetween(time_zero, posed[i].time), posed[i].entry, posed[i].eye,
-                      counts[i]->specks, BySpeckClass::Ones(), volumesOf(counts[i]->cells, environment)});
+                      counts[i]->specks, BySpeckClass::Ones(), volumes[i]});
     counted += specks.back().counted.sum();
     visible_m3 += specks.back().volumes.visible_m3.sum();
   }

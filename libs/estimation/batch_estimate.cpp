@@ -10,6 +10,7 @@
 #include "effects/catalogue.h"
 #include "estimation/linearization.h"
 #include "estimation/selected_inverse.h"
+#include "estimation/sparse.h"
 #include "sensors/models.h"
 
 namespace fathom {
@@ -137,8 +138,7 @@ class Uncertainty {
 
  private:
   static Eigen::SparseMatrix<double> lowerNormal(const Eigen::SparseMatrix<double>& J) {
-    const Eigen::SparseMatrix<double> normal = J.transpose() * J;
-    return normal.triangularView<Eigen::Lower>();
+    return transposedTimes(J, J).triangularView<Eigen::Lower>();
   }
   const BatchProblem& problem_;
   SelectedInverse covariance_;

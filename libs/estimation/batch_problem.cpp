@@ -239,13 +239,16 @@ std::bitset<kEffectCount> BatchProblem::actingOn(const ReadingModel& model, cons
   return acting;
 }
 
-double BatchProblem::thresholdOf(BatchChannel channel, Eigen::Index rows) const {
+double BatchProblem::thresholdOf(BatchChannel channel, Eigen::Index rows) {
   const bool robust = channel == BatchChannel::dvl || channel == BatchChannel::usbl ||
                       channel == BatchChannel::markers || channel == BatchChannel::tie_points ||
                       channel == BatchChannel::pixels || channel == BatchChannel::edges ||
                       channel == BatchChannel::specks;
   if (!robust || options_.robust_probability >= 1.0) return 0.0;
-  return std::sqrt(chiSquareQuantile(static_cast<double>(rows), options_.robust_probability));
+  const auto [known, is_new] = robust_thresholds_.try_emplace(rows);
+  if (is_new)
+    known->second = std::sqrt(chiSquareQuantile(static_cast<double>(rows), options_.robust_probability));
+  return known->second;
 }
 
 void BatchProblem::add(std::unique_ptr<ReadingModel> model, RowSource source, std::vector<double> node_s,

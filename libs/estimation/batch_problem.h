@@ -184,7 +184,7 @@ class BatchProblem {
                     double position_sigma_m, double angle_sigma_rad);
   void addLinear(const UnknownBlock& block, const Eigen::VectorXd& value, const Eigen::MatrixXd& slope);
   std::bitset<kEffectCount> actingOn(const ReadingModel& model, const RowSource& source) const;
-  double thresholdOf(BatchChannel channel, Eigen::Index rows) const;
+  double thresholdOf(BatchChannel channel, Eigen::Index rows);
 
   const BatchData& data_;
   ProblemOptions options_;
@@ -197,6 +197,8 @@ class BatchProblem {
   int unknowns_ = 0;
   std::size_t behind_camera_ = 0;
   std::vector<std::unique_ptr<BatchCost>> costs_;
+  std::map<Eigen::Index, double>
+      robust_thresholds_;  ///< by rows: a quantile costs more than the rest of a cost
 };
 
 /// An effect's continuous scalars, by their place in EffectParameters::values: those that are estimated.

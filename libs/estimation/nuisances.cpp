@@ -6,6 +6,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "estimation/sparse.h"
+
 namespace fathom {
 namespace {
 
@@ -27,28 +29,8 @@ Eigen::MatrixXd gramOf(const Eigen::MatrixXd& U) {
 
 }  // namespace
 
-Eigen::SparseMatrix<double> withHeldColumns(const Eigen::SparseMatrix<double>& J,
-                                            const Eigen::SparseMatrix<double>& C,
-                                            const Eigen::VectorXd& sigma) {
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto add = [&](const Eigen::SparseMatrix<double>& part, Eigen::Index first_column) {
-    for (Eigen::Index c = 0; c < part.outerSize(); ++c)
-      for (Eigen::SparseMatrix<double>::InnerIterator entry(part, c); entry; ++entry)
-        entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(first_column + c),
-                             entry.value());
-  };
-  add(J, 0);
-  add(C, J.cols());
-  for (Eigen::Index k = 0; k < sigma.size(); ++k)
-    entries.emplace_back(static_cast<int>(J.rows() + k), static_cast<int>(J.cols() + k), 1 / sigma[k]);
-  Eigen::SparseMatrix<double> all(J.rows() + sigma.size(), J.cols() + sigma.size());
-  all.setFromTriplets(entries.begin(), entries.end());
-  return all;
-}
-
 Nuisances::Nuisances(const Eigen::SparseMatrix<double>& J) : J_(J) {
-  const Eigen::SparseMatrix<double> normal = J_.transpose() * J_;
-  factors_.compute(normal);
+  factors_.compute(transposedTimes(J_, J_));
   if (factors_.info() != Eigen::Success || factors_.vectorD().minCoeff() <= 0)
     throw std::runtime_error("the nuisances' derivative lacks rank");
 }
@@ -66,7 +48,7 @@ Eigen::MatrixXd Nuisances::forward(const Eigen::SparseMatrix<double>& B) const {
 
 Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r,
                           const std::vector<Eigen::Index>& blocks) const {
-  const Eigen::SparseMatrix<double> along = J_.transpose() * C;
+  const Eigen::SparseMatrix<double> along = transposedTimes(J_, C);
   const Eigen::MatrixXd U = forward(along);
   Reduced reduced;
   reduced.norms = Eigen::VectorXd(C.cols());
@@ -89,7 +71,7 @@ Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::Vec
 }
 
 Eigen::MatrixXd Nuisances::scores(const Eigen::SparseMatrix<double>& C, const Eigen::MatrixXd& R) const {
-  return scores(C, J_.transpose() * C, R);
+  return scores(C, transposedTimes(J_, C), R);
 }
 
 Eigen::MatrixXd Nuisances::scores(const Eigen::SparseMatrix<double>& C,

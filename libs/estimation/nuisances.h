@@ -13,11 +13,6 @@ struct Reduced {
   Eigen::VectorXd norms;  ///< |C| of each column as it was
 };
 
-/// J with more columns, each held by a row of its own: what is estimated too, with a prior of so much sigma.
-Eigen::SparseMatrix<double> withHeldColumns(const Eigen::SparseMatrix<double>& J,
-                                            const Eigen::SparseMatrix<double>& C,
-                                            const Eigen::VectorXd& sigma);
-
 /// What is estimated in any case, factorized once: everything tested is tested with it projected off.
 class Nuisances {
  public:

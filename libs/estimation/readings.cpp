@@ -77,8 +77,10 @@ Inputs<T> lift(const ForwardPoint& point, double t_s, const std::vector<int>& co
   in.R_left_right = point.T_left_right.rotation.cast<T>();
   in.water = point.water.cast<T>();
   in.flaws = point.flaws.cast<T>();
-  for (std::size_t i = 0; i < point.effects.size(); ++i) in.effects.values[i] = T(point.effects[i]);
   in.effects.on = point.on;
+  for (std::size_t e = 0; e < kEffectCount; ++e)
+    for (std::size_t s = kEffectOffsets[e]; point.on[e] && s < kEffectOffsets[e + 1]; ++s)
+      in.effects.values[s] = T(point.effects[s]);
   if constexpr (!std::is_same_v<T, double>)
     for (int slot = 0; slot < T::DIMENSION && first + slot < columns.size(); ++slot)
       differentiateBy(columns[first + static_cast<std::size_t>(slot)], slot, in);

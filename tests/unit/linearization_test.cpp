@@ -69,18 +69,6 @@ TEST(Nuisances, AreProjectedOffAsDenseAlgebraSays) {
   EXPECT_EQ(blocks.topRightCorner(2, 2).norm(), 0);
 }
 
-TEST(Nuisances, HeldColumnsAreEstimatedWithTheirPrior) {
-  Random random(3);
-  const Eigen::SparseMatrix<double> J = randomRows(40, 7, random);
-  const Eigen::SparseMatrix<double> C = randomRows(40, 5, random);
-  const Eigen::VectorXd sigma = Eigen::VectorXd::LinSpaced(5, 0.5, 2.0);
-  const Eigen::MatrixXd all(withHeldColumns(J, C, sigma));
-  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(45, 12);
-  expected << Eigen::MatrixXd(J), Eigen::MatrixXd(C), Eigen::MatrixXd::Zero(5, 7),
-      Eigen::MatrixXd(sigma.cwiseInverse().asDiagonal());
-  EXPECT_EQ(all, expected);
-}
-
 /// A short run with noise, its estimate, and an uncertain panel.
 struct LinearRun {
   test::BatchRun run{6.0};

@@ -1,0 +1,59 @@
+#include "estimation/sparse.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace fathom {
+namespace {
+
+using Matrix = Eigen::SparseMatrix<double>;
+
+/// Appends a column's entries to the last one that was begun.
+void append(const Matrix& from, Eigen::Index column, Eigen::Index at, Matrix& to) {
+  for (Matrix::InnerIterator entry(from, column); entry; ++entry)
+    to.insertBack(entry.row(), at) = entry.value();
+}
+
+}  // namespace
+
+Matrix transposedTimes(const Matrix& A, const Matrix& B) {
+  constexpr Eigen::Index kColumns = 64;  // at once
+  const Matrix transposed = A.transpose();
+  std::vector<Matrix> parts(static_cast<std::size_t>((B.cols() + kColumns - 1) / kColumns));
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
+    const Eigen::Index first = static_cast<Eigen::Index>(p) * kColumns;
+    parts[p] = transposed * B.middleCols(first, std::min(kColumns, B.cols() - first));
+  });
+  Matrix product(A.cols(), B.cols());
+  Eigen::Index entries = 0, column = 0;
+  for (const Matrix& part : parts) entries += part.nonZeros();
+  product.reserve(entries);
+  for (const Matrix& part : parts)
+    for (Eigen::Index c = 0; c < part.cols(); ++c, ++column) {
+      product.startVec(column);
+      append(part, c, column, product);
+    }
+  product.finalize();
+  return product;
+}
+
+Matrix withHeldColumns(const Matrix& J, const Matrix& C, const Eigen::VectorXd& sigma) {
+  Matrix all(J.rows() + C.cols(), J.cols() + C.cols());
+  all.reserve(J.nonZeros() + C.nonZeros() + C.cols());
+  for (Eigen::Index c = 0; c < J.cols(); ++c) {
+    all.startVec(c);
+    append(J, c, c, all);
+  }
+  for (Eigen::Index c = 0; c < C.cols(); ++c) {
+    const Eigen::Index column = J.cols() + c;
+    all.startVec(column);
+    append(C, c, column, all);
+    all.insertBack(J.rows() + c, column) = 1 / sigma[c];
+  }
+  all.finalize();
+  return all;
+}
+
+}  // namespace fathom
