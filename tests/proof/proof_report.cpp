@@ -165,7 +165,7 @@ std::string joined(const std::vector<std::string>& parts) {
 
 std::string answerOf(const Scored& s) {
   if (!s.failure.empty()) return s.failure;
-  return s.stated.empty() ? kOutcomes[static_cast<std::size_t>(s.outcome)] : joined(s.stated);
+  return s.stated.empty() ? nameOf(s.outcome) : joined(s.stated);
 }
 
 std::string hiddenIn(const Scored& s) {
@@ -245,8 +245,7 @@ Table effectTable(const std::vector<Scored>& all) {
       strata.insert(s.proof_case.stratum);
       const bool one_of_many = s.outcome == Outcome::right_set || s.outcome == Outcome::needless_set;
       rows[s.proof_case.effects[0].id][s.proof_case.stratum].push_back(
-          kOutcomes[static_cast<std::size_t>(s.outcome)] +
-          (one_of_many ? print(" of %.0f", s.set_size) : ""));
+          nameOf(s.outcome) + (one_of_many ? print(" of %.0f", s.set_size) : ""));
     }
   Table table{{"effect"}, {}};
   for (const double stratum : strata) table.header.push_back(print("sqrt lambda %g", stratum));
@@ -285,7 +284,7 @@ Table advisedTable(const std::vector<Scored>& all) {
   for (const Scored& s : all) {
     if (!s.advised) continue;
     const Advised& advised = *s.advised;
-    const char* outcome = kOutcomes[static_cast<std::size_t>(advised.outcome)];
+    const char* outcome = nameOf(advised.outcome);
     table.rows.push_back({s.proof_case.name, hiddenIn(s), answerOf(s), advised.manoeuvre,
                           !advised.failure.empty() ? advised.failure
                           : advised.stated.empty() ? outcome

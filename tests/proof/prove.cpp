@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <map>
 #include <thread>
 
 #include "advised.h"
@@ -29,6 +30,7 @@ struct Options {
   bool quick = false, keep = false;
   std::uint64_t first_seed = 1;
   std::string share = "1/1";
+  fs::path expect;  ///< a result.json before; empty: none
 
   /// Of the real world, beside the checkout: no licence to ship it.
   static fs::path realData() { return fs::path(FATHOM_SOURCE_DIR) / ".." / "shared" / "data"; }
@@ -204,6 +206,7 @@ void writeResults(const Work& work, const Options& options, const std::string& c
   nlohmann::ordered_json json = toJson(run);
   for (const auto& row : measureTable(results.scored).rows)
     json["measures"][row[0]] = {{"target", row[1]}, {"reached", row[2]}};
+  for (const Scored& s : results.scored) json["outcomes"][s.proof_case.name] = nameOf(s.outcome);
   json["recordings"] = results.scored.size();
   json["planned"] = work.cases.size();
   json["real"] = results.real;
@@ -213,6 +216,21 @@ void writeResults(const Work& work, const Options& options, const std::string& c
   std::cout << results.scored.size() << " of " << work.cases.size() << " sealed and " << results.real.size()
             << " of " << work.real.size() << " real recordings; wrote "
             << (options.out / "report.html").string() << "\n";
+}
+
+/// Whether all is answered as it was before; says what is not.
+bool isAsExpected(const Options& options) {
+  if (options.expect.empty()) return true;
+  const auto outcomesIn = [](const fs::path& file) {
+    return nlohmann::json::parse(readTextFile(file)).at("outcomes").get<std::map<std::string, std::string>>();
+  };
+  const std::map<std::string, std::string> before = outcomesIn(options.expect),
+                                           now = outcomesIn(options.out / "result.json");
+  for (const auto& [name, outcome] : before)
+    if (const auto found = now.find(name); found == now.end() || found->second != outcome)
+      std::cout << name << ": " << (found == now.end() ? "not there" : found->second)
+                << ", before: " << outcome << "\n";
+  return before == now;
 }
 
 void run(Options options, const std::string& command_line) {
@@ -251,12 +269,15 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--fathom", options.programs.fathom, "The program to be proved")->capture_default_str();
   app.add_flag("--keep", options.keep, "Keep the recordings");
+  app.add_option("--expect", options.expect,
+                 "A result.json: exit status 1 where an outcome is not as it has it");
   CLI11_PARSE(app, argc, argv);
   std::string command_line;
   for (int i = 0; i < argc; ++i) command_line += (i > 0 ? " " : "") + std::string(argv[i]);
   fathom::catchInterrupts();
   try {
     fathom::proof::run(options, command_line);
+    return fathom::proof::isAsExpected(options) ? 0 : 1;
   } catch (const fathom::Error& error) {
     std::cerr << "fathom-prove: " << error.what() << "\n";
     return 2;

@@ -154,7 +154,6 @@ std::optional<double> numberOf(const Json& json) {
   return json.is_null() ? std::nullopt : std::optional(json.get<double>());
 }
 
-const char* nameOf(Outcome outcome) { return kOutcomes[static_cast<std::size_t>(outcome)]; }
 Outcome outcomeOf(const Json& json) {
   const auto outcome = std::find(kOutcomes.begin(), kOutcomes.end(), json.get<std::string>());
   return static_cast<Outcome>(outcome - kOutcomes.begin());

@@ -24,6 +24,7 @@ enum class Outcome {
 };
 inline constexpr std::array kOutcomes{"right", "right set",   "needless set", "also others",  "half",
                                       "wrong", "unexplained", "none",         "insufficient", "failed"};
+inline const char* nameOf(Outcome outcome) { return kOutcomes[static_cast<std::size_t>(outcome)]; }
 
 /// What was found is worth on another dive, where nothing was fitted: ln of the likelihood gained over the
 /// nominal model.
