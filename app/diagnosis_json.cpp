@@ -215,8 +215,10 @@ Json noiseJson(const NoiseModel& noise) {
   }
   json["marker_scatter_m"] = {{"in_face", noise.markers.in_face_m}, {"off_face", noise.markers.off_face_m}};
   json["light_scatter"] = noise.light_scatter;
-  json["print_scatter"] = {
-      {"black", noise.print.black}, {"white", noise.print.white}, {"body", noise.print.body}};
+  json["print_scatter"] = {{"black", noise.print.black},
+                           {"white", noise.print.white},
+                           {"body", noise.print.body},
+                           {"parts", noise.print.parts}};
   return json;
 }
 

@@ -321,6 +321,9 @@ void addNoise(const DiagnosisStory& story, HtmlReport& report) {
         "The markers' white is taken to be printed evenly to %.2g %%, their black to %.2g %%, the panel's "
         "body to %.2g %%.",
         100 * noise.print.white, 100 * noise.print.black, 100 * noise.print.body));
+  if (noise.print.parts > 0)
+    report.paragraph(print("Half of a place is taken to differ from all of it by %.2g %% of its light.",
+                           100 * noise.print.parts));
 }
 
 // ---- with it

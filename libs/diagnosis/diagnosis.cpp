@@ -50,7 +50,8 @@ bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
          shown.light_scatter < kLessNoise * before.light_scatter ||
          shown.print.black < kLessNoise * before.print.black ||
          shown.print.white < kLessNoise * before.print.white ||
-         shown.print.body < kLessNoise * before.print.body;
+         shown.print.body < kLessNoise * before.print.body ||
+         shown.print.parts < kLessNoise * before.print.parts;
 }
 
 /// The same for the same effects, in whatever order.

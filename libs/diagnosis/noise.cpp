@@ -11,7 +11,7 @@ namespace fathom {
 namespace {
 
 constexpr int kNoiseDraws = 16;
-constexpr int kCorrelationRounds = 5;
+constexpr int kCorrelationRounds = 5, kPartRounds = 3;
 constexpr std::size_t kFewestRows = 30;  // fewer show no noise of their own
 constexpr double kClearSigmas = 4;       // from which on a correlation is more than chance
 constexpr double kLargestCorrelation = 0.95;
@@ -112,6 +112,24 @@ void splitLightNoise(const Saturated& saturated, const Linearization& linear,
       std::sqrt(std::max(kLeastOfStated * plain, plain - share * (left * light).sum() / of_stated));
 }
 
+/// With what print scatters by, as it shows.
+std::unique_ptr<Saturated> saturatePrinted(Linearization& linear, PrintScatter& print) {
+  std::unique_ptr<Saturated> saturated = saturate(linear);
+  print = printScatter(*saturated, linear);
+  return print.isSeen() ? saturate(linear, print) : std::move(saturated);
+}
+
+/// Makes less of what is seen in part.
+void takeParts(Linearization& linear, double parts) {
+  Eigen::VectorXd factor = Eigen::VectorXd::Ones(linear.residual.size());
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+    double& own = factor[static_cast<Eigen::Index>(i)];
+    own = 1 / std::sqrt(1 + parts * parts * partVariance(linear.rows[i]));
+    linear.rows[i].per_unit *= own;
+  }
+  multiplyRows(linear, factor);
+}
+
 }  // namespace
 
 double ChannelNoise::independentScale() const {
@@ -138,10 +156,18 @@ std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, 
 }
 
 NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint64_t seed) {
-  std::unique_ptr<Saturated> saturated = saturate(linear);
   NoiseModel noise = assumed;
-  noise.print = printScatter(*saturated, linear);
-  if (noise.print.isSeen()) saturated = saturate(linear, noise.print);
+  std::unique_ptr<Saturated> saturated = saturatePrinted(linear, noise.print);
+  // What readings that vary so much weigh, and with it how much that is, is known only once it is taken.
+  double parts = 0;
+  for (int round = 0; round < kPartRounds; ++round) {
+    const double more = partScatter(*saturated, linear);
+    if (more == 0) break;
+    parts = std::hypot(parts, more);
+    takeParts(linear, more);
+    saturated = saturatePrinted(linear, noise.print);
+  }
+  noise.print.parts = parts;
   noise.markers = markerScatter(*saturated, linear);
   const auto rows = rowsByChannel(linear);
   Random random(seed);

@@ -22,9 +22,11 @@ constexpr std::size_t kFewestMarkers = 4;
 constexpr Eigen::Index kOffFace = 2;  // of MarkerMoved's columns
 constexpr double kLargestTolerance_m = 1.0;
 constexpr double kLeastBent_m = 0.0001, kMostBent_m = 0.002, kBentStep = 1.1;  // more than that matters
-constexpr double kClearEvidence = 3;        // ln of a Bayes factor: one in twenty
+constexpr double kClearEvidence = 3;  // ln of a Bayes factor: one in twenty
+constexpr std::size_t kFewestParts = 30;
 constexpr std::size_t kFewestPlaces = 12;   // a place counts once for each colour
 constexpr double kLargestPrint = 0.3;       // share of an albedo
+constexpr double kLeastSeen = 0.1;          // of a place; less counts as that
 constexpr double kSigmasByMedian = 1.4826;  // of normal noise, times its median size
 constexpr double kMedianScatter = 1.17;     // of a sigma by the median of n readings, times its root of n
 
@@ -186,31 +188,38 @@ struct MeasuredPrint {
   }
 };
 
-/// Of the places of one surface. By the median, as some may be off for a reason. What a colour of all has in
-/// common is none of it.
+/// Of the places of these surfaces, about what those of one surface have in common in a colour. By the
+/// median, as some may be off for a reason; and not what is likeliest but what it hardly exceeds, as much as
+/// a sigma by the median of so few places is uncertain: too little of it is taken for an effect that lasts.
 double printScatter(const std::vector<Place>& places, const MeasuredPrint& measured,
-                    ImagePatch::Surface surface) {
-  std::array<std::vector<double>, 3> by_colour;
+                    const std::set<ImagePatch::Surface>& surfaces) {
+  std::map<std::pair<ImagePatch::Surface, int>, std::vector<double>> alike;
   std::vector<Eigen::Index> own;
   for (std::size_t k = 0; k < places.size(); ++k) {
-    if (places[k].surface != surface) continue;
+    if (!surfaces.contains(places[k].surface)) continue;
     own.push_back(static_cast<Eigen::Index>(k));
-    by_colour[static_cast<std::size_t>(places[k].colour)].push_back(measured.share[own.back()]);
+    alike[{places[k].surface, places[k].colour}].push_back(measured.share[own.back()]);
   }
   if (own.size() < kFewestPlaces) return 0;
+  std::map<std::pair<ImagePatch::Surface, int>, double> common;
+  for (const auto& [what, shares] : alike) common[what] = upperMedian(shares);
   // In sigmas, were albedos to scatter so much.
   const auto typical = [&](double scatter) {
     std::vector<double> off;
     for (const Eigen::Index k : own) {
-      const int colour = places[static_cast<std::size_t>(k)].colour;
-      off.push_back(std::abs(measured.share[k] - upperMedian(by_colour[static_cast<std::size_t>(colour)])) /
+      const Place& place = places[static_cast<std::size_t>(k)];
+      off.push_back(std::abs(measured.share[k] - common.at({place.surface, place.colour})) /
                     std::sqrt(measured.variance[k] + scatter * scatter));
     }
     return kSigmasByMedian * upperMedian(off);
   };
-  // A sigma by the median of n scatters by kMedianScatter / sqrt(n) of itself.
-  if (typical(0) < 1 + kClearScatter * kMedianScatter / std::sqrt(static_cast<double>(own.size()))) return 0;
-  return leastWhere([&](double scatter) { return typical(scatter) <= 1; }, kLargestPrint);
+  // A sigma by the median of n scatters by kMedianScatter / sqrt(n) of itself. Noise has each colour for
+  // itself, print has them together.
+  const auto readings = static_cast<double>(own.size());
+  if (typical(0) < 1 + kClearScatter * kMedianScatter / std::sqrt(readings)) return 0;
+  const double prints = readings * static_cast<double>(surfaces.size()) / static_cast<double>(alike.size());
+  const double uncertain = kMedianScatter / std::sqrt(prints);
+  return leastWhere([&](double scatter) { return typical(scatter) <= 1 / (1 + uncertain); }, kLargestPrint);
 }
 
 }  // namespace
@@ -251,8 +260,29 @@ PrintScatter printScatter(const Saturated& saturated, const Linearization& linea
   const std::vector<Place> places = placesOf(linear);
   if (places.empty()) return {};
   const MeasuredPrint measured(saturated, linear, places);
-  const auto of = [&](ImagePatch::Surface surface) { return printScatter(places, measured, surface); };
-  return {of(ImagePatch::Surface::black), of(ImagePatch::Surface::white), of(ImagePatch::Surface::body)};
+  using Surface = ImagePatch::Surface;
+  const double markers = printScatter(places, measured, {Surface::black, Surface::white});  // of one printer
+  return {markers, markers, printScatter(places, measured, {Surface::body}), 0};
+}
+
+double partVariance(const RowInfo& row) {
+  if (row.channel != BatchChannel::pixels || !(row.reflected > 0)) return 0;
+  return (1 / std::max(kLeastSeen, row.seen_share) - 1) * std::pow(row.reflected * row.per_unit, 2);
+}
+
+double partScatter(const Saturated& saturated, const Linearization& linear) {
+  std::vector<double> parts, seen;
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+    const RowInfo& row = linear.rows[i];
+    if (row.channel != BatchChannel::pixels || !(row.reflected > 0)) continue;
+    parts.push_back(partVariance(row));
+    seen.push_back(std::pow(saturated.left[static_cast<Eigen::Index>(i)], 2));
+  }
+  if (parts.size() < kFewestParts) return 0;
+  const Eigen::Map<const Eigen::ArrayXd> x(parts.data(), std::ssize(parts)), y(seen.data(), std::ssize(seen));
+  const Eigen::ArrayXd weight = x - x.mean();
+  const double excess = (weight * y).sum(), chance = y.mean() * std::sqrt(2 * weight.square().sum());
+  return excess > kClearScatter * chance ? std::sqrt(excess / (weight * x).sum()) : 0;
 }
 
 HeldColumns placeColumns(const Linearization& linear, const MarkerScatter& scatter,

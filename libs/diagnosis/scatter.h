@@ -26,6 +26,7 @@ struct MarkerScatter {
 /// these. 0: not to be seen.
 struct PrintScatter {
   double black = 0, white = 0, body = 0;
+  double parts = 0;  ///< what half of a place differs by from all of it; see partVariance()
 
   /// Open water is not printed.
   double of(ImagePatch::Surface surface) const {
@@ -52,8 +53,17 @@ bool isCameraAlone(const Linearization& linear);
 MarkerScatter markerScatter(const Saturated& saturated, const Linearization& linear);
 
 /// What the places' albedos scatter by beyond what their readings' noise would have them. `saturated`:
-/// without any such scatter.
+/// without any such scatter. `parts` is left.
 PrintScatter printScatter(const Saturated& saturated, const Linearization& linear);
+
+/// What places differ by in parts, from how much more they scatter the less of them is seen. `saturated`:
+/// with the scatter of all of them.
+double partScatter(const Saturated& saturated, const Linearization& linear);
+
+/// The variance, in units of the row's noise, by which a place that is seen in part reads otherwise than all
+/// of it would, were `parts` 1: of the mean over a part of what varies over short distances, about the mean
+/// over all of it. 0: is no patch of a panel.
+double partVariance(const RowInfo& row);
 
 /// Columns over a linearization's rows of what is estimated too, each with the sigma that holds it.
 struct HeldColumns {

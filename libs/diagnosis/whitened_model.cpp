@@ -40,7 +40,8 @@ Eigen::SparseMatrix<double> WhitenedModel::whitener(const Linearization& linear,
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t i = 0; i < linear.rows.size(); ++i) {
     const ChannelNoise& channel = noise.of(linear.rows[i].channel);
-    size[static_cast<Eigen::Index>(i)] = channel.independentScale() / channel.scale;
+    const double parts = noise.print.parts * noise.print.parts * partVariance(linear.rows[i]);
+    size[static_cast<Eigen::Index>(i)] = channel.independentScale() / channel.scale / std::sqrt(1 + parts);
   }
   Eigen::VectorXd diagonal = size;
   for (const BatchChannel channel : kBatchChannels) {

@@ -155,6 +155,15 @@ std::vector<ImageSpecks> withSigmas(const std::vector<PosedImage>& posed,
   return specks;
 }
 
+/// Near the rim of an image, and from afar, less of a place is seen.
+void setSeenShares(std::vector<ImagePatch>& patches, const std::vector<double>& areas) {
+  std::map<int, double> most;  // by place
+  for (std::size_t i = 0; i < patches.size(); ++i)
+    most[patches[i].place] = std::max(most[patches[i].place], areas[i]);
+  for (std::size_t i = 0; i < patches.size(); ++i)
+    if (areas[i] > 0) patches[i].seen_share = areas[i] / most[patches[i].place];
+}
+
 /// Near enough for an estimate to start from: by some of the patches, evenly.
 WaterFit startWater(const SynchronizedImages& synchronized) {
   constexpr std::size_t kEnough = 2000;
@@ -212,16 +221,24 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
   for (const auto& of_image : blurs)
     result.blurs.insert(result.blurs.end(), of_image.begin(), of_image.end());
   result.rejected = synchronized.rejected;
+  std::vector<double> areas;
   const auto add = [&](const Patch& patch, ImagePatch::Surface surface, const PosedImage& seen) {
-    if (!patch.sigma.array().isInf().all())
-      result.patches.push_back(patchOf(patch, surface, seen, panels, maker.camera(), time_zero));
+    if (patch.sigma.array().isInf().all()) return;
+    result.patches.push_back(patchOf(patch, surface, seen, panels, maker.camera(), time_zero));
+    // A pixel is as much of a plane as the cube of its z over the plane's distance.
+    const double distance_m = panelFromCamera(seen, panels).position.z();
+    areas.push_back(
+        surface == ImagePatch::Surface::water ? 0 : patch.pixels * std::pow(patch.z_m, 3) / distance_m);
   };
   for (const Patch& patch : synchronized.patches) {
     const PosedImage& seen = posed[synchronized.images[patch.image]];
     add(patch, places[seen.panel].surface(patch.label), seen);
   }
   const WaterFit fit = result.patches.size() < kFewestPieces ? WaterFit{} : startWater(synchronized);
-  if (!fit.solved) result.patches.clear();
+  if (!fit.solved) {
+    result.patches.clear();
+    areas.clear();
+  }
   result.start = fit.environment;
   if (fit.solved) {
     result.specks = withSigmas(posed, specks, result.start, time_zero);
@@ -231,6 +248,7 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
         add(patch, ImagePatch::Surface::water, posed[i]);
       }
   }
+  setSeenShares(result.patches, areas);
   // Or else what is not flat would be taken for physics.
   const Water& water = result.start.water;
   for (ImagePatch& patch : result.patches) {

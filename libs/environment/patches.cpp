@@ -76,6 +76,7 @@ Measured measured(double mean, double mean_square, int pixels, const CameraSheet
 Patch patchFrom(const Sums& sums, const CameraSheet& sheet, PatchSet& set) {
   const double n = sums.pixels;
   Patch patch;
+  patch.pixels = sums.pixels;
   const double mean_m = sums.z_m / n;
   patch.z_m = mean_m - 0.5 * kUsualAttenuation_per_m * (sums.z_squared / n - mean_m * mean_m);
   patch.range_m = sums.range_m / n;

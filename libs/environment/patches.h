@@ -19,6 +19,7 @@ namespace fathom {
 struct Patch : PatchSurface {
   std::size_t image = 0;  ///< which of the images of the fit
   int label = 0;          ///< its own, of those that the pixels were given
+  int pixels = 0;         ///< how many
   /// What stands for all pixels: light dies away exponentially, so z is a little less than their mean.
   double z_m = 0;
   double range_m = 0;

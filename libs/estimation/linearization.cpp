@@ -126,6 +126,7 @@ void setLight(RowInfo& info, const ImagePatch& seen, const Eigen::VectorXd& by_w
   info.level = seen.radiance[info.component] - info.raw;
   info.reflected = std::abs(by_water[daylight] * water[daylight] / info.per_unit);
   info.surface = seen.surface;
+  info.seen_share = seen.seen_share;
 }
 
 /// Tracks in the order of channel, marker and component; rows by time.
@@ -234,15 +235,11 @@ Interval readingsSpan(const Linearization& linear) {
   return span;
 }
 
-namespace {
-
 void multiplyRows(Linearization& linear, const Eigen::VectorXd& factor) {
   linear.residual.array() *= factor.array();
   linear.C.array().colwise() *= factor.array();
   linear.J = (factor.asDiagonal() * linear.J).eval();
 }
-
-}  // namespace
 
 void applyRobustWeights(Linearization& linear) {
   Eigen::VectorXd root(linear.residual.size());

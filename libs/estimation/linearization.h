@@ -35,6 +35,7 @@ struct RowInfo {
   double level = kNone;       ///< what it should read, share of full scale
   double reflected = kNone;   ///< what of that is daylight from its own surface
   ImagePatch::Surface surface = ImagePatch::Surface::body;
+  double seen_share = 1;  ///< of its place's area (ImagePatch)
 
   // Of markers and patches; of tie points as the left eye sees them.
   std::ptrdiff_t marker = -1;  ///< index in BatchData::markers
@@ -81,6 +82,9 @@ struct Linearization {
 
 /// With effect columns, or without (C has none).
 Linearization linearize(const BatchData& data, const BatchProblem& problem, bool effect_columns = true);
+
+/// Multiplies each row of residual and derivatives.
+void multiplyRows(Linearization& linear, const Eigen::VectorXd& factor);
 
 /// Multiplies each row by the root of its robust weight: what the estimate has minimized, to first order.
 void applyRobustWeights(Linearization& linear);

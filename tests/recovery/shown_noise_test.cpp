@@ -27,6 +27,7 @@ TEST(ShownNoise, NoneBeyondWhatIsStated) {
   const NoiseModel noise = noiseOf(test::plainNull(test::lightDive(), 1));
   EXPECT_EQ(noise.light_scatter, 0);
   EXPECT_FALSE(noise.print.isSeen());
+  EXPECT_EQ(noise.print.parts, 0);
   EXPECT_LT(noise.markers.largest_m(), 0.0001);
 }
 
@@ -75,6 +76,24 @@ TEST(ShownNoise, OfPrintThatIsUneven) {
   // By the median of some thirty places and colours of a kind: 20 % are one sigma.
   EXPECT_NEAR(noise.print.black, kShare, 0.6 * kShare);
   EXPECT_NEAR(noise.print.white, kShare, 0.6 * kShare);
+  EXPECT_NEAR(noise.of(BatchChannel::pixels).scale, 1, 0.1);
+}
+
+// What is printed unevenly within a place shows where images show another part of it each.
+TEST(ShownNoise, OfPlacesThatAreSeenInPart) {
+  constexpr double kShare = 0.002;
+  test::DiagnosisRun run = test::plainNull(test::lightDive(), 4);
+  run.change_light = [](std::vector<ImagePatch>& patches) {
+    Random random(3);
+    for (ImagePatch& patch : patches) {
+      patch.seen_share = random.uniform(0.2, 1);
+      const double print = kShare * std::sqrt(1 / patch.seen_share - 1) * random.normal();
+      patch.radiance += print * reflected(patch);
+    }
+  };
+  const NoiseModel noise = noiseOf(run);
+  // Some eight hundred prints, half of whose variance counts: a sigma is known to 5 %.
+  EXPECT_NEAR(noise.print.parts, kShare, 0.15 * kShare);
   EXPECT_NEAR(noise.of(BatchChannel::pixels).scale, 1, 0.1);
 }
 
