@@ -24,7 +24,8 @@ constexpr double kContenderShare = 0.1;
 constexpr double kFarFromLinear = 1000;  // support from which on an effect may be
 constexpr double kFarShare = 0.3;        // of the largest support: what may be right then
 constexpr std::size_t kLooked = 40, kContenders = 5, kRivals = 4;
-constexpr double kDiscovery = 5;    // sqrt(lambda) from which on an effect is named: noise has tails, too
+// sqrt(lambda) from which on an effect is named, for good or for a part: noise has tails, too.
+constexpr double kDiscovery = 4, kDiscoveryOfPart = 5;
 constexpr double kLessNoise = 0.9;  // times the noise taken before: less than chance
 constexpr double kConfirmed = 0.3;  // of the likelihood it gains, on stretches that it was not fitted to
 
@@ -36,9 +37,21 @@ double cameraNoise(const NoiseModel& noise) {
   return product;
 }
 
-/// Whether what one fit has beside another is large enough to be named.
-bool isLarge(const Refit& fit, const Refit& fewer) {
-  return 2 * (fewer.cost - fit.cost) >= kDiscovery * kDiscovery;
+double discoveryOf(const Candidate& effect) { return effect.isForGood() ? kDiscovery : kDiscoveryOfPart; }
+
+bool isLasting(const Refit& fit) {
+  return std::any_of(fit.effects.begin(), fit.effects.end(),
+                     [](const Candidate& effect) { return effect.isForGood(); });
+}
+
+/// Whether what one fit has beside another is large enough for such an effect to be named.
+bool isLarge(const Refit& fit, const Refit& fewer, double discovery) {
+  return 2 * (fewer.cost - fit.cost) >= discovery * discovery;
+}
+
+/// Whether anything that a fit has found is.
+bool isLarge(const Refit& fit, const Refit& before) {
+  return isLarge(fit, before, isLasting(fit) ? kDiscovery : kDiscoveryOfPart);
 }
 
 bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
@@ -111,7 +124,7 @@ class Course {
   Refit without(const Refit& from, std::size_t one) { return without(from, from.effects, one); }
   Refit onlyNeeded(Refit fit);
   bool isNeeded(const Refit& fit, const Refit& less, const Candidate& effect) const;
-  bool isBelieved(const Refit& fit, double looks);
+  bool isBelieved(const Refit& fit, const Looks& looks);
   bool leaveOutUnconfirmed(const Refit& fit);
   void accept(Refit better);
   bool takeNoise(const NoiseModel& shown);
@@ -251,8 +264,9 @@ Refit Course::without(const Refit& from, std::vector<Candidate> effects, std::si
 /// for it, only the prior of another one, which is far larger than expected, or where it moves readings by
 /// less than their own bias may be.
 bool Course::isNeeded(const Refit& fit, const Refit& less, const Candidate& effect) const {
-  return sqrtLambda(fit, effect.effect) >= kDiscovery && isLarge(fit, less) && worth(less) < worth(fit) &&
-         isBeyondBias(fit, less, effect);
+  const double discovery = discoveryOf(effect);
+  return sqrtLambda(fit, effect.effect) >= discovery && isLarge(fit, less, discovery) &&
+         worth(less) < worth(fit) && isBeyondBias(fit, less, effect);
 }
 
 Refit Course::onlyNeeded(Refit fit) {
@@ -273,12 +287,15 @@ void Course::attribute() {
   for (int round = 0; final_.effects.size() < options_.max_effects; ++round) {
     progress.update(static_cast<double>(final_.effects.size()) / static_cast<double>(options_.max_effects));
     const Screening screening(*final_.model, options_.segments, lasting_only_);
+    const Looks looks = screening.independentLooks(options_.seed);
+    const auto alarmBy = [&](const TestedCandidate& tested) {
+      return alarmOf(tested.log_p, tested.candidate.isForGood(), looks);
+    };
     const auto first = std::min_element(
         screening.candidates().begin(), screening.candidates().end(),
-        [](const TestedCandidate& a, const TestedCandidate& b) { return a.log_p < b.log_p; });
+        [&](const TestedCandidate& a, const TestedCandidate& b) { return alarmBy(a) < alarmBy(b); });
     if (first == screening.candidates().end()) break;
-    const double looks = screening.independentLooks(options_.seed);
-    const double alarm = alarmOf(first->log_p, looks);
+    const double alarm = alarmBy(*first);
     if (final_.effects.empty()) {
       diagnosis_.alarm_p = alarm;
       diagnosis_.most_improbable = nameOf(first->candidate);
@@ -305,8 +322,8 @@ void Course::attribute() {
 }
 
 /// What has raised the alarm may be another than what is best supported, or explain less once refitted.
-bool Course::isBelieved(const Refit& fit, double looks) {
-  const double alarm = alarmOf(-supportOver(fit, final_), looks);
+bool Course::isBelieved(const Refit& fit, const Looks& looks) {
+  const double alarm = alarmOf(-supportOver(fit, final_), isLasting(fit), looks);
   if (isLarge(fit, final_) && alarm <= options_.false_alarm) {
     if (fit.effects.size() > 1 || isBeyondBias(fit, nominal_, fit.effects.front())) return true;
     diagnosis_.is_within_bias = true;

@@ -64,7 +64,7 @@ Screening::Screening(const WhitenedModel& model, int segments, const std::set<st
     std::optional<std::size_t> best;
     std::vector<TestedCandidate> tested;
     for (const Run& run : all) {
-      const Test one{run, informationOf(run)};
+      const Test one{run, informationOf(run), candidateOf(run).isForGood()};
       tested.push_back(test(one));
       if (one.information.rank > 0) all_.push_back(one);
     }
@@ -227,7 +227,8 @@ Eigen::VectorXd Screening::normsOf(const Run& run) const {
 Information Screening::informationOf(const Run& run) const { return Information(gramOf(run), normsOf(run)); }
 
 TestedCandidate Screening::test(const Test& test) const {
-  const auto& [run, information] = test;
+  const Run& run = test.run;
+  const Information& information = test.information;
   const Family& family = families_[run.family];
   const Eigen::MatrixXd A = gramOf(run);
   const Eigen::VectorXd g = scoreOf(run, reduced_.score);
@@ -316,26 +317,33 @@ double Screening::alignment(std::size_t a, std::size_t b) const {
   return std::min(1.0, cosines.jacobiSvd().singularValues()[0]);
 }
 
-double Screening::independentLooks(std::uint64_t seed) const {
-  if (all_.empty()) return 1;
+Looks Screening::independentLooks(std::uint64_t seed) const {
+  if (all_.empty()) return {};
   Random random(seed);
   const Eigen::MatrixXd noise = random.normals(columns_.rows(), kAlarmDraws);
   const Eigen::MatrixXd scores = model_.nuisances().scores(columns_, noise);
-  std::vector<double> best(kAlarmDraws, 0);
+  std::vector<double> lasting(kAlarmDraws, 0), parts(kAlarmDraws, 0);  // ln of the least p
   tbb::parallel_for(0, kAlarmDraws, [&](int draw) {
     const Eigen::VectorXd score = scores.col(draw);
-    std::map<int, double> largest;  // by degrees of freedom
+    std::map<std::pair<bool, int>, double> largest;  // by kind and degrees of freedom
     for (const Test& test : all_) {
       const Eigen::VectorXd g = scoreOf(test.run, score);
-      double& of_dof = largest[test.information.rank];
-      of_dof = std::max(of_dof, g.dot(test.information.inverse * g));
+      double& of_kind = largest[{test.is_lasting, test.information.rank}];
+      of_kind = std::max(of_kind, g.dot(test.information.inverse * g));
     }
-    double& least = best[static_cast<std::size_t>(draw)];
-    for (const auto& [dof, statistic] : largest) least = std::min(least, chiSquareLogTail(dof, statistic));
+    for (const auto& [kind, statistic] : largest) {
+      double& least = (kind.first ? lasting : parts)[static_cast<std::size_t>(draw)];
+      least = std::min(least, chiSquareLogTail(kind.second, statistic));
+    }
   });
-  return std::log(2.0) / std::exp(upperMedian(std::move(best)));
+  const auto looks = [](std::vector<double> least) {
+    return std::log(2.0) / std::exp(upperMedian(std::move(least)));
+  };
+  return {looks(std::move(lasting)), looks(std::move(parts))};
 }
 
-double alarmOf(double log_p, double looks) { return -std::expm1(-looks * std::exp(log_p)); }
+double alarmOf(double log_p, bool is_lasting, const Looks& looks) {
+  return -std::expm1(-2 * (is_lasting ? looks.lasting : looks.parts) * std::exp(log_p));
+}
 
 }  // namespace fathom

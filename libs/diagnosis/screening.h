@@ -36,6 +36,17 @@ struct TestedCandidate {
 /// time, is one of the many between so many segments.
 double logPriorOf(const Candidate& candidate, int segments);
 
+/// How many independent tests all that was tried is worth: effects that last, and parts of the recording or
+/// times, which are many. Each kind may ring half of the false alarms, or what lasts would have to be as
+/// improbable as the best of a thousand intervals.
+struct Looks {
+  double lasting = 1, parts = 1;
+};
+
+/// Probability that, where nothing is missing, something that was tried is as improbable: that any of its
+/// kind has so small a p, counted twice for the two kinds.
+double alarmOf(double log_p, bool is_lasting, const Looks& looks);
+
 /// Candidates that are on together.
 struct TestedSet {
   std::vector<std::size_t> members;  ///< in Screening::candidates()
@@ -56,8 +67,8 @@ class Screening {
   std::vector<TestedSet> bestSets(std::size_t size, std::size_t count, double log_odds) const;
   /// The largest |cos| between what two candidates can do to the readings, nuisances projected off.
   double alignment(std::size_t a, std::size_t b) const;
-  /// How many independent tests all that was tried is worth: by the median of the least p of simulated noise.
-  double independentLooks(std::uint64_t seed) const;
+  /// By the medians of the least p of simulated noise.
+  Looks independentLooks(std::uint64_t seed) const;
 
  private:
   /// An effect's columns, segment by segment, among all.
@@ -78,6 +89,7 @@ class Screening {
   struct Test {
     Run run;
     Information information;
+    bool is_lasting = true;
   };
 
   void layOut(const Linearization& linear, int segments, const std::set<std::size_t>& lasting_only);
@@ -105,9 +117,6 @@ class Screening {
   std::vector<Run> runs_;          // of the tested ones
   std::vector<double> log_prior_;  // of the tested ones: an interval is one of many
 };
-
-/// Probability that the least p of so many independent tests is as small where nothing is missing.
-double alarmOf(double log_p, double looks);
 
 /// -ln of the probability that parameters of no effect raise the likelihood so much: information A, score g.
 /// With a normal prior, which keeps sizes that nobody would expect from counting, and of parameters that the
