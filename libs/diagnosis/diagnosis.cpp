@@ -324,14 +324,18 @@ void Course::attribute() {
 /// What has raised the alarm may be another than what is best supported, or explain less once refitted.
 bool Course::isBelieved(const Refit& fit, const Looks& looks) {
   const double alarm = alarmOf(-supportOver(fit, final_), isLasting(fit), looks);
-  if (isLarge(fit, final_) && alarm <= options_.false_alarm) {
-    if (fit.effects.size() > 1 || isBeyondBias(fit, nominal_, fit.effects.front())) return true;
+  const Candidate& first = fit.effects.front();
+  const bool alone = fit.effects.size() == 1;
+  const bool is_large =
+      isLarge(fit, final_) && (!alone || sqrtLambda(fit, first.effect) >= discoveryOf(first));
+  if (is_large && alarm <= options_.false_alarm) {
+    if (!alone || isBeyondBias(fit, nominal_, first)) return true;
     diagnosis_.is_within_bias = true;
     return false;
   }
   if (final_.effects.empty()) {
     diagnosis_.alarm_p = std::max(diagnosis_.alarm_p, alarm);
-    diagnosis_.most_improbable = nameOf(fit.effects.front());
+    diagnosis_.most_improbable = nameOf(first);
   }
   return false;
 }
@@ -447,7 +451,7 @@ void Course::addAlternatives(std::size_t effect) {
     std::vector<Candidate> effects = rest.effects;
     effects.push_back(candidates[m].candidate);
     const Refit rival = fit(rest, effects);
-    if (!rival.succeeded) continue;
+    if (!rival.succeeded || !isBeyondBias(rival, rest, candidates[m].candidate)) continue;
     const double difference = worth(rival) - worth(final_);
     odds += std::exp(difference);
     if (difference < -kSameSupport) continue;
