@@ -24,16 +24,6 @@ void check(const ViewRanges& r) {
     throw std::invalid_argument("roll must be between 0 and 180 degrees, the aim within the nearest range");
 }
 
-PanelMap atOrigin(PanelMap map) {
-  map.T_odom_panel = {};
-  return map;
-}
-
-const CameraSheet& cameraOf(const Vehicle& vehicle) {
-  if (!vehicle.camera) throw std::invalid_argument("ViewStudio needs a camera");
-  return *vehicle.camera;
-}
-
 /// Views are of the panel wherever it is.
 EffectParameters<double> withPanelInPlace(EffectParameters<double> effects) {
   effects.on.reset(kEffectIndex<PanelMoved>);
@@ -41,6 +31,16 @@ EffectParameters<double> withPanelInPlace(EffectParameters<double> effects) {
 }
 
 }  // namespace
+
+PanelMap atOrigin(PanelMap map) {
+  map.T_odom_panel = {};
+  return map;
+}
+
+const CameraSheet& cameraOf(const Vehicle& vehicle) {
+  if (!vehicle.camera) throw std::invalid_argument("the vehicle has no camera");
+  return *vehicle.camera;
+}
 
 Pose CameraView::T_panel_camera() const {
   const Vector3d eye = range_m * Vector3d(std::sin(tilt_rad) * std::cos(azimuth_rad),

@@ -9,6 +9,11 @@
 /// estimators are judged.
 namespace fathom {
 
+/// The map of a panel that stands at odom's origin, as views of it have it.
+PanelMap atOrigin(PanelMap map);
+/// Throws std::invalid_argument where the vehicle has none.
+const CameraSheet& cameraOf(const Vehicle& vehicle);
+
 /// Where a camera stands and where it looks.
 struct CameraView {
   std::uint64_t number = 0;  ///< of its random numbers

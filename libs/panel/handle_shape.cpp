@@ -14,6 +14,9 @@ const Vector3f kOrange{0.66f, 0.26f, 0.07f};  // what the hand holds
 const Vector3f kSteel{0.38f, 0.38f, 0.40f};
 const Vector3f kDark{0.10f, 0.10f, 0.11f};
 
+// Heights before the foot, m.
+constexpr double kLeverTop = 0.048, kValveTop = 0.075, kMarkedSpokeTop = 0.062;
+
 constexpr int kSides = 24;  // of what is round
 constexpr int kRimSides = 8;
 
@@ -94,7 +97,7 @@ Box bar(double from_x, double to_x, double half_width, double bottom, double top
 Surface leverShape(double radius_m, double length_m) {
   Surface shape;
   addCylinder({0.6 * radius_m, 0.0, 0.030}, kSteel, shape);
-  addBox(bar(-0.1 * length_m, 0.9 * length_m, 0.11 * length_m, 0.030, 0.048), kOrange, shape);
+  addBox(bar(-0.1 * length_m, 0.9 * length_m, 0.11 * length_m, 0.030, kLeverTop), kOrange, shape);
   return shape;
 }
 
@@ -103,7 +106,7 @@ Surface valveShape(double radius_m, double length_m) {
   Surface shape;
   addCylinder({radius_m, 0.0, 0.012}, kSteel, shape);
   addCylinder({0.375 * radius_m, 0.012, 0.055}, kDark, shape);
-  addBox(bar(-0.5 * length_m, 0.5 * length_m, 0.1 * length_m, 0.055, 0.075), kOrange, shape);
+  addBox(bar(-0.5 * length_m, 0.5 * length_m, 0.1 * length_m, 0.055, kValveTop), kOrange, shape);
   return shape;
 }
 
@@ -120,7 +123,7 @@ Surface wheelShape(double radius_m) {
            spoke);
     shape.add(spoke, {rotationFromYawPitchRoll(quarter * radians(90), 0, 0), Vector3d::Zero()});
   }
-  addBox(bar(0.0, radius_m - section_m, 0.14 * radius_m, kRim_m, 0.062), kSteel, shape);
+  addBox(bar(0.0, radius_m - section_m, 0.14 * radius_m, kRim_m, kMarkedSpokeTop), kSteel, shape);
   Surface knob;
   addCylinder({0.16 * radius_m, kRim_m, 0.075}, kSteel, knob);
   shape.add(knob, {Matrix3d::Identity(), Vector3d(radius_m - section_m, 0, 0)});
@@ -141,6 +144,18 @@ Surface surfaceOf(const Handle& handle) {
       return wheelShape(handle.radius_m);
   }
   return {};
+}
+
+double edgeHeight_m(const Handle& handle) {
+  switch (handle.kind) {
+    case HandleKind::lever:
+      return kLeverTop;
+    case HandleKind::valve:
+      return kValveTop;
+    case HandleKind::wheel:
+      return kMarkedSpokeTop;
+  }
+  return 0;
 }
 
 }  // namespace fathom

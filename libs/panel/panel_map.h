@@ -51,6 +51,9 @@ struct Handle {
 
 /// Its shape, handle frame: closed pieces, rounded ones with smooth normals.
 Surface surfaceOf(const Handle& handle);
+/// How far before its foot the straight edges lie by which its angle is seen: those of its arm, its bar, its
+/// marked spoke.
+double edgeHeight_m(const Handle& handle);
 
 struct PanelMap {
   std::string name;
