@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "core/error.h"
+#include "handle_evaluation_report.h"
 #include "known_effects.h"
 #include "panel_evaluation_report.h"
 
@@ -23,10 +24,18 @@ struct PanelOptions {
   PanelEvaluationOptions evaluation;
 };
 
+struct HandleOptions {
+  std::string map, vehicle, folder;
+  std::vector<std::string> waters = PanelOptions{}.waters;
+  double largest_tilt_deg = degrees(HandleEvaluationOptions{}.ranges.largest_tilt_rad);
+  HandleEvaluationOptions evaluation;
+};
+
 /// NAME=FILE; a file alone is named by its stem.
-WaterResults waterOf(const std::string& text) {
+template <class Results>
+Results waterOf(const std::string& text) {
   const auto equals = text.find('=');
-  WaterResults water;
+  Results water;
   water.file = equals == std::string::npos ? text : text.substr(equals + 1);
   water.name = equals == std::string::npos ? fs::path(text).stem().string() : text.substr(0, equals);
   if (water.name.empty() || water.name.find_first_of(",\"\r\n") != std::string::npos)
@@ -34,11 +43,12 @@ WaterResults waterOf(const std::string& text) {
   return water;
 }
 
-std::vector<WaterResults> watersOf(const std::vector<std::string>& texts) {
-  std::vector<WaterResults> waters;
+template <class Results>
+std::vector<Results> watersOf(const std::vector<std::string>& texts) {
+  std::vector<Results> waters;
   std::set<std::string> names;
   for (const auto& text : texts) {
-    waters.push_back(waterOf(text));
+    waters.push_back(waterOf<Results>(text));
     if (!names.insert(waters.back().name).second) throw Error("--water", text, "this name is there twice");
   }
   return waters;
@@ -87,7 +97,7 @@ void evaluatePanelPoses(const PanelOptions& options, const RunContext& context) 
   story.vehicle = options.vehicle;
   story.known = readKnownEffects(options.calibration);
   story.options.effects = story.known.effects;
-  story.waters = watersOf(options.waters);
+  story.waters = watersOf<WaterResults>(options.waters);
   const PanelMap map = mapWithMarkers(options.map, story.options.backend);
   const Vehicle vehicle = vehicleWithCamera(options.vehicle);
   std::vector<Environment> environments;
@@ -170,12 +180,82 @@ void addPanel(CLI::App& parent, const RunContext& context) {
   command->callback([options, &context] { evaluatePanelPoses(*options, context); });
 }
 
+void evaluateHandleAngles(const HandleOptions& options, const RunContext& context) {
+  HandleEvaluationStory story;
+  story.options = options.evaluation;
+  story.options.ranges.largest_tilt_rad = radians(options.largest_tilt_deg);
+  story.run = {.command_line = context.command_line, .seed = story.options.seed};
+  story.map = options.map;
+  story.vehicle = options.vehicle;
+  story.waters = watersOf<HandleWaterResults>(options.waters);
+  const PanelMap map = mapWithMarkers(options.map, Backend::apriltag);
+  if (map.handles.empty()) throw Error(options.map, "handles", "there are none");
+  story.handles = map.handles;
+  const Vehicle vehicle = vehicleWithCamera(options.vehicle);
+  try {
+    drawView(story.options.ranges, story.options.seed, 0);
+  } catch (const std::invalid_argument& refused) {
+    throw Error("command line", "--nearest, --farthest, --largest-tilt", refused.what());
+  }
+  std::vector<Environment> environments;
+  for (const auto& water : story.waters) environments.push_back(readEnvironment(water.file));
+  for (std::size_t i = 0; i < story.waters.size(); ++i)
+    story.waters[i].views = evaluateHandles(map, vehicle, environments[i], story.options,
+                                            "evaluating in " + story.waters[i].name + " water");
+  std::cout << formatTable(handleErrorTable(story)) << "\n" << formatTable(contourTable(story));
+  if (const Table unread = unreadTable(story); !unread.rows.empty()) std::cout << "\n" << formatTable(unread);
+  if (options.folder.empty()) return;
+  writeOutputs(story, options.folder);
+  std::cout << "\nreport: " << (fs::path(options.folder) / "report.html").string() << "\n";
+}
+
+void addHandleEvaluation(CLI::App& parent, const RunContext& context) {
+  auto* command = parent.add_subcommand(
+      "handles", "How far the handles' angles are from truth, in several waters (task T_H)");
+  command->footer(
+      "Draws views of a handle each, all handles turned at random, makes their images by the simulator's "
+      "forward\n"
+      "model (daylight, lamps off), finds the panel by its markers, and reads the handle twice: by the "
+      "paper's\n"
+      "chain (region of interest, contour led by a superellipse, Canny, Hough), and by rendering it at "
+      "candidate\n"
+      "angles. Prints and writes errors, whether the stated sigma is honest, why views have no angle, and "
+      "how well\n"
+      "the contour covers what the renderer says is the handle. The same seed gives the same bytes.\n"
+      "\n"
+      "Example:\n"
+      "  fathom evaluate handles --map maps/dexrov/panel.yaml --vehicle config/rov.yaml --out out/handles");
+  const auto options = std::make_shared<HandleOptions>();
+  HandleEvaluationOptions& evaluation = options->evaluation;
+  command->add_option("--map", options->map, "The panel")->required()->type_name(values::kYaml);
+  command->add_option("--vehicle", options->vehicle, "Its camera")->required()->type_name(values::kYaml);
+  command->add_option("--water", options->waters, "Water and light, as NAME=FILE or FILE; may be repeated")
+      ->expected(1)
+      ->take_all()
+      ->type_name(values::kYaml)
+      ->capture_default_str();
+  command->add_option("--out", options->folder, "Where report.html, result.json and views.csv go")
+      ->type_name(values::kFolder);
+  command->add_option("--views", evaluation.views, "Number of views in each water")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_option("--seed", evaluation.seed, "Of views, angles and noise")->capture_default_str();
+  command->add_option("--nearest", evaluation.ranges.nearest_m, "Camera to handle, m")->capture_default_str();
+  command->add_option("--farthest", evaluation.ranges.farthest_m, "Likewise")->capture_default_str();
+  command
+      ->add_option("--largest-tilt", options->largest_tilt_deg,
+                   "Between the panel's normal and the line of sight, degrees")
+      ->capture_default_str();
+  command->callback([options, &context] { evaluateHandleAngles(*options, context); });
+}
+
 }  // namespace
 
 void addEvaluate(const RunContext& context) {
   auto* command = context.root->add_subcommand("evaluate", "Judge estimators against truth");
   command->require_subcommand(1);
   addPanel(*command, context);
+  addHandleEvaluation(*command, context);
 }
 
 }  // namespace fathom

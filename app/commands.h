@@ -31,12 +31,13 @@ void addEffects(const RunContext& context);
 void addFitWater(const RunContext& context);
 void addFsim(const RunContext& context);
 void addSil(const RunContext& context);
+void addHandles(const RunContext& context);
 void addCompletion(const RunContext& context);
 
-inline constexpr AddCommand kCommands[] = {addImport, addInfo,     addSimulate,         addLocalize,
-                                           addSmooth, addDiagnose, addStress,           addDetect,
-                                           addMap,    addEvaluate, addCompareFiducials, addEffects,
-                                           addFsim,   addSil,      addFitWater,         addCompletion};
+inline constexpr AddCommand kCommands[] = {
+    addImport, addInfo,   addSimulate, addLocalize, addSmooth,           addDiagnose,
+    addStress, addDetect, addMap,      addEvaluate, addCompareFiducials, addEffects,
+    addFsim,   addSil,    addFitWater, addHandles,  addCompletion};
 
 /// Kinds of values. They show in --help, and tell the shell's completion what to offer: "FILE.x" files that
 /// end in .x, "FILE" any file, "FOLDER" folders.

@@ -41,7 +41,7 @@ struct LabelledClass {
   std::string_view label;
   std::string_view mrpt_class;
 };
-constexpr std::array<LabelledClass, 11> kConvention{{{labels::kIns, kImu},
+constexpr std::array<LabelledClass, 12> kConvention{{{labels::kIns, kImu},
                                                      {labels::kDvl, kImu},
                                                      {labels::kDvlBeams, kRange},
                                                      {labels::kDepth, kImu},
@@ -51,6 +51,7 @@ constexpr std::array<LabelledClass, 11> kConvention{{{labels::kIns, kImu},
                                                      {labels::kSimulated, kImageClass},
                                                      {labels::kTruth, kRobotPose},
                                                      {labels::kPanel, kFeatures},
+                                                     {labels::kHandles, kFeatures},
                                                      {labels::kMarkerSights, kBearingRange}}};
 
 /// The class the convention gives a label; empty where it knows no such label.
@@ -317,7 +318,7 @@ struct Encoder {
     write(observation);
   }
   void operator()(const PanelSample& sample_in) const {
-    requireLabel(labels::kPanel);
+    if (sample.label != labels::kHandles) requireLabel(labels::kPanel);
     CObservation6DFeatures observation;
     observation.sensorPose = sample_in.T_robot_camera.toMrpt();
     for (const SeenPanel& seen : sample_in.panels) {
@@ -374,7 +375,8 @@ Reading decodeReading(const std::string& mrpt_class, const std::string& label,
     const auto observation = decode<CObservationRobotPose>(object);
     return PoseSample{observation.pose, Pose::fromMrpt(observation.sensorPose)};
   }
-  if (label == labels::kPanel) return readPanels(decode<CObservation6DFeatures>(object));
+  if (label == labels::kPanel || label == labels::kHandles)
+    return readPanels(decode<CObservation6DFeatures>(object));
   if (label == labels::kMarkerSights) return readMarkers(decode<CObservationBearingRange>(object));
   if (label == labels::kDvlBeams) return readBeams(decode<CObservationRange>(object));
   if (label == labels::kStereo) return readStereo(decode<CObservationStereoImages>(object));

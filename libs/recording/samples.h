@@ -29,6 +29,7 @@ inline constexpr const char* kTruth = "TRUTH";
 inline constexpr const char* kSimulated = "SIMULATED";         ///< image made for the CAMERA entry before it
 inline constexpr const char* kMarkers = "MARKERS";             ///< robot pose from markers
 inline constexpr const char* kPanel = "PANEL";                 ///< panels as seen from the camera
+inline constexpr const char* kHandles = "HANDLES";             ///< handles as seen from the camera
 inline constexpr const char* kMarkerSights = "MARKER_SIGHTS";  ///< where single markers were seen
 }  // namespace labels
 
@@ -84,9 +85,9 @@ struct StereoSample {
   std::string left_file, right_file;
 };
 
-/// Derived: panels seen in one image, or in both of a pair.
+/// Derived: panels seen in one image, or in both of a pair; under the label HANDLES, a panel's handles.
 struct SeenPanel {
-  int panel = 0;  ///< index in the list of panels that the recording is read with
+  int panel = 0;  ///< index in the list of panels that the recording is read with, or in the map's of handles
   /// From a joint solution over all its markers. Stored with its information matrix: none where the
   /// covariance is not positive definite, which reads back as NaN.
   UncertainPose T_camera_panel;

@@ -1,0 +1,83 @@
+#include "handles/evidence_picture.h"
+
+#include <opencv2/imgproc.hpp>
+
+namespace fathom {
+namespace {
+
+constexpr int kTile_px = 240, kTitle_px = 28;
+const cv::Scalar kContour(0, 255, 0), kShape(255, 255, 0), kEdge(0, 0, 255);
+
+cv::Mat enlarged(const cv::Mat& picture, int interpolation = cv::INTER_NEAREST) {
+  cv::Mat tile(kTile_px, kTile_px, CV_8UC3, cv::Scalar(40, 40, 40));
+  if (!picture.empty()) cv::resize(picture, tile, tile.size(), 0, 0, interpolation);
+  return tile;
+}
+
+/// Linear light for the eye.
+cv::Mat shown(const cv::Mat& light) {
+  if (light.empty()) return {};
+  cv::Mat picture;
+  cv::pow(cv::max(light, 0), 1 / 2.2, picture);
+  picture.convertTo(picture, CV_8UC3, 255);
+  cv::cvtColor(picture, picture, cv::COLOR_RGB2BGR);
+  return picture;
+}
+
+cv::Mat wholeImage(const cv::Mat& image_bgr, const cv::Rect& region) {
+  cv::Mat picture = image_bgr.clone();
+  if (picture.depth() != CV_8U) picture.convertTo(picture, CV_8U, 1.0 / 257);
+  if (picture.channels() == 1) cv::cvtColor(picture, picture, cv::COLOR_GRAY2BGR);
+  if (!region.empty()) cv::rectangle(picture, region, kContour, 2);
+  cv::Mat tile;
+  cv::resize(picture, tile, {kTile_px * picture.cols / picture.rows, kTile_px}, 0, 0, cv::INTER_AREA);
+  return tile;
+}
+
+cv::Point onTile(const Vector2d& pixel, double scale) {
+  return {cvRound((pixel.x() + 0.5) * scale), cvRound((pixel.y() + 0.5) * scale)};
+}
+
+void drawOutline(const cv::Mat& mask, const cv::Scalar& colour, cv::Mat& tile) {
+  cv::Mat large;
+  cv::resize(mask, large, tile.size(), 0, 0, cv::INTER_NEAREST);
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(large, outlines, cv::RETR_LIST, cv::CHAIN_APPROX_NONE);
+  cv::drawContours(tile, outlines, -1, colour, 1);
+}
+
+cv::Mat contourTile(const HandleReading& reading) {
+  cv::Mat tile = enlarged(shown(reading.view.light));
+  if (!reading.contour.found) return tile;
+  drawOutline(reading.contour.shape.drawn(reading.view.light.size()) > 0.5, kShape, tile);
+  drawOutline(reading.contour.mask, kContour, tile);
+  return tile;
+}
+
+cv::Mat edgeTile(const HandleReading& reading) {
+  cv::Mat edges;
+  if (!reading.edge.edges.empty()) cv::cvtColor(reading.edge.edges, edges, cv::COLOR_GRAY2BGR);
+  cv::Mat tile = enlarged(edges);
+  if (!reading.edge.found) return tile;
+  const double scale = static_cast<double>(kTile_px) / reading.view.light.rows;
+  cv::line(tile, onTile(reading.edge.edge.from_px, scale), onTile(reading.edge.edge.to_px, scale), kEdge, 2);
+  return tile;
+}
+
+}  // namespace
+
+cv::Mat evidencePicture(const cv::Mat& image_bgr, const HandleReading& reading, const std::string& title) {
+  cv::Mat row;
+  cv::hconcat(
+      std::vector<cv::Mat>{wholeImage(image_bgr, reading.view.region_px), enlarged(shown(reading.view.light)),
+                           contourTile(reading), edgeTile(reading), enlarged(shown(reading.match.seen)),
+                           enlarged(shown(reading.match.simulated))},
+      row);
+  cv::Mat picture;
+  cv::copyMakeBorder(row, picture, kTitle_px, 0, 0, 0, cv::BORDER_CONSTANT, cv::Scalar(255, 255, 255));
+  cv::putText(picture, title, {8, kTitle_px - 9}, cv::FONT_HERSHEY_SIMPLEX, 0.5, cv::Scalar(0, 0, 0), 1,
+              cv::LINE_AA);
+  return picture;
+}
+
+}  // namespace fathom

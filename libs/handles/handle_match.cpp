@@ -1,0 +1,215 @@
+#include "handles/handle_match.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "render/renderer.h"
+
+namespace fathom {
+namespace {
+
+constexpr double kCoarse_rad = radians(7.5), kFine_rad = radians(0.25);
+constexpr double kApart_rad = radians(15);     // from which on an angle is another one
+constexpr double kCurvature_rad = radians(2);  // to both sides, for the fit's curvature
+constexpr double kLeastEvidence =
+    50;  // chi-square: a handle that hardly differs from the panel shows nothing
+constexpr double kMostMisfit = 0.35;
+constexpr double kLeastSupport = 4;  // ln
+constexpr double kResampled = 2;     // neighbouring pixels of a close-up share their noise
+
+/// The map's surface without handles, panel frame.
+Surface bareSurface(PanelMap map) {
+  map.handles.clear();
+  return surfaceOf(map);
+}
+
+/// Sigma of each pixel's radiance, CV_32FC3: the sensor's noise and its rounding.
+cv::Mat noiseOf(const cv::Mat& light, const CameraSheet& sheet) {
+  const double step = std::ldexp(1.0, -sheet.bits) / std::sqrt(12.0);
+  cv::Mat sigma(light.size(), CV_32FC3);
+  for (int row = 0; row < light.rows; ++row)
+    for (int column = 0; column < light.cols; ++column)
+      for (int c = 0; c < 3; ++c)
+        sigma.at<cv::Vec3f>(row, column)[c] = static_cast<float>(
+            std::hypot(radianceSigma(std::max(0.0F, light.at<cv::Vec3f>(row, column)[c]), sheet), step));
+  return sigma;
+}
+
+/// seen = gain * simulated + veil by weighted least squares; no handle is brighter in the dark.
+struct LightFit {
+  double gain = 0, veil = 0, chi_square = 0;
+};
+
+struct Compared {
+  double seen, weight;
+  int row, column;
+};
+
+LightFit fitLight(const std::vector<Compared>& pixels, const cv::Mat& simulated, int channel) {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+  for (const Compared& p : pixels) {
+    const double s = simulated.at<cv::Vec3f>(p.row, p.column)[channel];
+    n += p.weight;
+    x += p.weight * s;
+    y += p.weight * p.seen;
+    xx += p.weight * s * s;
+    xy += p.weight * s * p.seen;
+    yy += p.weight * p.seen * p.seen;
+  }
+  const double sxx = xx - x * x / n, sxy = xy - x * y / n, syy = yy - y * y / n;
+  LightFit fit;
+  fit.gain = sxx > 0 ? std::max(0.0, sxy / sxx) : 0;
+  fit.veil = (y - fit.gain * x) / n;
+  fit.chi_square = syy - 2 * fit.gain * sxy + fit.gain * fit.gain * sxx;
+  return fit;
+}
+
+}  // namespace
+
+struct HandleMatcher::Implementation {
+  HandleScene scene;
+  Surface bare;
+  /// One for each size of a close-up, with how it turns radiance into light.
+  struct Studio {
+    Renderer renderer;
+    ImageModel model;
+  };
+  std::map<std::pair<int, double>, Studio> studios;
+
+  Studio& studioOf(const CameraModel& camera) {
+    const std::pair key(camera.width_px, camera.fx_px);
+    auto it = studios.find(key);
+    if (it == studios.end()) {
+      CameraSheet sheet = scene.sheet;
+      sheet.model = camera;
+      it = studios.emplace(key, Studio{Renderer(camera), ImageModel(sheet, scene.environment.water)}).first;
+    }
+    return it->second;
+  }
+
+  /// The light that would come from the panel with the handle turned so; without `angle`, from the panel
+  /// alone.
+  cv::Mat lightOf(Studio& studio, const CloseUp& close, const Handle& handle,
+                  std::optional<double> angle_rad) {
+    Surface surface = bare;
+    if (angle_rad) {
+      Handle turned = handle;
+      turned.angle_rad = *angle_rad;
+      surface.add(surfaceOf(turned), turned.T_panel_handle());
+    }
+    studio.renderer.setScene(std::move(surface));
+    const View view =
+        studio.renderer.render(close.T_panel_camera, {scene.environment.ambient.cast<float>(), {}});
+    return studio.model.light(view.radiance, view.range_m);
+  }
+};
+
+HandleMatcher::HandleMatcher(HandleScene scene) : implementation_(std::make_unique<Implementation>()) {
+  implementation_->bare = bareSurface(scene.map);
+  implementation_->scene = std::move(scene);
+}
+HandleMatcher::~HandleMatcher() = default;
+HandleMatcher::HandleMatcher(HandleMatcher&&) noexcept = default;
+
+namespace {
+
+/// A search over the handle's range for the angle whose rendering fits best.
+class AngleSearch {
+ public:
+  AngleSearch(const CloseUp& close, const CameraSheet& sheet) : close_(close) {
+    const cv::Mat sigma = noiseOf(close.light, sheet);
+    for (int row = 0; row < close.light.rows; ++row)
+      for (int column = 0; column < close.light.cols; ++column)
+        if (close.in_reach.at<uchar>(row, column) != 0)
+          for (int c = 0; c < 3; ++c)
+            pixels_[static_cast<std::size_t>(c)].push_back(
+                {close.light.at<cv::Vec3f>(row, column)[c],
+                 1 / std::pow(sigma.at<cv::Vec3f>(row, column)[c], 2), row, column});
+  }
+
+  double chiSquare(const cv::Mat& simulated) const {
+    double sum = 0;
+    for (int c = 0; c < 3; ++c)
+      sum += fitLight(pixels_[static_cast<std::size_t>(c)], simulated, c).chi_square;
+    return sum;
+  }
+  cv::Mat inLight(const cv::Mat& simulated) const {
+    cv::Mat lit(simulated.size(), CV_32FC3);
+    std::array<LightFit, 3> fits;
+    for (int c = 0; c < 3; ++c)
+      fits[static_cast<std::size_t>(c)] = fitLight(pixels_[static_cast<std::size_t>(c)], simulated, c);
+    lit.forEach<cv::Vec3f>([&](cv::Vec3f& value, const int* at) {
+      for (int c = 0; c < 3; ++c) {
+        const LightFit& fit = fits[static_cast<std::size_t>(c)];
+        value[c] = static_cast<float>(fit.gain * simulated.at<cv::Vec3f>(at[0], at[1])[c] + fit.veil);
+      }
+    });
+    return lit;
+  }
+  double count() const { return 3.0 * static_cast<double>(pixels_[0].size()); }
+
+ private:
+  const CloseUp& close_;
+  std::array<std::vector<Compared>, 3> pixels_;
+};
+
+}  // namespace
+
+HandleMatch HandleMatcher::match(const PosedPanelImage& image, std::size_t index) {
+  const Handle& handle = implementation_->scene.map.handles.at(index);
+  const CloseUp close = closeUpOf(image, handle);
+  Implementation::Studio& studio = implementation_->studioOf(close.camera);
+  const AngleSearch search(close, implementation_->scene.sheet);
+  std::map<double, double> tried;
+  const auto chiSquare = [&](double angle_rad) {
+    const auto [it, is_new] = tried.try_emplace(angle_rad, 0);
+    if (is_new) it->second = search.chiSquare(implementation_->lightOf(studio, close, handle, angle_rad));
+    return it->second;
+  };
+
+  const double symmetry = symmetryOf(handle.kind);
+  const double range = std::min(handle.largest_angle_rad - handle.smallest_angle_rad, symmetry);
+  const int steps = std::max(1, static_cast<int>(std::ceil(range / kCoarse_rad)));
+  double best = handle.smallest_angle_rad;
+  for (int i = 0; i <= steps; ++i) {
+    const double angle = handle.smallest_angle_rad + range * i / steps;
+    if (chiSquare(angle) < chiSquare(best)) best = angle;
+  }
+  for (double step = kCoarse_rad / 2; step > kFine_rad / 2; step /= 2)
+    for (const double next : {best - step, best + step})
+      if (chiSquare(next) < chiSquare(best)) best = next;
+
+  HandleMatch match;
+  match.angle_rad = best;
+  match.seen = close.light;
+  match.in_reach = close.in_reach;
+  match.simulated = search.inLight(implementation_->lightOf(studio, close, handle, best));
+  const double least = chiSquare(best);
+  const double bare = search.chiSquare(implementation_->lightOf(studio, close, handle, {}));
+  // What is left beyond noise is as large everywhere.
+  const double scale = kResampled * std::max(1.0, least / search.count());
+  const double curvature = (chiSquare(best - kCurvature_rad) + chiSquare(best + kCurvature_rad) - 2 * least) /
+                           (kCurvature_rad * kCurvature_rad);
+  double other = std::numeric_limits<double>::infinity();
+  for (const auto& [angle, chi_square] : tried) {
+    match.fits.push_back({angle, chi_square});
+    if (std::abs(angleDifference(angle, best, symmetry)) > kApart_rad) other = std::min(other, chi_square);
+  }
+  match.evidence = (bare - least) / scale;
+  match.misfit = std::max(0.0, least - search.count()) / std::max(1e-9, bare - least);
+  match.support = 0.5 * (other - least) / scale;
+  match.sigma_rad = curvature > 0 ? std::sqrt(2 * scale / curvature) : std::numbers::pi;
+  if (match.evidence < kLeastEvidence)
+    match.why_not = "the image does not show it";
+  else if (match.misfit > kMostMisfit)
+    match.why_not = "what is there is not the handle as the map has it";
+  else if (match.support < kLeastSupport)
+    match.why_not = "another angle fits as well";
+  match.found = match.why_not.empty();
+  return match;
+}
+
+}  // namespace fathom
