@@ -21,7 +21,7 @@ namespace {
 
 struct HandlesOptions {
   std::string recording, vehicle, map, water = "config/water_clear.yaml", truth, folder;
-  std::size_t window = 30;
+  std::size_t window = 30, every = 1;
   std::uint64_t seed = 1;
   bool no_pictures = false, no_simulation = false;
 };
@@ -143,6 +143,8 @@ void readHandles(const HandlesOptions& options, const RunContext& context) {
   if (detection.families.empty()) throw Error(story.map, "markers", "there are none");
   story.images = posedImages(options.recording, world.panels, detection);
   story.remarks = story.images.remarks;
+  std::erase_if(story.images.posed,
+                [&](const PosedImage& posed) { return posed.number % options.every != 0; });
   if (story.images.posed.empty()) throw Error(options.recording, "", "no image shows where the panel is");
 
   const fs::path folder = options.folder;
@@ -200,7 +202,8 @@ void addHandles(const RunContext& context) {
       "with these angles, and read likewise.\n"
       "\n"
       "Examples:\n"
-      "  fathom handles rawlogs/trial/trial.rawlog --water config/water_turbid.yaml --out out/handles\n"
+      "  fathom handles rawlogs/trial/trial.rawlog --water config/water_turbid.yaml --every 10 --out "
+      "out/handles\n"
       "  fathom map show out/handles/panel/panel.yaml");
   const auto options = std::make_shared<HandlesOptions>();
   command->add_option("RECORDING", options->recording, "The recording, with images")
@@ -213,6 +216,9 @@ void addHandles(const RunContext& context) {
   command->add_option("--truth", options->truth, "A map with the handles' true angles, to compare with")
       ->type_name(values::kYaml);
   command->add_option("--window", options->window, "Images of the moving average")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_option("--every", options->every, "Of the images only every so-manyth")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Of the noise in simulated images")->capture_default_str();

@@ -109,7 +109,7 @@ class ColourModel {
       widest = k;
       step = axes.eigenvectors().col(2) * std::sqrt(most / static_cast<double>(nearest[k].size()));
     }
-    means.push_back(means[widest] + step);
+    means.emplace_back(means[widest] + step);
     means[widest] -= step;
   }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "core/median.h"
 #include "render/renderer.h"
 
 namespace fathom {
@@ -17,8 +18,10 @@ constexpr double kCurvature_rad = radians(2);  // to both sides, for the fit's c
 constexpr double kLeastEvidence =
     50;  // chi-square: a handle that hardly differs from the panel shows nothing
 constexpr double kMostMisfit = 0.35;
-constexpr double kLeastSupport = 4;  // ln
-constexpr double kResampled = 2;     // neighbouring pixels of a close-up share their noise
+constexpr double kLeastSupport = 4;        // ln
+constexpr double kSigmaByMedian = 1.4826;  // of normal noise, times its median size
+constexpr std::size_t kFewestBeyond = 100;
+constexpr double kResampled = 2;  // neighbouring pixels of a close-up share their noise
 
 /// The map's surface without handles, panel frame.
 Surface bareSurface(PanelMap map) {
@@ -119,7 +122,7 @@ namespace {
 /// A search over the handle's range for the angle whose rendering fits best.
 class AngleSearch {
  public:
-  AngleSearch(const CloseUp& close, const CameraSheet& sheet) : close_(close) {
+  AngleSearch(const CloseUp& close, const CameraSheet& sheet) : close_(close), sheet_(sheet) {
     const cv::Mat sigma = noiseOf(close.light, sheet);
     for (int row = 0; row < close.light.rows; ++row)
       for (int column = 0; column < close.light.cols; ++column)
@@ -150,9 +153,25 @@ class AngleSearch {
     return lit;
   }
   double count() const { return 3.0 * static_cast<double>(pixels_[0].size()); }
+  /// How many times the sensor's variance what is beyond the handle's reach differs by from a rendering in
+  /// the same light: what JPEG leaves, and a lens. By the median, as little as 1.
+  double varianceBeyond(const cv::Mat& lit) const {
+    const cv::Mat sigma = noiseOf(close_.light, sheet_);
+    std::vector<double> off;
+    for (int row = 0; row < lit.rows; ++row)
+      for (int column = 0; column < lit.cols; ++column)
+        if (close_.in_reach.at<uchar>(row, column) == 0)
+          for (int c = 0; c < 3; ++c)
+            off.push_back(
+                std::abs(close_.light.at<cv::Vec3f>(row, column)[c] - lit.at<cv::Vec3f>(row, column)[c]) /
+                sigma.at<cv::Vec3f>(row, column)[c]);
+    if (off.size() < kFewestBeyond) return 1;
+    return std::max(1.0, std::pow(kSigmaByMedian * upperMedian(off), 2));
+  }
 
  private:
   const CloseUp& close_;
+  const CameraSheet& sheet_;
   std::array<std::vector<Compared>, 3> pixels_;
 };
 
@@ -189,8 +208,9 @@ HandleMatch HandleMatcher::match(const PosedPanelImage& image, std::size_t index
   match.simulated = search.inLight(implementation_->lightOf(studio, close, handle, best));
   const double least = chiSquare(best);
   const double bare = search.chiSquare(implementation_->lightOf(studio, close, handle, {}));
+  const double noise = search.varianceBeyond(match.simulated) * search.count();
   // What is left beyond noise is as large everywhere.
-  const double scale = kResampled * std::max(1.0, least / search.count());
+  const double scale = kResampled * std::max(1.0, std::max(least, noise) / search.count());
   const double curvature = (chiSquare(best - kCurvature_rad) + chiSquare(best + kCurvature_rad) - 2 * least) /
                            (kCurvature_rad * kCurvature_rad);
   double other = std::numeric_limits<double>::infinity();
@@ -199,7 +219,7 @@ HandleMatch HandleMatcher::match(const PosedPanelImage& image, std::size_t index
     if (std::abs(angleDifference(angle, best, symmetry)) > kApart_rad) other = std::min(other, chi_square);
   }
   match.evidence = (bare - least) / scale;
-  match.misfit = std::max(0.0, least - search.count()) / std::max(1e-9, bare - least);
+  match.misfit = std::max(0.0, least - noise) / std::max(1e-9, bare - least);
   match.support = 0.5 * (other - least) / scale;
   match.sigma_rad = curvature > 0 ? std::sqrt(2 * scale / curvature) : std::numbers::pi;
   if (match.evidence < kLeastEvidence)
