@@ -52,7 +52,8 @@ TEST(HandlesCommand, ReadsTheTrialsHandles) {
 TEST(HandlesCommand, RefusesInOneLine) {
   const std::string out = " --out " + shellQuoted((scratchFolder() / "out").string());
   test::expectBadInput(runFathom("handles /no/such.rawlog --water " + kWater + out), "/no/such.rawlog");
-  test::expectBadInput(runFathom("handles " + kTrial + " --water " + kWater + " --every 100000" + out), "no image shows");
+  test::expectBadInput(runFathom("handles " + kTrial + " --water " + kWater + " --every 100000" + out),
+                       "no image shows");
   test::expectBadInput(runFathom("evaluate handles --map " + kMap + " --vehicle /no/such.yaml"),
                        "/no/such.yaml");
 }
