@@ -6,7 +6,6 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "core/median.h"
 #include "render/renderer.h"
 
 namespace fathom {
@@ -18,9 +17,12 @@ constexpr double kCurvature_rad = radians(2);  // to both sides, for the fit's c
 constexpr double kLeastEvidence =
     50;  // chi-square: a handle that hardly differs from the panel shows nothing
 constexpr double kMostMisfit = 0.35;
-constexpr double kLeastSupport = 4;        // ln
-constexpr double kSigmaByMedian = 1.4826;  // of normal noise, times its median size
+constexpr double kLeastSupport = 4;  // ln
+// What a tenth of the pixels is off by, over what half of them are, by the same of normal noise: beyond it,
+// something is in front of the panel.
+constexpr double kLongestTail = 2.5;
 constexpr std::size_t kFewestBeyond = 100;
+constexpr int kRobustRounds = 8;
 constexpr double kResampled = 2;  // neighbouring pixels of a close-up share their noise
 
 /// The map's surface without handles, panel frame.
@@ -44,6 +46,7 @@ cv::Mat noiseOf(const cv::Mat& light, const CameraSheet& sheet) {
 /// seen = gain * simulated + veil by weighted least squares; no handle is brighter in the dark.
 struct LightFit {
   double gain = 0, veil = 0, chi_square = 0;
+  double at(double simulated) const { return gain * simulated + veil; }
 };
 
 struct Compared {
@@ -67,6 +70,21 @@ LightFit fitLight(const std::vector<Compared>& pixels, const cv::Mat& simulated,
   fit.gain = sxx > 0 ? std::max(0.0, sxy / sxx) : 0;
   fit.veil = (y - fit.gain * x) / n;
   fit.chi_square = syy - 2 * fit.gain * sxy + fit.gain * fit.gain * sxx;
+  return fit;
+}
+
+/// By least absolute differences: something in front of a part of the panel does not count.
+LightFit fitLightRobustly(const std::vector<Compared>& pixels, const cv::Mat& simulated, int channel) {
+  std::vector<Compared> reweighted = pixels;
+  LightFit fit;
+  for (int round = 0; round < kRobustRounds; ++round) {
+    fit = fitLight(reweighted, simulated, channel);
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      const Compared& p = pixels[i];
+      const double off = p.seen - fit.at(simulated.at<cv::Vec3f>(p.row, p.column)[channel]);
+      reweighted[i].weight = p.weight / std::max(1.0, std::abs(off) * std::sqrt(p.weight));
+    }
+  }
   return fit;
 }
 
@@ -119,60 +137,68 @@ HandleMatcher::HandleMatcher(HandleMatcher&&) noexcept = default;
 
 namespace {
 
+double quantileOf(std::vector<double>& values, double share) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 /// A search over the handle's range for the angle whose rendering fits best.
 class AngleSearch {
  public:
-  AngleSearch(const CloseUp& close, const CameraSheet& sheet) : close_(close), sheet_(sheet) {
+  /// `bare`: the panel as it would be seen without the handle.
+  AngleSearch(const CloseUp& close, const CameraSheet& sheet, const cv::Mat& bare) {
     const cv::Mat sigma = noiseOf(close.light, sheet);
     for (int row = 0; row < close.light.rows; ++row)
       for (int column = 0; column < close.light.cols; ++column)
-        if (close.in_reach.at<uchar>(row, column) != 0)
-          for (int c = 0; c < 3; ++c)
-            pixels_[static_cast<std::size_t>(c)].push_back(
-                {close.light.at<cv::Vec3f>(row, column)[c],
-                 1 / std::pow(sigma.at<cv::Vec3f>(row, column)[c], 2), row, column});
+        for (std::size_t c = 0; c < 3; ++c) {
+          const int channel = static_cast<int>(c);
+          (close.in_reach.at<uchar>(row, column) != 0 ? within_ : beyond_)[c].push_back(
+              {close.light.at<cv::Vec3f>(row, column)[channel],
+               1 / std::pow(sigma.at<cv::Vec3f>(row, column)[channel], 2), row, column});
+        }
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double variance = varianceBeyond(bare, static_cast<int>(c));
+      for (Compared& p : within_[c]) p.weight /= variance;
+    }
   }
 
   double chiSquare(const cv::Mat& simulated) const {
     double sum = 0;
-    for (int c = 0; c < 3; ++c)
-      sum += fitLight(pixels_[static_cast<std::size_t>(c)], simulated, c).chi_square;
+    for (std::size_t c = 0; c < 3; ++c)
+      sum += fitLight(within_[c], simulated, static_cast<int>(c)).chi_square;
     return sum;
   }
   cv::Mat inLight(const cv::Mat& simulated) const {
     cv::Mat lit(simulated.size(), CV_32FC3);
     std::array<LightFit, 3> fits;
-    for (int c = 0; c < 3; ++c)
-      fits[static_cast<std::size_t>(c)] = fitLight(pixels_[static_cast<std::size_t>(c)], simulated, c);
+    for (std::size_t c = 0; c < 3; ++c) fits[c] = fitLight(within_[c], simulated, static_cast<int>(c));
     lit.forEach<cv::Vec3f>([&](cv::Vec3f& value, const int* at) {
-      for (int c = 0; c < 3; ++c) {
-        const LightFit& fit = fits[static_cast<std::size_t>(c)];
-        value[c] = static_cast<float>(fit.gain * simulated.at<cv::Vec3f>(at[0], at[1])[c] + fit.veil);
-      }
+      for (int c = 0; c < 3; ++c)
+        value[c] = static_cast<float>(
+            fits[static_cast<std::size_t>(c)].at(simulated.at<cv::Vec3f>(at[0], at[1])[c]));
     });
     return lit;
   }
-  double count() const { return 3.0 * static_cast<double>(pixels_[0].size()); }
-  /// How many times the sensor's variance what is beyond the handle's reach differs by from a rendering in
-  /// the same light: what JPEG leaves, and a lens. By the median, as little as 1.
-  double varianceBeyond(const cv::Mat& lit) const {
-    const cv::Mat sigma = noiseOf(close_.light, sheet_);
-    std::vector<double> off;
-    for (int row = 0; row < lit.rows; ++row)
-      for (int column = 0; column < lit.cols; ++column)
-        if (close_.in_reach.at<uchar>(row, column) == 0)
-          for (int c = 0; c < 3; ++c)
-            off.push_back(
-                std::abs(close_.light.at<cv::Vec3f>(row, column)[c] - lit.at<cv::Vec3f>(row, column)[c]) /
-                sigma.at<cv::Vec3f>(row, column)[c]);
-    if (off.size() < kFewestBeyond) return 1;
-    return std::max(1.0, std::pow(kSigmaByMedian * upperMedian(off), 2));
-  }
+  double count() const { return 3.0 * static_cast<double>(within_[0].size()); }
 
  private:
-  const CloseUp& close_;
-  const CameraSheet& sheet_;
-  std::array<std::vector<Compared>, 3> pixels_;
+  /// How many times the sensor's variance what is beyond the handle's reach differs by from a rendering in
+  /// the light there: what JPEG leaves, of some channels more than of others, and a lens. As little as 1.
+  double varianceBeyond(const cv::Mat& simulated, int channel) const {
+    const std::vector<Compared>& beyond = beyond_[static_cast<std::size_t>(channel)];
+    if (beyond.size() < kFewestBeyond) return 1;
+    const LightFit fit = fitLightRobustly(beyond, simulated, channel);
+    std::vector<double> sizes;
+    for (const Compared& p : beyond)
+      sizes.push_back(std::abs(p.seen - fit.at(simulated.at<cv::Vec3f>(p.row, p.column)[channel])) *
+                      std::sqrt(p.weight));
+    const double most = quantileOf(sizes, 0.9) / 1.645, half = quantileOf(sizes, 0.5) / 0.6745;
+    const double sigma = std::min(most, kLongestTail * half);
+    return std::max(1.0, sigma * sigma);
+  }
+
+  std::array<std::vector<Compared>, 3> within_, beyond_;  // the handle's reach; by channel
 };
 
 }  // namespace
@@ -181,7 +207,8 @@ HandleMatch HandleMatcher::match(const PosedPanelImage& image, std::size_t index
   const Handle& handle = implementation_->scene.map.handles.at(index);
   const CloseUp close = closeUpOf(image, handle);
   Implementation::Studio& studio = implementation_->studioOf(close.camera);
-  const AngleSearch search(close, implementation_->scene.sheet);
+  const cv::Mat panel = implementation_->lightOf(studio, close, handle, {});
+  const AngleSearch search(close, implementation_->scene.sheet, panel);
   std::map<double, double> tried;
   const auto chiSquare = [&](double angle_rad) {
     const auto [it, is_new] = tried.try_emplace(angle_rad, 0);
@@ -207,10 +234,9 @@ HandleMatch HandleMatcher::match(const PosedPanelImage& image, std::size_t index
   match.in_reach = close.in_reach;
   match.simulated = search.inLight(implementation_->lightOf(studio, close, handle, best));
   const double least = chiSquare(best);
-  const double bare = search.chiSquare(implementation_->lightOf(studio, close, handle, {}));
-  const double noise = search.varianceBeyond(match.simulated) * search.count();
+  const double bare = search.chiSquare(panel);
   // What is left beyond noise is as large everywhere.
-  const double scale = kResampled * std::max(1.0, std::max(least, noise) / search.count());
+  const double scale = kResampled * std::max(1.0, least / search.count());
   const double curvature = (chiSquare(best - kCurvature_rad) + chiSquare(best + kCurvature_rad) - 2 * least) /
                            (kCurvature_rad * kCurvature_rad);
   double other = std::numeric_limits<double>::infinity();
@@ -219,7 +245,7 @@ HandleMatch HandleMatcher::match(const PosedPanelImage& image, std::size_t index
     if (std::abs(angleDifference(angle, best, symmetry)) > kApart_rad) other = std::min(other, chi_square);
   }
   match.evidence = (bare - least) / scale;
-  match.misfit = std::max(0.0, least - noise) / std::max(1e-9, bare - least);
+  match.misfit = std::max(0.0, least - search.count()) / std::max(1e-9, bare - least);
   match.support = 0.5 * (other - least) / scale;
   match.sigma_rad = curvature > 0 ? std::sqrt(2 * scale / curvature) : std::numbers::pi;
   if (match.evidence < kLeastEvidence)
