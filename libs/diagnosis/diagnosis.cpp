@@ -21,11 +21,12 @@ constexpr double kLogOdds = 8.0;        // ln of the odds against an effect besi
 constexpr double kSameSupport = 2.7;    // half of the 5.4 by which the right one loses once in a hundred
 constexpr double kContenderMargin = 8;  // ln p to first order, plus a share of the best's:
 constexpr double kContenderShare = 0.1;
-constexpr double kFarFromLinear = 1000;  // support from which on an effect may be
-constexpr double kFarShare = 0.3;        // of the largest support: what may be right then
+constexpr double kFarFromLinear = 100;  // support from which on an effect may be
+constexpr double kFarShare = 0.3;       // of the largest support: what may be right then
 constexpr std::size_t kLooked = 40, kContenders = 5, kRivals = 4;
-// sqrt(lambda) from which on an effect is named, for good or for a part: noise has tails, too.
-constexpr double kDiscovery = 4, kDiscoveryOfPart = 5;
+// sqrt(lambda) from which on an effect is named: noise has tails, too, and what a panel and a lens do to
+// light is known less well than that; what is on for a part can be made to fit anything.
+constexpr double kDiscovery = 4, kDiscoveryOfLightOrPart = 5;
 constexpr double kLessNoise = 0.9;  // times the noise taken before: less than chance
 constexpr double kConfirmed = 0.3;  // of the likelihood it gains, on stretches that it was not fitted to
 
@@ -37,22 +38,30 @@ double cameraNoise(const NoiseModel& noise) {
   return product;
 }
 
-double discoveryOf(const Candidate& effect) { return effect.isForGood() ? kDiscovery : kDiscoveryOfPart; }
+double discoveryOf(const Candidate& effect) {
+  const bool is_light = allEffects()[effect.effect].text.channel == EffectChannel::image;
+  return effect.isForGood() && !is_light ? kDiscovery : kDiscoveryOfLightOrPart;
+}
+
+/// The least of its effects.
+double discoveryOf(const Refit& fit) {
+  double least = kDiscoveryOfLightOrPart;
+  for (const Candidate& effect : fit.effects) least = std::min(least, discoveryOf(effect));
+  return least;
+}
 
 bool isLasting(const Refit& fit) {
   return std::any_of(fit.effects.begin(), fit.effects.end(),
                      [](const Candidate& effect) { return effect.isForGood(); });
 }
 
-/// Whether what one fit has beside another is large enough for such an effect to be named.
+/// Whether what one fit has beside another is large enough for an effect to be named.
 bool isLarge(const Refit& fit, const Refit& fewer, double discovery) {
   return 2 * (fewer.cost - fit.cost) >= discovery * discovery;
 }
 
 /// Whether anything that a fit has found is.
-bool isLarge(const Refit& fit, const Refit& before) {
-  return isLarge(fit, before, isLasting(fit) ? kDiscovery : kDiscoveryOfPart);
-}
+bool isLarge(const Refit& fit, const Refit& before) { return isLarge(fit, before, discoveryOf(fit)); }
 
 bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
   for (std::size_t c = 0; c < before.channels.size(); ++c)

@@ -24,6 +24,25 @@ Eigen::VectorXd priorsOf(const Refit& fit) {
   return sigma;
 }
 
+/// By how much less a prior with Cauchy's tails would hold against effects that are larger than anybody
+/// expects: a normal one excludes what is four of its sigmas off, a multivariate Cauchy distribution says
+/// (n + 1) / 2 ln(1 + u^2) instead of u^2 / 2. What is drawn for each image is as many sizes, none of them
+/// large.
+double tailRelief(const Refit& fit) {
+  const Eigen::VectorXd prior = priorsOf(fit);
+  std::map<std::size_t, std::pair<double, int>> sizes;  // by effect: u^2, n
+  for (std::size_t i = 0; i < fit.estimates.size(); ++i) {
+    if (fit.estimates[i].image >= 0) continue;
+    auto& [square, count] = sizes[fit.estimates[i].effect];
+    square += std::pow(fit.estimates[i].value / prior[static_cast<Eigen::Index>(i)], 2);
+    ++count;
+  }
+  double relief = 0;
+  for (const auto& [effect, size] : sizes)
+    relief += std::max(0.0, 0.5 * size.first - 0.5 * (size.second + 1) * std::log1p(size.first));
+  return relief;
+}
+
 /// One least-squares step with the noise as it is: readings of a sensor have some of it in common, which the
 /// estimate did not know.
 void finish(Refit& fit) {
@@ -61,6 +80,7 @@ void finish(Refit& fit) {
       state.draws[{found.scalar, static_cast<std::size_t>(found.image)}] = found.value;
   }
   for (const EffectEstimate& spread : withSpreads(fit)) state.effects.values[spread.scalar] = spread.value;
+  fit.cost -= tailRelief(fit);
   const Eigen::VectorXd precision = priorsOf(fit).array().square().inverse();
   fit.freedom = static_cast<double>(columns.size()) - precision.dot(fit.covariance.diagonal());
 }

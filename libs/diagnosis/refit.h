@@ -17,7 +17,8 @@ struct Refit {
   std::shared_ptr<const WhitenedModel> model;  ///< at the estimate
   std::vector<EffectEstimate> estimates;       ///< of the effects, for the noise as it is
   Eigen::MatrixXd covariance;                  ///< of `estimates`
-  double cost = 0;                             ///< half the sum of squares, priors and robust loss in it
+  /// Half the sum of squares, with robust loss, and the priors; effects' priors with long tails.
+  double cost = 0;
   double freedom = 0;  ///< parameters of the effects that the readings determine, not their priors
 };
 
