@@ -36,9 +36,12 @@ class EvidenceFolder {
 
   void add(const PosedImage& posed, const cv::Mat& image, const std::vector<HandleReading>& readings) {
     std::vector<cv::Mat> rows;
-    for (const HandleReading& reading : readings)
-      if (reading.view.why_not.empty())
-        rows.push_back(evidencePicture(image, reading, titleOf(posed.panel, reading)));
+    std::size_t confident = 0;
+    for (const HandleReading& reading : readings) {
+      if (!reading.view.why_not.empty()) continue;
+      rows.push_back(evidencePicture(image, reading, titleOf(posed.panel, reading)));
+      confident += reading.confident ? 1 : 0;
+    }
     if (rows.empty()) return;
     cv::Mat sheet;
     cv::vconcat(rows, sheet);
@@ -47,10 +50,10 @@ class EvidenceFolder {
     const fs::path file = folder_ / (posed.image.file.stem().string() + ".jpg");
     writeTextFile(file, std::string(bytes.begin(), bytes.end()));
     const std::scoped_lock lock(mutex_);
-    written_.emplace_back(posed.number, rows.size(), file);
+    written_.emplace_back(posed.number, confident, file);
   }
 
-  /// Of images with most handles in view, those apart in time.
+  /// Of images with most handles read, those apart in time.
   std::vector<fs::path> telling() {
     std::sort(written_.begin(), written_.end());
     std::vector<fs::path> chosen;
@@ -143,8 +146,9 @@ void readHandles(const HandlesOptions& options, const RunContext& context) {
   if (detection.families.empty()) throw Error(story.map, "markers", "there are none");
   story.images = posedImages(options.recording, world.panels, detection);
   story.remarks = story.images.remarks;
-  std::erase_if(story.images.posed,
-                [&](const PosedImage& posed) { return posed.number % options.every != 0; });
+  const auto is_left_out = [&](const auto& image) { return image.number % options.every != 0; };
+  std::erase_if(story.images.posed, is_left_out);
+  std::erase_if(story.images.unposed, is_left_out);
   if (story.images.posed.empty()) throw Error(options.recording, "", "no image shows where the panel is");
 
   const fs::path folder = options.folder;

@@ -161,9 +161,10 @@ HtmlReport reportOf(const HandlesStory& story, const std::vector<PanelMap>& as_m
     report.picture(
         readTextFile(picture),
         picture.filename().string() +
-            ": the image and the handle's region; the region turned to the front; contour (green) and "
-            "superellipse; edges and the most prominent straight one; close-up; rendering at the "
-            "angle that was read.");
+            ": the image and the handle's region; the region turned to the front, from black to white; "
+            "contour (magenta) and superellipse; edges and the most prominent straight one; close-up; "
+            "rendering "
+            "at the angle that was read.");
   report.footer(story.run);
   return report;
 }
