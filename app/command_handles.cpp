@@ -122,7 +122,7 @@ void readHandles(const HandlesOptions& options, const RunContext& context) {
   story.water = options.water;
   story.truth = options.truth;
   story.window = options.window;
-  const RecordingHeader header = RawlogReader(options.recording).header();
+  RecordingHeader header = RawlogReader(options.recording).header();
   story.vehicle = neededVehicleFile(options.vehicle, options.recording, header);
   story.map = neededPanelMapFile(options.map, options.recording, header);
   SilWorld world{readVehicle(story.vehicle),
@@ -172,6 +172,7 @@ void readHandles(const HandlesOptions& options, const RunContext& context) {
   writeOutputs(story, as_mapped, folder);
   const fs::path map = writeMaps(story, folder / "panel");
   const fs::path results = folder / (fs::path(options.recording).stem().string() + "_results.rawlog");
+  header.panel_map = fs::relative(map, folder).string();
   writeResultsLog(story, header, results);
 
   for (const std::string& remark : story.remarks) std::cout << remark << "\n";

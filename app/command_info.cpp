@@ -3,7 +3,6 @@
 
 #include "commands.h"
 #include "core/progress.h"
-#include "recording/export_csv.h"
 #include "recording/recording_info.h"
 #include "report/run_info.h"
 #include "tasks/companions.h"
@@ -12,19 +11,9 @@ namespace fathom {
 namespace {
 
 struct InfoOptions {
-  std::string rawlog, vehicle, csv_folder;
+  std::string rawlog, vehicle;
   bool json = false;
 };
-
-std::vector<std::string> exportTables(const InfoOptions& options) {
-  if (options.csv_folder.empty()) return {};
-  Progress progress("exporting");
-  const CsvExport tables =
-      exportCsv(options.rawlog, options.csv_folder, [&](double share) { progress.update(share); });
-  std::vector<std::string> files;
-  for (const auto& file : tables.files) files.push_back(file.string());
-  return files;
-}
 
 RecordingInfo inspect(const std::string& rawlog) {
   Progress progress("reading");
@@ -36,13 +25,11 @@ void info(const InfoOptions& options) {
   const auto vehicle_file = vehicleFile(options.vehicle, options.rawlog, recording.header);
   const auto differences =
       vehicle_file ? disagreements(recording, readVehicle(*vehicle_file)) : std::vector<std::string>{};
-  const auto tables = exportTables(options);
 
   if (options.json) {
     nlohmann::json json = toJson(recording);
     json["compared_with"] = vehicle_file ? nlohmann::json(vehicle_file->string()) : nlohmann::json(nullptr);
     json["disagreements"] = differences;
-    json["tables"] = tables;
     std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
     return;
   }
@@ -51,7 +38,6 @@ void info(const InfoOptions& options) {
     std::cout << "compared with " << vehicle_file->string() << ":\n"
               << (differences.empty() ? "  mountings and intrinsics agree\n" : "");
   for (const auto& line : differences) std::cout << "  ! " << line << "\n";
-  for (const auto& file : tables) std::cout << "wrote " << file << "\n";
 }
 
 }  // namespace
@@ -68,8 +54,7 @@ void addInfo(const RunContext& context) {
       "\n"
       "Examples:\n"
       "  fathom info rawlogs/dive/dive.rawlog\n"
-      "  fathom info dive.rawlog --json | jq .labels\n"
-      "  fathom info dive.rawlog --export-csv out/tables");
+      "  fathom info dive.rawlog --json | jq .labels");
   const auto options = std::make_shared<InfoOptions>();
   command->add_option("RECORDING", options->rawlog, "The recording")->required()->type_name(values::kRawlog);
   command
@@ -77,8 +62,6 @@ void addInfo(const RunContext& context) {
                    "Vehicle file to compare with (default: the one that the recording names)")
       ->type_name(values::kYaml);
   command->add_flag("--json", options->json, "Print JSON");
-  command->add_option("--export-csv", options->csv_folder, "Write one CSV table a sensor into this folder")
-      ->type_name(values::kFolder);
   command->callback([options] { info(*options); });
 }
 

@@ -17,6 +17,7 @@ struct RunContext {
 using AddCommand = void (*)(const RunContext& context);
 
 void addImport(const RunContext& context);
+void addExport(const RunContext& context);
 void addInfo(const RunContext& context);
 void addSimulate(const RunContext& context);
 void addLocalize(const RunContext& context);
@@ -35,9 +36,9 @@ void addHandles(const RunContext& context);
 void addCompletion(const RunContext& context);
 
 inline constexpr AddCommand kCommands[] = {
-    addImport, addInfo,   addSimulate, addLocalize, addSmooth,           addDiagnose,
-    addStress, addDetect, addMap,      addEvaluate, addCompareFiducials, addEffects,
-    addFsim,   addSil,    addFitWater, addHandles,  addCompletion};
+    addImport,   addExport, addInfo,   addSimulate, addLocalize, addSmooth,
+    addDiagnose, addStress, addDetect, addMap,      addEvaluate, addCompareFiducials,
+    addEffects,  addFsim,   addSil,    addFitWater, addHandles,  addCompletion};
 
 /// Kinds of values. They show in --help, and tell the shell's completion what to offer: "FILE.x" files that
 /// end in .x, "FILE" any file, "FOLDER" folders.

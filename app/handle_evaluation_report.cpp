@@ -18,10 +18,10 @@ using Json = nlohmann::ordered_json;
 constexpr double kGood_rad = radians(10), kWild_rad = radians(20);
 constexpr double kErrorBin_deg = 2, kLastError_deg = 90;
 
-using Value = double HandleViewResult::*;
+using ViewAngle = double HandleViewResult::*;
 
 /// In degrees, of the views that have it and of which it is asked.
-std::vector<double> degreesOf(const HandleWaterResults& water, Value value, bool confident_only) {
+std::vector<double> degreesOf(const HandleWaterResults& water, ViewAngle value, bool confident_only) {
   std::vector<double> all;
   for (const HandleViewResult& r : water.views)
     if (std::isfinite(r.*value) && (r.confident || !confident_only)) all.push_back(degrees(r.*value));
@@ -51,7 +51,7 @@ std::pair<double, double> honesty(const HandleWaterResults& water) {
                    : std::pair{std::nan(""), std::nan("")};
 }
 
-std::vector<std::string> methodRow(const HandleWaterResults& water, const std::string& name, Value value,
+std::vector<std::string> methodRow(const HandleWaterResults& water, const std::string& name, ViewAngle value,
                                    bool confident_only) {
   const std::vector<double> errors = degreesOf(water, value, confident_only);
   const ErrorSummary s = summaryOf(errors);

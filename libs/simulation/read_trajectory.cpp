@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "recording/rawlog.h"
+#include "recording/recorded_path.h"
 #include "simulation/trajectory_kinds.h"
 
 namespace fathom {
@@ -15,17 +16,6 @@ const std::map<std::string, ReadPlan>& plannedKinds() {
   static const std::map<std::string, ReadPlan> kinds{
       {"waypoints", readWaypoints}, {"station", readStation}, {"survey", readSurvey}};
   return kinds;
-}
-
-std::vector<StampedPose> truthOf(const fs::path& rawlog) {
-  RawlogReader reader(rawlog);
-  std::vector<StampedPose> poses;
-  while (const auto sample = reader.next())
-    if (sample->label == labels::kTruth)
-      poses.push_back(
-          {sample->time, Pose::fromMrpt(std::get<PoseSample>(sample->reading).T_odom_robot.mean)});
-  if (poses.empty()) throw Error(rawlog.string(), labels::kTruth, "there is no such entry");
-  return poses;
 }
 
 Trajectory asRecorded(const fs::path& file) {
@@ -45,7 +35,7 @@ Trajectory asPlanned(const YamlFile& yaml, ReadPlan read, const fs::path& file) 
 }  // namespace
 
 std::vector<StampedPose> readRecordedPoses(const fs::path& file) {
-  return file.extension() == ".rawlog" ? truthOf(file) : readTum(file);
+  return recordedPath(file, labels::kTruth);
 }
 
 Trajectory readTrajectory(const fs::path& file) {

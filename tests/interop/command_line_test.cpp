@@ -78,14 +78,12 @@ TEST(CommandLine, SimulateThenInfoRoundTrip) {
   EXPECT_EQ(summary["run"]["seed"], 5);
   EXPECT_EQ(summary["duration_s"], 20.0);
 
-  const auto info = runFathom("info --json " + shellQuoted((folder / "sim.rawlog").string()) +
-                              " --export-csv " + shellQuoted((folder / "tables").string()));
+  const auto info = runFathom("info --json " + shellQuoted((folder / "sim.rawlog").string()));
   ASSERT_EQ(info.status, 0) << info.err;
   const auto json = nlohmann::json::parse(info.out);
   EXPECT_EQ(json["duration_s"], 20.0);
   EXPECT_TRUE(json["disagreements"].empty()) << json["disagreements"];
   EXPECT_EQ(json["compared_with"], (folder / "sim_vehicle.yaml").string());
-  EXPECT_TRUE(fs::exists(folder / "tables" / "DVL.csv"));
 }
 
 TEST(CommandLine, ImportSaysWhatItConcluded) {

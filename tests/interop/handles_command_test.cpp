@@ -1,7 +1,9 @@
 // `fathom handles` and `fathom evaluate handles`, as people meet them.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "core/files.h"
 #include "panel/panel_map.h"
@@ -39,6 +41,7 @@ TEST(HandlesCommand, ReadsTheTrialsHandles) {
   }
   EXPECT_GE(confident, 7U);
   RawlogReader rawlog(out / "trial_results.rawlog");
+  EXPECT_EQ(rawlog.header().panel_map, "panel/panel.yaml");
   std::size_t panels = 0, handles = 0;
   while (const auto sample = rawlog.next()) {
     panels += sample->label == labels::kPanel ? 1 : 0;
@@ -47,6 +50,41 @@ TEST(HandlesCommand, ReadsTheTrialsHandles) {
   EXPECT_EQ(panels, json["images"].get<std::size_t>());
   EXPECT_GT(handles, 0U);
   EXPECT_FALSE(fs::is_empty(out / "evidence"));
+}
+
+TEST(HandlesCommand, ReadsBothImagesOfAPair) {
+  const std::string root = FATHOM_SOURCE_DIR;
+  const fs::path folder = scratchFolder();
+  std::string vehicle = readTextFile(root + "/config/rov.yaml");
+  vehicle.insert(vehicle.find("camera:\n") + 8,
+                 "  right_pose: {x: 0.12, y: 0, z: 0, yaw_deg: 0, pitch_deg: 0, roll_deg: 0}\n");
+  writeTextFile(folder / "rov.yaml", vehicle);
+  const std::string water = root + "/config/water_moderate.yaml";
+  const auto made =
+      runFathom("simulate --trajectory " + root + "/config/trajectory_station.yaml --duration 2 --name pair" +
+                " --vehicle " + shellQuoted((folder / "rov.yaml").string()) + " --map " + kMap + " --water " +
+                water + " --out " + shellQuoted(folder.string()));
+  ASSERT_EQ(made.status, 0) << made.err;
+  const auto read =
+      runFathom("handles " + shellQuoted((folder / "pair.rawlog").string()) + " --water " + water +
+                " --no-simulation --no-pictures --out " + shellQuoted((folder / "out").string()));
+  ASSERT_EQ(read.status, 0) << read.err;
+  std::map<std::string, double> angles;  // by image and handle
+  std::istringstream csv(readTextFile(folder / "out/handles.csv"));
+  for (std::string line; std::getline(csv, line);) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    if (cells[5] == "1") angles[cells[2] + " " + cells[4]] = std::stod(cells[6]);
+  }
+  std::size_t pairs = 0;
+  for (const auto& [of, left] : angles)
+    if (const auto eye = of.find("_left"); eye != std::string::npos)
+      if (const auto right = angles.find(std::string(of).replace(eye, 5, "_right")); right != angles.end()) {
+        ++pairs;
+        EXPECT_NEAR(right->second, left, 5) << of;  // five sigmas of their difference
+      }
+  EXPECT_GE(pairs, 9U);
 }
 
 TEST(HandlesCommand, RefusesInOneLine) {

@@ -1,0 +1,52 @@
+#include "recording/export_kml.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace fathom {
+namespace {
+
+const GeoReference kMarseille{radians(43.2), radians(5.1), -3, radians(90)};
+
+// Against the ellipsoid's radii of curvature, in the meridian and across (Torge & Müller, Geodesy, 2012, ch.
+// 4); over 100 m the sphere of these radii is off by less than 2 mm.
+TEST(ExportKml, MetresAreWhatTheEllipsoidSays) {
+  const double a = 6378137, e2 = 6.69437999014e-3;
+  const double s = std::sin(kMarseille.latitude_rad), w2 = 1 - e2 * s * s;
+  const double across_m = a / std::sqrt(w2), along_m = a * (1 - e2) / std::pow(w2, 1.5);
+  const GeoPosition at = geoPositionOf({80, 60, -25}, kMarseille);  // x is east
+  EXPECT_NEAR((at.latitude_rad - kMarseille.latitude_rad) * (along_m - 28), 60, 0.002);
+  EXPECT_NEAR((at.longitude_rad - kMarseille.longitude_rad) * (across_m - 28) * std::cos(at.latitude_rad), 80,
+              0.002);
+  EXPECT_NEAR(at.height_m, -28, 0.002);
+}
+
+TEST(ExportKml, TheAxisPointsWhereItIsSaidTo) {
+  for (const double heading : {0.0, 90.0, 200.0, 315.0}) {
+    GeoReference reference = kMarseille;
+    reference.x_heading_rad = radians(heading);
+    const GeoPosition at = geoPositionOf({10, 0, 0}, reference);
+    const double north = at.latitude_rad - reference.latitude_rad;
+    const double east = (at.longitude_rad - reference.longitude_rad) * std::cos(reference.latitude_rad);
+    const double found = std::atan2(east, north);
+    // The earth's flattening turns a direction by up to 0.2 degrees.
+    EXPECT_NEAR(std::remainder(found - reference.x_heading_rad, 2 * std::numbers::pi), 0, radians(0.25));
+  }
+}
+
+TEST(ExportKml, PosesAreSpacedAndTheLastIsThere) {
+  std::vector<StampedPose> path;
+  for (int i = 0; i <= 25; ++i)
+    path.push_back({fromUnixSeconds(1.7e9 + 0.1 * i), Pose{Matrix3d::Identity(), Vector3d(0.1 * i, 0, -2)}});
+  const std::string kml = formatKml(path, kMarseille, 1, "a <dive> & more");
+  std::size_t times = 0;
+  for (std::size_t at = kml.find("<when>"); at != std::string::npos; at = kml.find("<when>", at + 1)) ++times;
+  EXPECT_EQ(times, 4U);  // 0, 1, 2 and 2.5 s
+  EXPECT_NE(kml.find("<when>2023-11-14T22:13:22.500000Z</when>"), std::string::npos);
+  EXPECT_NE(kml.find("<gx:angles>90.00 0 0</gx:angles>"), std::string::npos);
+  EXPECT_NE(kml.find("a &lt;dive&gt; &amp; more"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace fathom
