@@ -1,9 +1,12 @@
 #include "core/yaml.h"
 
+#include <yaml-cpp/eventhandler.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <set>
+#include <sstream>
 
 #include "core/files.h"
 
@@ -60,6 +63,32 @@ class StructureCheck {
   const std::string& file_;
   int nodes_ = 0;
 };
+
+/// Does nothing with what a parser finds.
+struct IgnoreAll final : YAML::EventHandler {
+  using Mark = YAML::Mark;
+  void OnDocumentStart(const Mark& /*mark*/) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnAlias(const Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnScalar(const Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                const std::string& /*value*/) override {}
+  void OnSequenceStart(const Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                       YAML::EmitterStyle::value /*style*/) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                  YAML::EmitterStyle::value /*style*/) override {}
+  void OnMapEnd() override {}
+};
+
+/// Not by YAML::LoadAll(): of a text that begins with a comma, yaml-cpp 0.7 makes empty documents without
+/// end.
+bool hasMoreThanOneDocument(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  IgnoreAll nothing;
+  return parser.HandleNextDocument(nothing) && parser.HandleNextDocument(nothing);
+}
 
 std::size_t editDistance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -253,9 +282,8 @@ YamlFile YamlFile::parse(const std::string& text, const std::string& name) { ret
 YamlFile::YamlFile(const std::string& text, const std::string& name) {
   YAML::Node node;
   try {
-    const auto documents = YAML::LoadAll(text);
-    if (documents.size() > 1) throw Error(name, "", "holds more than one YAML document");
-    if (!documents.empty()) node = documents.front();
+    if (hasMoreThanOneDocument(text)) throw Error(name, "", "not YAML, or more than one document");
+    node = YAML::Load(text);
   } catch (const YAML::Exception& e) {
     throw Error(name, "line " + std::to_string(e.mark.line + 1), "not YAML: " + e.msg);
   }
