@@ -16,8 +16,8 @@ void addChainOptions(CLI::App& command, ChainOptions& options) {
   command
       .add_option("--sources", options.sources, "Which sensors come from a simulation or another recording")
       ->type_name(values::kYaml);
-  command.add_option("--backend", options.backend, "Which library finds the markers: aruco or apriltag")
-      ->check(CLI::IsMember({"aruco", "apriltag"}))
+  command.add_option("--backend", options.backend, "Which library finds the markers")
+      ->check(CLI::IsMember(backendNames()))
       ->capture_default_str();
 }
 

@@ -112,7 +112,7 @@ RecordedFiducialsOptions searchOf(const CompareOptions& options, std::shared_ptr
   if (families.empty())
     throw Error("command line", "--family", "is needed: neither --map nor the recording names a panel map");
   search.families.assign(families.begin(), families.end());
-  const auto backends = options.backends.empty() ? std::vector<Backend>{Backend::aruco, Backend::apriltag}
+  const auto backends = options.backends.empty() ? std::vector<Backend>(kBackends.begin(), kBackends.end())
                                                  : kindsNamed("--backend", options.backends, backendNamed);
   checkFamilies(search.families, backends);
   search.readers = readersOf(

@@ -24,18 +24,14 @@ struct DetectOptions {
   bool fallback = false;
 };
 
-Backend backendNamed(const std::string& name) { return name == "aruco" ? Backend::aruco : Backend::apriltag; }
-Backend otherThan(Backend backend) { return backend == Backend::aruco ? Backend::apriltag : Backend::aruco; }
-
 Preprocess preprocessNamed(const std::string& name) {
   for (const Preprocess kind : {Preprocess::stretch, Preprocess::clahe})
     if (name == nameOf(kind)) return kind;
   return Preprocess::none;
 }
 
-/// AprilTag's own corners are good to a tenth of a pixel, ArUco's are whole pixels of a contour.
 bool refinesCorners(const DetectOptions& options, Backend backend) {
-  return options.corners.empty() ? backend == Backend::aruco : options.corners == "fitted";
+  return options.corners.empty() ? hasRoughCorners(backend) : options.corners == "fitted";
 }
 
 std::optional<CameraModel> cameraOf(const std::string& vehicle_file) {
@@ -142,8 +138,8 @@ void addDetect(const RunContext& context) {
       ->expected(1)
       ->allow_extra_args(false)
       ->take_all();
-  command->add_option("--backend", options->backend, "Library that searches: aruco or apriltag")
-      ->check(CLI::IsMember({"aruco", "apriltag"}))
+  command->add_option("--backend", options->backend, "Library that searches")
+      ->check(CLI::IsMember(backendNames()))
       ->capture_default_str();
   command->add_option("--preprocess", options->preprocess, "Before the search: none, clahe or stretch")
       ->check(CLI::IsMember({"none", "clahe", "stretch"}))

@@ -59,7 +59,7 @@ PanelEvaluationOptions evaluationOf(const PanelOptions& options) {
   evaluation.ranges.smallest_tilt_rad = radians(options.smallest_tilt_deg);
   evaluation.ranges.largest_tilt_rad = radians(options.largest_tilt_deg);
   evaluation.ranges.largest_roll_rad = radians(options.largest_roll_deg);
-  evaluation.backend = options.backend == "aruco" ? Backend::aruco : Backend::apriltag;
+  evaluation.backend = backendNamed(options.backend);
   evaluation.fallback = !options.no_fallback;
   for (const Preprocess kind : {Preprocess::stretch, Preprocess::clahe})
     if (options.preprocess == nameOf(kind)) evaluation.preprocess = kind;
@@ -169,8 +169,8 @@ void addPanel(CLI::App& parent, const RunContext& context) {
       ->add_option("--largest-aim", ranges.largest_aim_m,
                    "How far beside the panel's centre the camera looks, m in x and in y")
       ->capture_default_str();
-  command->add_option("--backend", options->backend, "Library that searches first: aruco or apriltag")
-      ->check(CLI::IsMember({"aruco", "apriltag"}))
+  command->add_option("--backend", options->backend, "Library that searches first")
+      ->check(CLI::IsMember(backendNames()))
       ->capture_default_str();
   command->add_option("--preprocess", options->preprocess, "Before the search: none, clahe or stretch")
       ->check(CLI::IsMember({"none", "clahe", "stretch"}))

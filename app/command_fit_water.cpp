@@ -63,7 +63,7 @@ void fitWaterTo(const FitWaterOptions& options, const RunContext& context) {
   if (!world.vehicle.camera) throw Error(story.vehicle, "camera", "the vehicle has none");
   DetectionSettings detection;
   detection.families = familiesOf(world.panels);
-  detection.backend = options.backend == nameOf(Backend::aruco) ? Backend::aruco : Backend::apriltag;
+  detection.backend = backendNamed(options.backend);
   if (detection.families.empty()) throw Error(story.map, "markers", "there are none");
 
   WaterStudyOptions how = options.study;
@@ -142,8 +142,8 @@ void addFitWater(const RunContext& context) {
   command->add_option("--search-steps", study.search.evaluations, "Waters that the paper's search tries")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command->add_option("--backend", options->backend, "Which library finds the markers: aruco or apriltag")
-      ->check(CLI::IsMember({"aruco", "apriltag"}))
+  command->add_option("--backend", options->backend, "Which library finds the markers")
+      ->check(CLI::IsMember(backendNames()))
       ->capture_default_str();
   command->add_option("--seed", study.seed, "Of the noise in simulated images")->capture_default_str();
   command->callback([options, &context] { fitWaterTo(*options, context); });

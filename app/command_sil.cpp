@@ -69,7 +69,7 @@ void sil(const SilCommandOptions& options, const RunContext& context) {
   if (!options.calibration.empty()) world.effects = readCalibration(options.calibration);
   story.options.detection.families = familiesOf(world.panels);
   if (story.options.detection.families.empty()) throw Error(story.map, "markers", "there are none");
-  if (options.backend == nameOf(Backend::apriltag)) story.options.detection.backend = Backend::apriltag;
+  story.options.detection.backend = backendNamed(options.backend);
   const PairMeasurer known(options.sil.measures);  // complains of others before anything takes long
 
   const fs::path folder = options.folder;
@@ -158,8 +158,8 @@ void addSil(const RunContext& context) {
       command->add_option("--sea-floor-z", options->sea_floor_z_m,
                           "Height of a flat sea floor in odom, m (default: as the recording was made)");
   command->add_option("--sand-seed", options->sand_seed, "Of its sand")->needs(floor)->capture_default_str();
-  command->add_option("--backend", options->backend, "Which library finds the markers: aruco or apriltag")
-      ->check(CLI::IsMember({"aruco", "apriltag"}))
+  command->add_option("--backend", options->backend, "Which library finds the markers")
+      ->check(CLI::IsMember(backendNames()))
       ->capture_default_str();
   command
       ->add_option("--residual-scale", sil_options.residual.full_scale,

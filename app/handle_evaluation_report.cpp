@@ -122,7 +122,8 @@ HtmlReport reportOf(const HandleEvaluationStory& story) {
   report.plot(histogram(story));
   report.heading("What is stated of it");
   report.plot(calibrationPlot(story));
-  report.table(unreadTable(story), "Views without an angle");
+  if (const Table unread = unreadTable(story); !unread.rows.empty())
+    report.table(unread, "Views without an angle");
   report.heading("The contour alone");
   report.table(contourTable(story), "Intersection over union with what the renderer says is the handle");
   report.footer(story.run);

@@ -102,12 +102,10 @@ std::unique_ptr<Detector> makeDetector(const FiducialReader& reader, const std::
                                        const CameraModel& camera) {
   DetectorOptions options;
   options.preprocess = reader.preprocess;
-  options.refine = reader.backend == Backend::aruco;
+  options.refine = hasRoughCorners(reader.backend);
   options.camera = camera;
   return makeDetector(reader.backend, families, options);
 }
-
-Backend backendNamed(const std::string& name) { return named(name, {Backend::aruco, Backend::apriltag}); }
 
 Preprocess preprocessNamed(const std::string& name) {
   return named(name, {Preprocess::none, Preprocess::stretch, Preprocess::clahe});

@@ -40,7 +40,7 @@ struct NamedWater {
 struct FiducialGrid {
   std::vector<std::string> families{"DICT_ARUCO_ORIGINAL", "DICT_4X4_50", "DICT_6X6_250", "tag16h5",
                                     "tag36h11"};
-  std::vector<Backend> backends{Backend::aruco, Backend::apriltag};
+  std::vector<Backend> backends{kBackends.begin(), kBackends.end()};
   std::vector<Preprocess> preprocessings{Preprocess::none};
   std::vector<double> ranges_m{1, 1.5, 2, 3, 4, 6};  ///< to the panel's centre
   std::vector<double> tilts_rad{radians(0), radians(20), radians(40), radians(60)};  ///< from its normal
@@ -70,7 +70,6 @@ FiducialGrid readFiducialGrid(const std::filesystem::path& file);
 /// What is wrong with these lists; empty where nothing is.
 std::string complaintAbout(const std::vector<std::string>& families, const std::vector<Backend>& backends);
 /// Throws std::invalid_argument for an unknown name.
-Backend backendNamed(const std::string& name);
 Preprocess preprocessNamed(const std::string& name);
 
 }  // namespace fathom

@@ -22,8 +22,6 @@ Vector6d errorOf(const Pose& estimate, const Pose& truth) {
   return error;
 }
 
-Backend otherThan(Backend backend) { return backend == Backend::aruco ? Backend::apriltag : Backend::aruco; }
-
 std::unique_ptr<Detector> detectorFor(const PanelMap& map, const CameraModel& camera,
                                       const PanelEvaluationOptions& options) {
   std::vector<std::string> families, readable;

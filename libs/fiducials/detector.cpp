@@ -57,6 +57,21 @@ bool mayBeCutOff(const Detection& detection, double cell_px, const cv::Mat& imag
 }
 
 /// What is common to the backends: regions and their scale, preprocessing, refinement.
+/// What there is to know of a backend beside its reader.
+struct BackendEntry {
+  std::string_view name;
+  std::unique_ptr<MarkerReader> (*makeReader)(const std::vector<std::string>& families,
+                                              int largest_corrected_bits);
+  bool reads_any_border, rough_corners;
+};
+
+/// The only registration, in the order of Backend.
+const BackendEntry& entryOf(Backend backend) {
+  static constexpr std::array<BackendEntry, kBackends.size()> kEntries{
+      {{"aruco", makeArucoReader, false, true}, {"apriltag", makeAprilTagReader, true, false}}};
+  return kEntries[static_cast<std::size_t>(backend)];
+}
+
 class ReaderDetector : public Detector {
  public:
   ReaderDetector(std::unique_ptr<MarkerReader> reader, const std::vector<std::string>& families,
@@ -185,10 +200,31 @@ bool comesBefore(const Detection& a, const Detection& b) {
   return key(a) < key(b);
 }
 
-std::string_view nameOf(Backend backend) { return backend == Backend::aruco ? "aruco" : "apriltag"; }
+std::string_view nameOf(Backend backend) { return entryOf(backend).name; }
+
+std::vector<std::string> backendNames() {
+  std::vector<std::string> names;
+  for (const Backend backend : kBackends) names.emplace_back(nameOf(backend));
+  return names;
+}
+
+Backend backendNamed(const std::string& name) {
+  std::string known;
+  for (const Backend backend : kBackends) {
+    if (name == nameOf(backend)) return backend;
+    known += (known.empty() ? "" : ", ") + std::string(nameOf(backend));
+  }
+  throw std::invalid_argument("`" + name + "` is none of " + known);
+}
+
+Backend otherThan(Backend backend) {
+  return kBackends[(static_cast<std::size_t>(backend) + 1) % kBackends.size()];
+}
+
+bool hasRoughCorners(Backend backend) { return entryOf(backend).rough_corners; }
 
 bool canRead(Backend backend, const std::string& family) {
-  return isMarkerFamily(family) && (backend == Backend::apriltag || hasPlainBorder(family));
+  return isMarkerFamily(family) && (entryOf(backend).reads_any_border || hasPlainBorder(family));
 }
 
 std::vector<Detection> Detector::detect(const cv::Mat& image) {
@@ -211,8 +247,7 @@ std::unique_ptr<Detector> makeDetector(Backend backend, const std::vector<std::s
   auto unique = families;
   std::sort(unique.begin(), unique.end());
   unique.erase(std::unique(unique.begin(), unique.end()), unique.end());
-  auto reader = backend == Backend::aruco ? makeArucoReader(unique, options.largest_corrected_bits)
-                                          : makeAprilTagReader(unique, options.largest_corrected_bits);
+  auto reader = entryOf(backend).makeReader(unique, options.largest_corrected_bits);
   return std::make_unique<ReaderDetector>(std::move(reader), unique, options);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -16,7 +17,15 @@ namespace fathom {
 
 /// Which library searches the image and reads the code.
 enum class Backend { aruco, apriltag };
+inline constexpr std::array kBackends{Backend::aruco, Backend::apriltag};
 std::string_view nameOf(Backend backend);
+std::vector<std::string> backendNames();
+/// Throws std::invalid_argument, which names those there are.
+Backend backendNamed(const std::string& name);
+/// For what this one does not find: the next.
+Backend otherThan(Backend backend);
+/// Whether its own corners are whole pixels, so that they should be refined; else they are good to a tenth.
+bool hasRoughCorners(Backend backend);
 
 /// Whether a backend can read a family. Both read all of OpenCV's dictionaries and AprilTag's classic
 /// families (tag16h5 … tag36h11); the newer ones (tagStandard41h12 …) only AprilTag.

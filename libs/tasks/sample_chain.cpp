@@ -23,7 +23,7 @@ std::vector<PanelPrior> priorsOf(const std::vector<PanelMap>& panels, bool unkno
 DetectionSettings settingsFor(const std::vector<PanelMap>& panels, const std::string& backend) {
   DetectionSettings settings;
   settings.families = familiesOf(panels);
-  settings.backend = backend == nameOf(Backend::aruco) ? Backend::aruco : Backend::apriltag;
+  settings.backend = backendNamed(backend);
   return settings;
 }
 
