@@ -12,6 +12,7 @@
 #include "recording/import_csv.h"
 #include "recording/rawlog.h"
 #include "report/run_info.h"
+#include "sensors/camera_files.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -147,6 +148,47 @@ void addBag(CLI::App& parent, const RunContext& context) {
   command->callback([options, &context] { importRosBag(*options, context); });
 }
 
+struct CameraFileOptions {
+  std::string file, camera = "cam0";
+  double rate_hz = 1, corner_sigma_px = 0.15;
+  ImportTarget target;
+};
+
+void importCamera(CameraFileOptions options) {
+  if (options.target.name.empty()) options.target.name = fs::path(options.file).stem().string();
+  const CameraModel camera = readCameraFile(options.file, options.camera);
+  const std::string what = "camera of " + fs::path(options.file).filename().string();
+  writeTextFile(options.target.file("_vehicle.yaml"),
+                cameraAloneYaml(what, camera, options.rate_hz, options.corner_sigma_px));
+  sayWritten(options.target, {"_vehicle.yaml"});
+}
+
+void addCamera(CLI::App& parent) {
+  auto* command =
+      parent.add_subcommand("camera", "A vehicle file's camera from a calibration: OpenCV, ROS, Kalibr");
+  command->footer(
+      "Reads the YAML that OpenCV's calibration, ROS's camera_info or Kalibr's camchain are written as, and "
+      "writes\n"
+      "NAME_vehicle.yaml with that camera alone: give it to --vehicle, or take its camera section into your "
+      "own.\n"
+      "Mounting, exposure and noise are not in such files: they are defaults there, to be corrected.\n"
+      "\n"
+      "Examples:\n"
+      "  fathom import camera camera_info.yaml --out out/camera\n"
+      "  fathom import camera camchain.yaml --camera cam1 --out out/camera");
+  const auto options = std::make_shared<CameraFileOptions>();
+  command->add_option("FILE", options->file, "The calibration")->required()->type_name(values::kYaml);
+  command->add_option("--camera", options->camera, "Which camera of a camchain")->capture_default_str();
+  command->add_option("--rate-hz", options->rate_hz, "Images a second")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--corner-sigma-px", options->corner_sigma_px, "Noise of a marker's corner, pixels")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  addImportTarget(*command, options->target, "the file's");
+  command->callback([options] { importCamera(*options); });
+}
+
 }  // namespace
 
 void addImport(const RunContext& context) {
@@ -165,6 +207,7 @@ void addImport(const RunContext& context) {
   addBag(*command, context);
   addImportCorners(*command, context);
   addImportTiePoints(*command, context);
+  addCamera(*command);
 }
 
 }  // namespace fathom
