@@ -33,12 +33,14 @@ void addFitWater(const RunContext& context);
 void addFsim(const RunContext& context);
 void addSil(const RunContext& context);
 void addHandles(const RunContext& context);
+void addBatch(const RunContext& context);
 void addCompletion(const RunContext& context);
+void addMan(const RunContext& context);
 
 inline constexpr AddCommand kCommands[] = {
-    addImport,   addExport, addInfo,   addSimulate, addLocalize, addSmooth,
-    addDiagnose, addStress, addDetect, addMap,      addEvaluate, addCompareFiducials,
-    addEffects,  addFsim,   addSil,    addFitWater, addHandles,  addCompletion};
+    addImport, addExport,   addInfo,    addSimulate, addLocalize,         addSmooth,  addDiagnose,
+    addStress, addDetect,   addMap,     addEvaluate, addCompareFiducials, addEffects, addFsim,
+    addSil,    addFitWater, addHandles, addBatch,    addCompletion,       addMan};
 
 /// Kinds of values. They show in --help, and tell the shell's completion what to offer: "FILE.x" files that
 /// end in .x, "FILE" any file, "FOLDER" folders.

@@ -5,7 +5,6 @@
 
 #include "core/text.h"
 #include "effects/catalogue.h"
-#include "shell_word.h"
 
 namespace fathom {
 namespace {

@@ -8,7 +8,7 @@
 #include "commands.h"
 #include "core/error.h"
 #include "core/progress.h"
-#include "shell_word.h"
+#include "core/text.h"
 
 namespace fathom {
 namespace {

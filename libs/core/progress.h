@@ -5,8 +5,8 @@
 
 namespace fathom {
 
-/// A progress line on standard error where that is a terminal; silent when piped. The clock only limits how
-/// often it is redrawn, results never depend on it.
+/// A progress line on standard error where that is a terminal, with the time that is left if the rest goes on
+/// as the work did so far; silent when piped. Results never depend on the clock.
 class Progress {
  public:
   explicit Progress(std::string what);
@@ -19,8 +19,11 @@ class Progress {
  private:
   std::string what_;
   bool terminal_;
-  std::chrono::steady_clock::time_point last_drawn_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now(), last_drawn_;
 };
+
+/// "12 s", "3 min", "2.5 h": roughly how long, for people.
+std::string roughly(std::chrono::duration<double> time);
 
 /// Thrown by Progress::update after SIGINT or SIGTERM: unwinds, so part files are removed.
 struct Interrupted {};

@@ -13,4 +13,7 @@ std::string shortest(double value);
 /// As a field of a CSV table: quoted where it has to be (RFC 4180).
 std::string csvField(const std::string& text);
 
+/// A word of a command line, quoted where a shell needs it.
+std::string shellWord(const std::string& word);
+
 }  // namespace fathom

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "sensors/vehicle.h"
 #include "support/run_program.h"
 #include "support/shipped.h"
 
@@ -144,6 +145,33 @@ TEST(CommandLine, SameCommandSameBytes) {
     rawlogs.push_back(readTextFile(folder / "sim.rawlog") + readTextFile(folder / "sim_simulation.json"));
   }
   EXPECT_EQ(rawlogs[0], rawlogs[1]);
+}
+
+TEST(CommandLine, ACameraFileBecomesAVehicleFile) {
+  const auto folder = scratchFolder();
+  writeTextFile(folder / "chain.yaml",
+                "cam0: {camera_model: pinhole, intrinsics: [500, 501, 320, 240], resolution: [640, 480],\n"
+                "       distortion_model: radtan, distortion_coeffs: [-0.1, 0.01, 0, 0]}\n");
+  const std::string out = " --out " + shellQuoted(folder.string());
+  const auto made = runFathom("import camera " + shellQuoted((folder / "chain.yaml").string()) + out);
+  ASSERT_EQ(made.status, 0) << made.err;
+  const Vehicle vehicle = readVehicle(folder / "chain_vehicle.yaml");
+  EXPECT_EQ(vehicle.camera.value().model.fy_px, 501);
+  EXPECT_EQ(vehicle.camera.value().model.k1, -0.1);
+  test::expectBadInput(runFathom("import camera " + shellQuoted(kConfigs + "rov.yaml") + out), "camera_matrix");
+}
+
+// Read by a stock reader that complains about what it does not know.
+TEST(CommandLine, ManualPagesAreWellFormed) {
+  const auto folder = scratchFolder();
+  const auto made = runFathom("man --out " + shellQuoted(folder.string()));
+  ASSERT_EQ(made.status, 0) << made.err;
+  const auto lint = runShell("mandoc -T lint -W error " + shellQuoted((folder / "man1").string()) + "/*.1");
+  EXPECT_EQ(lint.status, 0) << lint.out << lint.err;
+  const auto page = runShell("mandoc -T utf8 " + shellQuoted((folder / "man1/fathom-import-bag.1").string()) +
+                             " | sed 's/.\\x08//g'");
+  for (const char* part : {"NAME", "SYNOPSIS", "--topics FILE.yaml", "EXAMPLES", "fathom-import(1)"})
+    EXPECT_NE(page.out.find(part), std::string::npos) << part << "\n" << page.out;
 }
 
 TEST(CommandLine, InterruptedRunLeavesNoFile) {

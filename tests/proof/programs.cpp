@@ -1,28 +1,12 @@
 #include "programs.h"
 
-#include <fcntl.h>
-#include <sched.h>
-#include <spawn.h>
-#include <sys/wait.h>
-
-#include <cerrno>
-#include <cstring>
-
+#include "core/child_process.h"
 #include "core/error.h"
 #include "core/files.h"
-#include "core/progress.h"
-
-extern char** environ;
 
 namespace fathom::proof {
 namespace fs = std::filesystem;
 namespace {
-
-std::string lastLineOf(const fs::path& file) {
-  std::string text = readTextFile(file);
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  return text.substr(text.rfind('\n') + 1);
-}
 
 /// Of what the program needs to start: the same places on any Debian.
 std::vector<std::string> systemFolders() {
@@ -35,27 +19,10 @@ std::vector<std::string> systemFolders() {
 }  // namespace
 
 void runProgram(const std::vector<std::string>& words, const fs::path& log) {
-  std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, 1, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  posix_spawn_file_actions_adddup2(&files, 1, 2);
-  pid_t child = 0;
-  const int failed = posix_spawnp(&child, arguments[0], &files, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  if (failed != 0) throw Error(words[0], "", std::strerror(failed));
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (status != 0 && interrupted()) throw Interrupted{};  // as it was too: that is no answer
-  if (!WIFEXITED(status))
-    throw Error(words[0], "", "was stopped by signal " + std::to_string(WTERMSIG(status)));
-  if (WEXITSTATUS(status) != 0)
-    throw Error(words[0], "",
-                "ended with status " + std::to_string(WEXITSTATUS(status)) + ": " + lastLineOf(log));
+  const ChildResult child = runChild(words, log);
+  if (child.signal != 0) throw Error(words[0], "", "was stopped by signal " + std::to_string(child.signal));
+  if (child.status != 0)
+    throw Error(words[0], "", "ended with status " + std::to_string(child.status) + ": " + lastLineOf(log));
 }
 
 void sealRecording(const Programs& programs, const nlohmann::json& generator_case, const fs::path& recording,

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "core/median.h"
 #include "core/progress.h"
+#include "core/random.h"
 #include "core/text.h"
 #include "real_recordings.h"
 
@@ -90,6 +92,16 @@ double halfPower(const std::vector<Scored>& all) {
 /// finds half: the normal quantile of 0.01 / 60, both sides.
 constexpr double kFisherHalf = 3.76;
 
+/// What such a test finds by size.
+Series fisherLimit() {
+  Series limit{.name = "Fisher limit"};
+  for (double log_size = 1; log_size <= 5; log_size += 0.05) {
+    limit.x.push_back(log_size);
+    limit.y.push_back(50 * std::erfc((kFisherHalf - std::exp2(log_size)) / std::sqrt(2.0)));
+  }
+  return limit;
+}
+
 std::string setSize(const std::vector<Scored>& all) {
   double sum = 0, count = 0;
   for (const Scored& s : all)
@@ -129,6 +141,34 @@ std::string gainShare(const std::vector<Scored>& all, double Gains::*what) {
   if (shares.empty()) return "-";
   return print("%.1f %% of all; median %.1f %% (%zu recordings)", 100 * part / whole, 100 * medianOf(shares),
                shares.size());
+}
+
+/// Of what was rightly named: how far its parameters are off, a share of their size.
+std::string parametersOff(const std::vector<Scored>& all) {
+  std::vector<double> off;
+  for (const Scored& s : all)
+    if (s.parameters_off && isFrom(s, 8) && isRight(s)) off.push_back(*s.parameters_off);
+  return off.empty() ? "-" : print("%.1f %% (%zu recordings)", 100 * medianOf(off), off.size());
+}
+
+/// By how much what was stated gains more than a black box on another dive, a share of what the truth gains:
+/// the mean, and its 95 % interval by the bootstrap over recordings (Efron 1979).
+std::string overBlackBox(const std::vector<Scored>& all) {
+  std::vector<double> shares;
+  for (const Gains* gains : gainsOf(all)) shares.push_back((gains->stated - gains->black_box) / gains->truth);
+  if (shares.empty()) return "-";
+  constexpr std::size_t kDraws = 2000;
+  Random random(1);
+  std::vector<double> means;
+  for (std::size_t draw = 0; draw < kDraws; ++draw) {
+    double sum = 0;
+    for (std::size_t i = 0; i < shares.size(); ++i) sum += shares[random.bits() % shares.size()];
+    means.push_back(sum / static_cast<double>(shares.size()));
+  }
+  std::sort(means.begin(), means.end());
+  const double mean = std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
+  return print("%.1f %% (%.1f to %.1f %%; %zu recordings)", 100 * mean, 100 * means[kDraws / 40],
+               100 * means[kDraws - 1 - kDraws / 40], shares.size());
 }
 
 /// By tenths of the confidence: how far the share that is right is from it, weighted by how many there are.
@@ -186,6 +226,7 @@ Table measureTable(const std::vector<Scored>& all) {
   const auto isAlias = [](const Scored& s) {
     return isOutside(s) && s.proof_case.left >= kClear && s.proof_case.left < 0.5 * s.proof_case.lambda;
   };
+  const auto isRightFrom8 = [](const Scored& s) { return isFrom(s, 8) && isRight(s) && s.own; };
   const auto isUnexplained = [](const Scored& s) { return s.outcome == Outcome::unexplained; };
   const double half = halfPower(all);
   Table table{{"measure", "target", "reached"}, {}};
@@ -215,8 +256,14 @@ Table measureTable(const std::vector<Scored>& all) {
        shareOf(
            all, [](const Scored& s) { return !isOutside(s); }, isUnexplained)},
       {"95 % intervals that cover", "92 to 98 %", coverage(all)},
+      {"parameters of what is rightly named are off by, median, sqrt lambda >= 8", "", parametersOff(all)},
+      {"held out on its own stretches: gains more than a placebo, sqrt lambda >= 8", "",
+       shareOf(all, isRightFrom8, [](const Scored& s) { return s.own->physics > s.own->placebo; })},
+      {"the same: more than a black box, interval above 0", "",
+       shareOf(all, isRightFrom8, [](const Scored& s) { return s.own->over_black_box > 0; })},
       {"gain on another dive, share of what the truth gains", "95 %", gainShare(all, &Gains::stated)},
       {"the same of a black box", "less", gainShare(all, &Gains::black_box)},
+      {"the same over a black box, mean of recordings", "interval above 0", overBlackBox(all)},
       {"the same of the runner-up", "less", gainShare(all, &Gains::runner_up)},
       {"right name (first) where an effect is on for a part", "95 %",
        shareOf(
@@ -293,6 +340,26 @@ Table advisedTable(const std::vector<Scored>& all) {
   return table;
 }
 
+Table namesTable(const std::vector<Scored>& all) {
+  std::map<std::string, std::map<std::string, int>> counts;
+  for (const Scored& s : all)
+    if (isAlone(s) || isDecoy(s)) ++counts[s.proof_case.effects[0].id][s.first_right ? "right" : answerOf(s)];
+  Table table{{"hidden", "recordings", "named first", "taken for"}, {}};
+  for (const auto& [id, answers] : counts) {
+    int total = 0, right = 0;
+    std::string others;
+    for (const auto& [answer, count] : answers) {
+      total += count;
+      if (answer == "right")
+        right = count;
+      else
+        others += (others.empty() ? "" : "; ") + print("%d ", count) + answer;
+    }
+    table.rows.push_back({id, std::to_string(total), std::to_string(right), others});
+  }
+  return table;
+}
+
 Table confusionTable(const std::vector<Scored>& all) {
   Table table{{"recording", "hidden", "size [sqrt lambda]", "answer"}, {}};
   for (const Scored& s : all) {
@@ -309,8 +376,9 @@ Table confusionTable(const std::vector<Scored>& all) {
 std::vector<Table> tablesOf(const ProofResults& results) {
   const std::vector<Scored>& all = results.scored;
   std::vector<Table> tables;
-  for (const Table& table : {measureTable(all), effectTable(all), intervalTable(all), decoyTable(all),
-                             advisedTable(all), confusionTable(all), realTable(results.real)})
+  for (const Table& table :
+       {measureTable(all), effectTable(all), intervalTable(all), decoyTable(all), advisedTable(all),
+        namesTable(all), confusionTable(all), realTable(results.real)})
     if (!table.rows.empty()) tables.push_back(table);
   return tables;
 }
@@ -331,7 +399,7 @@ void writeProofReport(const ProofResults& results, const RunInfo& run, const std
     report.plot({.title = "Effects found, by size",
                  .x_label = "log2 of sqrt lambda",
                  .y_label = "found [%]",
-                 .series = {found},
+                 .series = {found, fisherLimit()},
                  .y_range = {{0, 100}}});
   const auto section = [&](const char* title, const Table& table, const char* caption = "") {
     if (table.rows.empty()) return;
@@ -342,6 +410,7 @@ void writeProofReport(const ProofResults& results, const RunInfo& run, const std
   section("On for a part of the recording", intervalTable(all));
   section("Decoys", decoyTable(all), "Effects on dives on which another one, which is absent, is tempting.");
   section("Sets, and what the advised manoeuvre makes of them", advisedTable(all));
+  section("Effects, and what they were taken for", namesTable(all));
   section("What was not right", confusionTable(all));
   section("Real recordings", realTable(results.real),
           "What they hide nobody knows for sure, so that nothing is right or wrong.");

@@ -22,7 +22,10 @@ Table intervalTable(const std::vector<Scored>& all);
 Table decoyTable(const std::vector<Scored>& all);
 /// Sets, what was advised, and what came of it.
 Table advisedTable(const std::vector<Scored>& all);
-/// What was taken for what, where it was not right.
+/// Effects alone: how many were named first, and what the others were taken for. The confusion matrix, of
+/// which only what is not zero is printed.
+Table namesTable(const std::vector<Scored>& all);
+/// Each recording that was not answered rightly.
 Table confusionTable(const std::vector<Scored>& all);
 
 /// All that have rows.

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "advised.h"
+#include "batch/share.h"
 #include "batch_recording.h"
 #include "core/error.h"
 #include "core/files.h"
@@ -35,21 +36,6 @@ struct Options {
   /// Of the real world, beside the checkout: no licence to ship it.
   static fs::path realData() { return fs::path(FATHOM_SOURCE_DIR) / ".." / "shared" / "data"; }
 };
-
-/// This machine's: every so-manyth case, from the so-manyth on.
-struct Share {
-  std::size_t number = 1, of = 1;
-  bool has(std::size_t index) const { return index % of == number - 1; }
-};
-
-Share shareOf(const std::string& text) {
-  const std::vector<std::string> parts = CLI::detail::split(text, '/');
-  Share share;
-  if (parts.size() != 2 || !CLI::detail::lexical_cast(parts[0], share.number) ||
-      !CLI::detail::lexical_cast(parts[1], share.of) || share.number < 1 || share.number > share.of)
-    throw Error("--share", text, "is not of the form 2/5");
-  return share;
-}
 
 /// A case's folders. What was done remains when the work is interrupted.
 struct Places {
@@ -236,7 +222,7 @@ bool isAsExpected(const Options& options) {
 void run(Options options, const std::string& command_line) {
   options.out = fs::absolute(options.out);
   fs::create_directories(options.out);
-  const Share share = shareOf(options.share);
+  const Share share = shareOf("--share", options.share);
   const Work work{planOf(options), realRecordings(Options::realData(), options.quick)};
   if (work.real.empty()) std::cout << "no real recordings: ../shared/data is not there\n";
   const std::size_t sealed = work.cases.size();

@@ -55,7 +55,8 @@ std::vector<double> numbers(const Json& value) {
   return value.is_array() ? value.get<std::vector<double>>() : std::vector{value.get<double>()};
 }
 
-void countCovered(const Json& stated, const Json& hidden, Scored& scored) {
+void compareParameters(const Json& stated, const Json& hidden, Scored& scored) {
+  double off = 0, size = 0;  // in sigmas, squared
   for (const auto& [name, sigma] : stated.at("sigma").items()) {
     if (!hidden.at("parameters").contains(name)) continue;
     const std::vector<double> values = numbers(stated.at("parameters").at(name)), sigmas = numbers(sigma),
@@ -63,8 +64,19 @@ void countCovered(const Json& stated, const Json& hidden, Scored& scored) {
     for (std::size_t i = 0; i < std::min({values.size(), sigmas.size(), truth.size()}); ++i) {
       ++scored.scalars;
       if (std::abs(values[i] - truth[i]) <= 1.96 * sigmas[i]) ++scored.covered;
+      if (!(sigmas[i] > 0)) continue;
+      off += std::pow((values[i] - truth[i]) / sigmas[i], 2);
+      size += std::pow(truth[i] / sigmas[i], 2);
     }
   }
+  if (size > 0 && !scored.parameters_off) scored.parameters_off = std::sqrt(off / size);
+}
+
+std::optional<OwnStretches> ownStretchesIn(const Json& diagnosis) {
+  const auto gain = diagnosis.find("heldout_log_likelihood_gain");
+  if (gain == diagnosis.end() || diagnosis.at("effects").empty()) return {};
+  return OwnStretches{gain->at("physics"), gain->at("black_box"), gain->at("over_black_box_ci95").at(0),
+                      gain->at("placebo")};
 }
 
 /// When an effect acts within its recording: of a step or a cloud just its time.
@@ -132,12 +144,13 @@ Scored score(const ProofCase& proof_case, const Json& answer) {
       if (hasIt(one, effect)) ++found;
       if (!isSame(one.effect, effect)) continue;
       scored.first_right = scored.first_right || &one == &stated.front();
-      countCovered(one.effect, effect, scored);
+      compareParameters(one.effect, effect, scored);
       if (isTimed(effect))
         compareTimes(one.effect, effect, proof_case.generator.at("dive").at("duration_s"), scored);
     }
   }
   if (!stated.empty()) scored.confidence = stated.front().effect.value("confidence", 0.0);
+  scored.own = ownStretchesIn(diagnosis);
   scored.in_set = !hidden.empty() && found >= hidden.size();
   const std::string verdict = diagnosis.at("verdict");
   scored.outcome = verdict == "none"           ? Outcome::none
@@ -157,6 +170,18 @@ std::optional<double> numberOf(const Json& json) {
 Outcome outcomeOf(const Json& json) {
   const auto outcome = std::find(kOutcomes.begin(), kOutcomes.end(), json.get<std::string>());
   return static_cast<Outcome>(outcome - kOutcomes.begin());
+}
+
+Json toJson(const std::optional<OwnStretches>& own) {
+  if (!own) return nullptr;
+  return {{"physics", own->physics},
+          {"black_box", own->black_box},
+          {"over_black_box", own->over_black_box},
+          {"placebo", own->placebo}};
+}
+std::optional<OwnStretches> ownStretchesOf(const Json& own) {
+  if (own.is_null()) return {};
+  return OwnStretches{own.at("physics"), own.at("black_box"), own.at("over_black_box"), own.at("placebo")};
 }
 
 Json toJson(const std::optional<Gains>& g) {
@@ -196,9 +221,11 @@ nlohmann::ordered_json toJson(const Scored& s) {
           {"first_right", s.first_right},
           {"scalars", s.scalars},
           {"covered", s.covered},
+          {"parameters_off", orNull(s.parameters_off)},
           {"rival_in_set", s.rival_in_set},
           {"onset_off_s", orNull(s.onset_off_s)},
           {"end_off_s", orNull(s.end_off_s)},
+          {"own", toJson(s.own)},
           {"gains", toJson(s.gains)},
           {"advised", toJson(s.advised)}};
 }
@@ -215,9 +242,11 @@ Scored scoredOf(const Json& json) {
   s.first_right = json.at("first_right");
   s.scalars = json.at("scalars");
   s.covered = json.at("covered");
+  s.parameters_off = numberOf(json.at("parameters_off"));
   s.rival_in_set = json.at("rival_in_set");
   s.onset_off_s = numberOf(json.at("onset_off_s"));
   s.end_off_s = numberOf(json.at("end_off_s"));
+  s.own = ownStretchesOf(json.at("own"));
   s.gains = gainsIn(json.at("gains"));
   s.advised = advisedIn(json.at("advised"));
   return s;

@@ -35,6 +35,14 @@ struct Gains {
   double black_box = 0;
 };
 
+/// What was found is worth on stretches of its own recording that it was not fitted to: ln of the likelihood
+/// gained over the nominal model.
+struct OwnStretches {
+  double physics = 0, black_box = 0;
+  double over_black_box = 0;  ///< lower end of the 95 % interval of their difference
+  double placebo = 0;         ///< what the best of all effects gains where nothing is missing
+};
+
 /// What became of a set on the dive that the answer advises.
 struct Advised {
   std::string manoeuvre;
@@ -47,16 +55,18 @@ struct Advised {
 struct Scored {
   ProofCase proof_case;
   Outcome outcome = Outcome::insufficient;
-  std::string failure;                ///< why there is no answer
-  std::vector<std::string> stated;    ///< each with what it cannot be told from: "gamma | dark-offset"
-  bool in_set = false;                ///< all that is hidden is stated, or in a stated set
-  double set_size = 0;                ///< of the stated sets, mean
-  double confidence = 0;              ///< stated, that the first name is right; 0: nothing was named
-  bool first_right = false;           ///< the first name of a set is right
-  int scalars = 0, covered = 0;       ///< of what is hidden: those in their 95 % interval
-  bool rival_in_set = false;          ///< what it may be taken for is in the stated set
-  std::optional<double> onset_off_s;  ///< of an interval's beginning, a step, a peak
-  std::optional<double> end_off_s;    ///< of an interval
+  std::string failure;                   ///< why there is no answer
+  std::vector<std::string> stated;       ///< each with what it cannot be told from: "gamma | dark-offset"
+  bool in_set = false;                   ///< all that is hidden is stated, or in a stated set
+  double set_size = 0;                   ///< of the stated sets, mean
+  double confidence = 0;                 ///< stated, that the first name is right; 0: nothing was named
+  bool first_right = false;              ///< the first name of a set is right
+  int scalars = 0, covered = 0;          ///< of what is hidden: those in their 95 % interval
+  std::optional<double> parameters_off;  ///< of the first effect that is hidden: a share of their size
+  bool rival_in_set = false;             ///< what it may be taken for is in the stated set
+  std::optional<double> onset_off_s;     ///< of an interval's beginning, a step, a peak
+  std::optional<double> end_off_s;       ///< of an interval
+  std::optional<OwnStretches> own;
   std::optional<Gains> gains;
   std::optional<Advised> advised;
 };

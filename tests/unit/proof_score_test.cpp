@@ -123,6 +123,28 @@ TEST(ProofScore, ComparesOnsetAndEnd) {
   EXPECT_EQ(scored.end_off_s, 4.0);
 }
 
+TEST(ProofScore, SaysHowFarParametersAreOff) {
+  const Json scale = found("dvl-scale", {{"scale_error", 0.021}}, {{"scale_error", 0.002}});
+  const Scored scored = score(hiddenFor(nullptr), answer("explained", {scale}));
+  ASSERT_TRUE(scored.parameters_off);
+  EXPECT_NEAR(*scored.parameters_off, 0.05, 1e-12);  // 0.021 for 0.02
+  EXPECT_FALSE(score(hiddenFor(nullptr), answer("none")).parameters_off);
+}
+
+TEST(ProofScore, TakesWhatWasHeldOutFromTheAnswer) {
+  Json with = answer("explained", {found("gyro-bias")});
+  with["diagnosis"]["heldout_log_likelihood_gain"] = {{"physics", 30.0},
+                                                      {"physics_ci95", {20.0, 40.0}},
+                                                      {"black_box", 12.0},
+                                                      {"over_black_box_ci95", {5.0, 31.0}},
+                                                      {"placebo", 8.0}};
+  const Scored scored = score(hiddenBias(), with);
+  ASSERT_TRUE(scored.own);
+  EXPECT_EQ(scored.own->over_black_box, 5);
+  EXPECT_EQ(scored.own->placebo, 8);
+  EXPECT_FALSE(score(hiddenBias(), answer("explained", {found("gyro-bias")})).own);
+}
+
 // What is always on begins with the recording and ends with it, and an interval that outlasts it too.
 TEST(ProofScore, AlwaysIsFromBeginningToEnd) {
   const Scored always = score(hiddenFor({10.0, 80.0}), foundFor(nullptr));
@@ -175,6 +197,8 @@ TEST(ProofScore, ASetWithTheTruthThatLastsIsDrivenAgain) {
 TEST(ProofScore, IsReadAsItWasWritten) {
   Scored scored =
       score(hiddenBias(), answer("explained", {found("gyro-bias")}, {"gyro-bias", "earth-rotation"}));
+  scored.own = OwnStretches{30, 12, 5, 8};
+  scored.parameters_off = 0.05;
   scored.gains = Gains{10, 9, 3, 1};
   scored.onset_off_s = 0.5;
   scored.advised = Advised{"hold station", 12.5, Outcome::right, {"gyro-bias"}, ""};
@@ -188,6 +212,27 @@ TEST(ProofReport, SaysOfHowMany) {
   const Table table = measureTable(all);
   EXPECT_EQ(table.rows[0][2], "2.0 % (1 of 50; 0 to 10 %)");  // Wilson's interval: 0.35 to 10.5 %
   EXPECT_EQ(confusionTable(all).rows.size(), 1u);
+}
+
+TEST(ProofReport, CountsWhatEffectsWereTakenFor) {
+  const Table table = namesTable({score(hiddenBias(), answer("explained", {found("gyro-bias")})),
+                                  score(hiddenBias(), answer("explained", {found("gyro-scale")})),
+                                  score(hiddenBias(), answer("explained", {found("gyro-scale")})),
+                                  score(hiddenBias(), answer("none"))});
+  ASSERT_EQ(table.rows.size(), 1u);
+  EXPECT_EQ(table.rows[0], (std::vector<std::string>{"gyro-bias", "4", "1", "2 gyro-scale; 1 none"}));
+}
+
+// A share of what the truth gains: 0.5, 0.9 and 0.7 more than a black box.
+TEST(ProofReport, GainOverABlackBoxHasAnInterval) {
+  std::vector<Scored> all;
+  for (const double black_box : {50.0, 10.0, 30.0}) {
+    all.push_back(score(hiddenBias(), answer("explained", {found("gyro-bias")})));
+    all.back().gains = Gains{100, 100, 3, black_box};
+  }
+  for (const auto& row : measureTable(all).rows)
+    if (row[0].find("over a black box") != std::string::npos)
+      EXPECT_EQ(row[2], "70.0 % (50.0 to 90.0 %; 3 recordings)");  // all three alike: once in 27 draws
 }
 
 /// A decoy that cannot be told from the Earth's rotation, answered so.

@@ -1,4 +1,4 @@
-// The table of rooms in README.md, the CMake files and the #include lines must say the same.
+// The table of rooms in libs/README.md, the CMake files and the #include lines must say the same.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -20,7 +20,7 @@ using test::kSource;
 /// Rows `| `room` | owns | core, effects |`. "-" is none; "all" is left out of the comparison.
 Uses usesInReadme() {
   Uses uses;
-  std::istringstream readme(readTextFile(kSource / "README.md"));
+  std::istringstream readme(readTextFile(kSource / "libs/README.md"));
   const std::regex row(R"(\| `(\w+)` \|[^|]*\|([^|]*)\|)");
   bool in_table = false;
   for (std::string line; std::getline(readme, line);) {

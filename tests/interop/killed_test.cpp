@@ -1,0 +1,71 @@
+// Commands that are killed outright at any moment: the next run is not disturbed by what was left, and makes
+// the same bytes. (`fathom batch`: batch_command_test.cpp.)
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "core/files.h"
+#include "core/random.h"
+#include "support/run_program.h"
+#include "support/shipped.h"
+
+namespace fathom {
+namespace {
+namespace fs = std::filesystem;
+using test::fathomProgram;
+using test::runShell;
+using test::scratchFolder;
+using test::shellQuoted;
+
+std::map<std::string, std::string> filesIn(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) files[fs::relative(entry.path(), folder)] = readTextFile(entry.path());
+  return files;
+}
+
+/// `arguments` write into the folder OUT, where they are run.
+void expectSameAfterBeingKilled(const std::string& arguments, int times, double longest_s) {
+  const fs::path whole = scratchFolder() / "whole", killed = scratchFolder() / "killed";
+  for (const fs::path& folder : {whole, killed}) fs::create_directories(folder);
+  const std::string command = shellQuoted(fathomProgram()) + " " + arguments;
+  const auto in = [&](const fs::path& folder, const std::string& what) {
+    return runShell("cd " + shellQuoted(folder.string()) + "; " + what);
+  };
+  ASSERT_EQ(in(whole, command).status, 0);
+  Random random(7);
+  for (int i = 0; i < times; ++i) {
+    const std::string moment_s = std::to_string(random.uniform(0, longest_s));
+    in(killed, command + " & sleep " + moment_s + "; kill -KILL $!; wait $!");
+    // What lies there under its real name is whole, at any moment.
+    for (const auto& [name, text] : filesIn(killed))
+      if (!name.ends_with(".part")) EXPECT_TRUE(filesIn(whole).contains(name)) << name;
+  }
+  const auto last = in(killed, command);
+  ASSERT_EQ(last.status, 0) << last.err;
+  EXPECT_EQ(filesIn(killed), filesIn(whole));
+}
+
+TEST(Killed, SimulateMakesTheSameBytes) {
+  expectSameAfterBeingKilled("simulate --trajectory " + test::kConfig.string() +
+                                 "/dive_trajectory.yaml --vehicle " + test::kRov.string() +
+                                 " --duration 120 --seed 3 --name dive --out OUT",
+                             20, 1);
+}
+
+TEST(Killed, SimulateWithImagesMakesTheSameBytes) {
+  expectSameAfterBeingKilled("simulate --trajectory " + test::kConfig.string() +
+                                 "/trajectory_station.yaml --vehicle " + test::kRov.string() + " --map " +
+                                 test::kDexrovMap.string() + " --water " + test::kConfig.string() +
+                                 "/water_clear.yaml --duration 3 --seed 3 --name dive --out OUT",
+                             10, 1);
+}
+
+TEST(Killed, LocalizeMakesTheSameBytes) {
+  expectSameAfterBeingKilled(
+      "localize " + test::kSource.string() + "/rawlogs/dive/dive.rawlog --start reference --smooth --out OUT",
+      20, 1.5);
+}
+
+}  // namespace
+}  // namespace fathom
