@@ -140,7 +140,7 @@ struct EffectParameters {
   }
 };
 
-/// Calls f.template operator()<Effect>() for every registered effect, in order.
+/// Calls `f.template operator()<Effect>()` for every registered effect, in order.
 template <class F>
 void forEachEffect(F&& f) {
   [&]<class... Effects>(std::tuple<Effects...>*) {

@@ -133,7 +133,7 @@ namespace detail {
 // Products written as sums of columns: the compiler turns them into straight vector code, where Eigen would
 // pack the matrices for its large-product kernel.
 
-/// Calls f.template operator()<j>() for j = 0 … N-1.
+/// Calls `f.template operator()<j>()` for j = 0 … N-1.
 template <int N, class F>
 void unrolled(F&& f) {
   [&]<int... j>(std::integer_sequence<int, j...>) { (f.template operator()<j>(), ...); }

@@ -29,6 +29,8 @@ p { max-width: 46rem; margin: .6rem 0; }
 .warning { border-left: 4px solid var(--warn); background: var(--warn-paper); padding: .6rem .9rem; margin: 1rem 0; }
 .warning strong { color: var(--warn); }
 .scroll { overflow-x: auto; margin: .8rem 0; }
+.scroll button { float: right; position: sticky; right: 0; font-size: .75rem; color: var(--soft); background: var(--card);
+                 border: 1px solid var(--line); border-radius: 4px; padding: .1rem .5rem; cursor: pointer; }
 table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabular-nums; }
 caption { text-align: left; color: var(--soft); padding: .2rem 0; }
 th, td { padding: .3rem .8rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
@@ -48,8 +50,20 @@ footer { margin-top: 3rem; padding-top: .8rem; border-top: 1px solid var(--line)
   :root { --ink: #000; --soft: #444; --paper: #fff; --card: #fff; --line: #bbb; --warn: #9a3412; --warn-paper: #fff; }
   main { max-width: none; padding: 0; }
   figure, tr, .warning, .keys div { break-inside: avoid; } h2, h3 { break-after: avoid; }
-  .scroll { overflow: visible; } }
+  .scroll { overflow: visible; } .scroll button { display: none; } }
 )css";
+
+/// RFC 4180: a cell that holds what separates cells is quoted.
+constexpr const char* kScript = R"js(
+function csvOf(table) {
+  const cell = c => /[",\n]/.test(c.textContent) ? '"' + c.textContent.replaceAll('"', '""') + '"' : c.textContent;
+  return [...table.rows].map(row => [...row.cells].map(cell).join(',') + '\n').join('');
+}
+async function copyTable(button) {
+  await navigator.clipboard.writeText(csvOf(button.parentNode.querySelector('table')));
+  button.textContent = 'copied';
+}
+)js";
 
 std::string escaped(const std::string& text) {
   std::string result;
@@ -143,7 +157,9 @@ void HtmlReport::keyValues(const std::vector<std::pair<std::string, std::string>
 }
 
 void HtmlReport::table(const Table& table, const std::string& caption) {
-  body_ += "<div class=\"scroll\"><table>\n";
+  body_ +=
+      "<div class=\"scroll\"><button type=\"button\" onclick=\"copyTable(this)\">copy as "
+      "CSV</button>\n<table>\n";
   if (!caption.empty()) body_ += element("caption", caption);
   body_ += "<thead>" + tableRow(table, table.header, "th") + "</thead>\n<tbody>\n";
   for (std::size_t i = 0; i < table.rows.size(); ++i)
@@ -182,8 +198,8 @@ void HtmlReport::footer(const RunInfo& run) {
 std::string HtmlReport::html() const {
   return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-         escaped(title_) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n<main>\n" + body_ +
-         "</main>\n</body>\n</html>\n";
+         escaped(title_) + "</title>\n<style>" + kStyle + "</style>\n<script>" + kScript +
+         "</script>\n</head>\n<body>\n<main>\n" + body_ + "</main>\n</body>\n</html>\n";
 }
 
 void HtmlReport::write(const std::filesystem::path& file) const { writeTextFile(file, html()); }

@@ -11,9 +11,9 @@
 
 namespace fathom {
 
-/// A report for people: one HTML file that needs nothing beside it (CSS and SVG inside, no script but the
-/// sliders' one line), for light and dark screens and for paper. Parts appear in the order of the calls; all
-/// text is escaped.
+/// A report for people: one HTML file that needs nothing beside it (CSS and SVG inside; the little script
+/// there is moves sliders and copies tables), for light and dark screens and for paper. Parts appear in the
+/// order of the calls; all text is escaped.
 class HtmlReport {
  public:
   explicit HtmlReport(std::string title);

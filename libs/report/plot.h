@@ -34,7 +34,7 @@ struct Plot {
   std::optional<std::pair<double, double>> y_range{};  ///< absent: what the data needs
 };
 
-/// The plot as the text of an <svg> element, drawn by gnuplot. The same plot gives the same bytes. Text and
+/// The plot as the text of an `<svg>` element, drawn by gnuplot. The same plot gives the same bytes. Text and
 /// axes are in currentColor, so that a page's own text colour holds in light and dark. A long series is drawn
 /// from the points that thin() keeps. Throws Error where gnuplot is missing or fails, std::invalid_argument
 /// where a series' columns differ in length.

@@ -8,14 +8,15 @@
 
 /// What every kind of fault is made of. A kind is a plain struct, NAME_fault.h:
 ///
-///   struct DropFault {
-///     static constexpr const char* id = "drop";        // its name in YAML
-///     static constexpr bool changes_values = false;    // true: only for sensors that have numbers
-///     double probability = 0;
-///     template <class F> void fields(F& f) { f.strength("probability", probability, Limit::probability); }
-///     void apply(Arrival arrival, const FaultContext& context, std::vector<Arrival>& out) const;
-///   };
-///
+/// ~~~
+/// struct DropFault {
+///   static constexpr const char* id = "drop";        // its name in YAML
+///   static constexpr bool changes_values = false;    // true: only for sensors that have numbers
+///   double probability = 0;
+///   template <class F> void fields(F& f) { f.strength("probability", probability, Limit::probability); }
+///   void apply(Arrival arrival, const FaultContext& context, std::vector<Arrival>& out) const;
+/// };
+/// ~~~
 /// `fields` names its parameters once, for reading, scaling and varying them: f.strength(key, value, limit)
 /// for what says how strong it is (zero changes nothing), f.option for what does not, f.amount(key, labels,
 /// value, limit) for a strength that concerns some sensors only, f.choices(key, names, chosen) for a list of

@@ -19,7 +19,7 @@ namespace fathom {
 using AnyFault = std::variant<DropFault, DelayFault, JitterFault, NoiseFault, BiasFault, OutageFault,
                               DuplicateFault, ReorderFault, CorruptFault>;
 
-/// Calls f.template operator()<Fault>() for every kind, in order.
+/// Calls `f.template operator()<Fault>()` for every kind, in order.
 template <class F>
 void forEachFault(F&& f) {
   [&]<class... Faults>(std::variant<Faults...>*) {
