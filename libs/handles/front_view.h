@@ -15,6 +15,7 @@ struct PosedPanelImage {
   CameraModel camera;
   CameraProjector<double> projector;  ///< where it truly sees things
   Pose T_camera_panel;
+  bool is_jpeg = false;  ///< it came by way of JPEG, whose blocks of colour are 16 pixels wide
 };
 
 /// What an image has of a handle, as if seen from in front: on the plane in which the handle's straight edges

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/for_each.h"
+#include "fiducials/jpeg.h"
 #include "handles/circular_average.h"
 
 namespace fathom {
@@ -91,7 +92,8 @@ std::vector<HandleSight> readAll(const PosedImages& images, const SilWorld& worl
     CameraSheet sheet = *world.vehicle.camera;
     sheet.bits = image.depth() == CV_16U ? sheet.bits : 8;
     const PosedPanelImage before{radianceOf(image, sheet), posed.camera.lens, posed.camera.projector,
-                                 T_camera_panelOf(posed, world.panels[posed.panel]).pose};
+                                 T_camera_panelOf(posed, world.panels[posed.panel]).pose,
+                                 jpegQuality(posed.image.file).has_value()};
     const std::vector<HandleReading> readings = readers.local().of(posed.panel).read(before);
     for (const HandleReading& reading : readings) by_image[i].push_back(sightOf(i, posed.panel, reading));
     if (see) see(posed, image, readings);

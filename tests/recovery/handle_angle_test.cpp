@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "evaluation/handle_evaluation.h"
+#include "fiducials/jpeg.h"
 
 namespace fathom {
 namespace {
@@ -81,12 +82,16 @@ struct OneView {
     made = HandleViews(map, vehicle, environment, options).make(number);
     handle = made.handle;
   }
-  HandleReading read(const cv::Mat& image_bgr) const {
+  HandleReading read(const cv::Mat& image_bgr, bool is_jpeg = false) const {
     const CameraModel& camera = vehicle.camera->model;
     return HandleReader({map, *vehicle.camera, environment})
         .read({radianceOf(image_bgr, *vehicle.camera), camera, CameraProjector<double>::nominal(camera),
-               made.view.T_panel_camera().inverse()},
+               made.view.T_panel_camera().inverse(), is_jpeg},
               handle);
+  }
+  double errorOf(const HandleReading& reading) const {
+    const Handle& truth = made.map.handles[handle];
+    return std::abs(angleDifference(reading.angle_rad, truth.angle_rad, symmetryOf(truth.kind)));
   }
 };
 
@@ -95,10 +100,23 @@ TEST(HandleReader, ReadsAnUnspoiltImage) {
     const OneView view(number);
     const HandleReading reading = view.read(view.made.image_bgr);
     ASSERT_TRUE(reading.confident) << reading.why_not;
-    const Handle& handle = view.made.map.handles[view.handle];
-    EXPECT_LT(
-        std::abs(degrees(angleDifference(reading.angle_rad, handle.angle_rad, symmetryOf(handle.kind)))), 3);
+    EXPECT_LT(degrees(view.errorOf(reading)), 3);
   }
+}
+
+// Of strong compression: sigma is as large as that makes the error.
+TEST(HandleReader, KnowsWhatJpegDoes) {
+  double squares = 0, confident = 0;
+  for (std::uint64_t number = 0; number < 24; ++number) {
+    const OneView view(number);
+    const HandleReading reading = view.read(throughJpeg(view.made.image_bgr, 60), true);
+    if (!reading.confident) continue;
+    ++confident;
+    EXPECT_LT(degrees(view.errorOf(reading)), 10) << number;
+    squares += std::pow(view.errorOf(reading) / reading.sigma_rad, 2);
+  }
+  EXPECT_GE(confident, 12);
+  EXPECT_LT(squares / confident, 2);
 }
 
 // A manipulator's gray box before all of it, and before most.
