@@ -16,6 +16,15 @@ using test::lookingAtPanel;
 using test::markerAt;
 using test::trueCorners;
 
+TEST(Backends, AreKnownByTheirNames) {
+  for (const Backend backend : kBackends) {
+    EXPECT_EQ(backendNamed(std::string(nameOf(backend))), backend);
+    EXPECT_NE(otherThan(backend), backend);
+  }
+  EXPECT_EQ(backendNames(), (std::vector<std::string>{"aruco", "apriltag"}));
+  EXPECT_THROW(backendNamed("artoolkit"), std::invalid_argument);
+}
+
 const CameraModel kDrawnCamera;
 
 /// Four markers of a family, the first, the last and two between, upright, on their sides and aslant; a cell
@@ -42,7 +51,7 @@ TEST_P(EveryFamily, IsReadByEveryBackendThatCan) {
   Look look;
   look.supersampling = 8;
   const cv::Mat image = drawMarkers(markers, kDrawnCamera, T_camera_panel, look, random);
-  for (const Backend backend : {Backend::aruco, Backend::apriltag}) {
+  for (const Backend backend : kBackends) {
     if (!canRead(backend, family)) continue;
     const auto detections = makeDetector(backend, {family})->detect(image);
     ASSERT_EQ(detections.size(), markers.size()) << nameOf(backend);
@@ -96,7 +105,7 @@ TEST(Detector, TwoFamiliesInOneImageAreToldApart) {
                                     markerAt("tag36h11", 17, 0.12, 0.12, 0)};
   Random random(2);
   const cv::Mat image = drawMarkers(markers, kDrawnCamera, lookingAtPanel(1.0, 0.2), {}, random);
-  for (const Backend backend : {Backend::aruco, Backend::apriltag}) {
+  for (const Backend backend : kBackends) {
     const auto detections = makeDetector(backend, {"tag36h11", "DICT_ARUCO_ORIGINAL"})->detect(image);
     ASSERT_EQ(detections.size(), 2U) << nameOf(backend);
     EXPECT_EQ(detections[0].family, "DICT_ARUCO_ORIGINAL");
@@ -106,7 +115,7 @@ TEST(Detector, TwoFamiliesInOneImageAreToldApart) {
 
 TEST(Detector, FindsNothingInNoise) {
   Random random(3);
-  for (const Backend backend : {Backend::aruco, Backend::apriltag}) {
+  for (const Backend backend : kBackends) {
     const auto detector =
         makeDetector(backend, {"DICT_ARUCO_ORIGINAL", "DICT_6X6_250", "tag36h11", "DICT_5X5_100"});
     for (int i = 0; i < 12; ++i) {
@@ -127,7 +136,7 @@ TEST(Detector, SameImageSameDetections) {
   Look look;
   look.noise_sigma = 4;
   const cv::Mat image = drawMarkers(markers, kDrawnCamera, lookingAtPanel(1.3, 0.4, 1), look, random);
-  for (const Backend backend : {Backend::aruco, Backend::apriltag}) {
+  for (const Backend backend : kBackends) {
     const auto first = makeDetector(backend, {"DICT_5X5_100"})->detect(image);
     const auto detector = makeDetector(backend, {"DICT_5X5_100"});
     detector->detect(cv::Mat(100, 100, CV_8UC1, cv::Scalar(7)));  // no memory of images before
