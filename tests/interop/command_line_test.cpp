@@ -158,7 +158,8 @@ TEST(CommandLine, ACameraFileBecomesAVehicleFile) {
   const Vehicle vehicle = readVehicle(folder / "chain_vehicle.yaml");
   EXPECT_EQ(vehicle.camera.value().model.fy_px, 501);
   EXPECT_EQ(vehicle.camera.value().model.k1, -0.1);
-  test::expectBadInput(runFathom("import camera " + shellQuoted(kConfigs + "rov.yaml") + out), "camera_matrix");
+  test::expectBadInput(runFathom("import camera " + shellQuoted(kConfigs + "rov.yaml") + out),
+                       "camera_matrix");
 }
 
 // Read by a stock reader that complains about what it does not know.
