@@ -28,7 +28,10 @@ constexpr std::size_t kLooked = 40, kContenders = 5, kRivals = 4;
 // light is known less well than that; what is on for a part can be made to fit anything.
 constexpr double kDiscovery = 4, kDiscoveryOfLightOrPart = 5;
 constexpr double kLessNoise = 0.9;  // times the noise taken before: less than chance
-constexpr double kConfirmed = 0.3;  // of the likelihood it gains, on stretches that it was not fitted to
+// Of the likelihood that an effect should gain on stretches that it was not fitted to. Where that is less
+// than so much, they cannot show it, since poses follow it there: then it has to gain that much more where it
+// was fitted.
+constexpr double kConfirmed = 0.3, kLeastExpected = 4, kUnseen = 30;
 
 /// To compare what a camera by itself shows: its noise and the markers' scatter, multiplied.
 double cameraNoise(const NoiseModel& noise) {
@@ -358,8 +361,10 @@ bool Course::leaveOutUnconfirmed(const Refit& fit) {
   bool any = false;
   for (std::size_t i = 0; i < fit.effects.size(); ++i) {
     const Refit rest = without(fit, i);
-    const double gain = rest.succeeded ? rest.cost - fit.cost : 0;
-    if (!isPart(fit.effects[i]) || held.gain.by_effect[i] > kConfirmed * gain) continue;
+    const double expected = held.gain.expected_by_effect[i];
+    const bool shown = expected >= kLeastExpected ? held.gain.by_effect[i] > kConfirmed * expected
+                                                  : rest.succeeded && rest.cost - fit.cost > kUnseen;
+    if (!isPart(fit.effects[i]) || shown) continue;
     any = lasting_only_.insert(fit.effects[i].effect).second || any;
     diagnosis_.remarks.push_back(nameOf(fit.effects[i]) +
                                  " would fit, but not stretches that it was not fitted to");

@@ -194,6 +194,7 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
       pieces_(static_cast<std::size_t>(stretches_.count()) * kParts) {
   sigma_ = trainedSigmas(bare_, effects, found);
   gain_.by_effect.assign(effects.size(), 0);
+  gain_.expected_by_effect.assign(effects.size(), 0);
   columns_ = model_.whitened(columnsOf(bare_, effects));
   for (const Candidate& effect : effects)
     for (const CandidateColumn& c : columnsOf(bare_, effect.effect)) is_draw_.push_back(c.image >= 0);
@@ -238,10 +239,11 @@ void HoldOut::holdOutFold(int fold) {
     with.col(kFirstDraw + floor_draws + static_cast<Eigen::Index>(e)) =
         residualWithDraws(physics(e), trained, test);
   const Eigen::MatrixXd left = test.project(with);
-  for (std::size_t e = 0; e < effects_.size(); ++e)
-    gain_.by_effect[e] +=
-        0.5 * (left.col(kFirstDraw + floor_draws + static_cast<Eigen::Index>(e)).squaredNorm() -
-               left.col(kAfter).squaredNorm());
+  for (std::size_t e = 0; e < effects_.size(); ++e) {
+    const auto without = left.col(kFirstDraw + floor_draws + static_cast<Eigen::Index>(e));
+    gain_.by_effect[e] += 0.5 * (without.squaredNorm() - left.col(kAfter).squaredNorm());
+    gain_.expected_by_effect[e] += 0.5 * (without - left.col(kAfter)).squaredNorm();
+  }
   add(test.rows(), left);
 }
 

@@ -29,7 +29,10 @@ struct HeldOut {
 /// ln of the held-out predictive density over that of the model with nothing added, all channels.
 struct HeldOutGain {
   double physics = 0, black_box = 0;
-  std::vector<double> by_effect;         ///< what each adds to all the others
+  std::vector<double> by_effect;  ///< what each adds to all the others
+  /// What each would add on average, were it as it was trained: where poses that are estimated anew follow an
+  /// effect, held-out stretches show less of it than the whole recording does.
+  std::vector<double> expected_by_effect;
   std::array<double, 2> physics_ci95{};  ///< by block bootstrap
   std::array<double, 2> over_black_box_ci95{};
   double placebo = 0;  ///< 95th percentile of what the best of all effects gains where nothing is missing
