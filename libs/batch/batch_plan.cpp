@@ -35,7 +35,7 @@ std::vector<std::string> shortNames(const std::vector<fs::path>& recordings) {
       std::string name = recording.stem().string();
       fs::path folder = recording.parent_path();
       for (int d = 1; d < depth && folder.has_filename(); ++d, folder = folder.parent_path())
-        name = folder.filename().string() + "-" + name;
+        name.insert(0, folder.filename().string() + "-");
       deeper = deeper || folder.has_filename();
       names.push_back(name);
     }
