@@ -31,7 +31,7 @@ constexpr double kLessNoise = 0.9;  // times the noise taken before: less than c
 // Of the likelihood that an effect should gain on stretches that it was not fitted to. Where that is less
 // than so much, they cannot show it, since poses follow it there: then it has to gain that much more where it
 // was fitted.
-constexpr double kConfirmed = 0.3, kLeastExpected = 4, kUnseen = 30;
+constexpr double kConfirmed = 0.3, kLeastExpected = 4, kUnseen = 50;
 
 /// To compare what a camera by itself shows: its noise and the markers' scatter, multiplied.
 double cameraNoise(const NoiseModel& noise) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "core/median.h"
@@ -152,23 +151,22 @@ std::string parametersOff(const std::vector<Scored>& all) {
 }
 
 /// By how much what was stated gains more than a black box on another dive, a share of what the truth gains:
-/// the mean, and its 95 % interval by the bootstrap over recordings (Efron 1979).
+/// the median, and its 95 % interval by the bootstrap over recordings (Efron 1979).
 std::string overBlackBox(const std::vector<Scored>& all) {
   std::vector<double> shares;
   for (const Gains* gains : gainsOf(all)) shares.push_back((gains->stated - gains->black_box) / gains->truth);
   if (shares.empty()) return "-";
   constexpr std::size_t kDraws = 2000;
   Random random(1);
-  std::vector<double> means;
+  std::vector<double> medians;
   for (std::size_t draw = 0; draw < kDraws; ++draw) {
-    double sum = 0;
-    for (std::size_t i = 0; i < shares.size(); ++i) sum += shares[random.bits() % shares.size()];
-    means.push_back(sum / static_cast<double>(shares.size()));
+    std::vector<double> drawn;
+    for (std::size_t i = 0; i < shares.size(); ++i) drawn.push_back(shares[random.bits() % shares.size()]);
+    medians.push_back(medianOf(std::move(drawn)));
   }
-  std::sort(means.begin(), means.end());
-  const double mean = std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
-  return print("%.1f %% (%.1f to %.1f %%; %zu recordings)", 100 * mean, 100 * means[kDraws / 40],
-               100 * means[kDraws - 1 - kDraws / 40], shares.size());
+  std::sort(medians.begin(), medians.end());
+  return print("%.1f %% (%.1f to %.1f %%; %zu recordings)", 100 * medianOf(shares),
+               100 * medians[kDraws / 40], 100 * medians[kDraws - 1 - kDraws / 40], shares.size());
 }
 
 /// By tenths of the confidence: how far the share that is right is from it, weighted by how many there are.
@@ -263,7 +261,7 @@ Table measureTable(const std::vector<Scored>& all) {
        shareOf(all, isRightFrom8, [](const Scored& s) { return s.own->over_black_box > 0; })},
       {"gain on another dive, share of what the truth gains", "95 %", gainShare(all, &Gains::stated)},
       {"the same of a black box", "less", gainShare(all, &Gains::black_box)},
-      {"the same over a black box, mean of recordings", "interval above 0", overBlackBox(all)},
+      {"the same over a black box, median", "interval above 0", overBlackBox(all)},
       {"the same of the runner-up", "less", gainShare(all, &Gains::runner_up)},
       {"right name (first) where an effect is on for a part", "95 %",
        shareOf(
