@@ -28,10 +28,10 @@ constexpr std::size_t kLooked = 40, kContenders = 5, kRivals = 4;
 // light is known less well than that; what is on for a part can be made to fit anything.
 constexpr double kDiscovery = 4, kDiscoveryOfLightOrPart = 5;
 constexpr double kLessNoise = 0.9;  // times the noise taken before: less than chance
-// Of the likelihood that an effect should gain on stretches that it was not fitted to. Where that is less
-// than so much, they cannot show it, since poses follow it there: then it has to gain that much more where it
-// was fitted.
-constexpr double kConfirmed = 0.3, kLeastExpected = 4, kUnseen = 50;
+// Of the likelihood that an effect gains, on stretches that it was not fitted to. Where these could not show
+// a tenth of it, since poses follow it there, it has to gain that much where it was fitted, and over more
+// than a few images: that share of the recording.
+constexpr double kConfirmed = 0.3, kShownAtAll = 0.1, kUnseen = 50, kUnseenShare = 0.25;
 
 /// To compare what a camera by itself shows: its noise and the markers' scatter, multiplied.
 double cameraNoise(const NoiseModel& noise) {
@@ -139,6 +139,7 @@ class Course {
   bool isBelieved(const Refit& fit, const Looks& looks);
   bool leaveOutUnconfirmed(const Refit& fit);
   void accept(Refit better);
+  bool lastsLong(const Candidate& effect) const;
   bool takeNoise(const NoiseModel& shown);
   bool takeLeastNoise();
   /// Its fits are quick.
@@ -352,6 +353,13 @@ bool Course::isBelieved(const Refit& fit, const Looks& looks) {
   return false;
 }
 
+bool Course::lastsLong(const Candidate& effect) const {
+  if (effect.time_s || effect.peak) return false;
+  const double on_s =
+      std::min(effect.active_s.to_s, data_.last_s) - std::max(effect.active_s.from_s, data_.first_s);
+  return on_s > kUnseenShare * (data_.last_s - data_.first_s);
+}
+
 /// An effect for a part of the recording can be made to fit any few images that are a little off: it must
 /// show on stretches that it was not fitted to. One that does not is not tried again.
 bool Course::leaveOutUnconfirmed(const Refit& fit) {
@@ -361,9 +369,10 @@ bool Course::leaveOutUnconfirmed(const Refit& fit) {
   bool any = false;
   for (std::size_t i = 0; i < fit.effects.size(); ++i) {
     const Refit rest = without(fit, i);
-    const double expected = held.gain.expected_by_effect[i];
-    const bool shown = expected >= kLeastExpected ? held.gain.by_effect[i] > kConfirmed * expected
-                                                  : rest.succeeded && rest.cost - fit.cost > kUnseen;
+    const double gain = rest.succeeded ? rest.cost - fit.cost : 0;
+    const bool shown = held.gain.expected_by_effect[i] >= kShownAtAll * gain
+                           ? held.gain.by_effect[i] > kConfirmed * gain
+                           : gain > kUnseen && lastsLong(fit.effects[i]);
     if (!isPart(fit.effects[i]) || shown) continue;
     any = lasting_only_.insert(fit.effects[i].effect).second || any;
     diagnosis_.remarks.push_back(nameOf(fit.effects[i]) +

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 
+#include "batch/batch_plan.h"
 #include "evaluation/fiducial_grid.h"
 #include "localization/options.h"
 #include "recording/topic_map.h"
@@ -50,6 +51,13 @@ const std::map<std::string, std::function<void(const fs::path&)>> kReaders{
     {"degrade_poor_bus.yaml", [](const fs::path& file) { readDegradation(file); }},
     {"stress.yaml", [](const fs::path& file) { readStress(file); }},
     {"sources_simulated_dvl.yaml", [](const fs::path& file) { makeSource(file, kDive); }},
+    {"batch.yaml",
+     [](const fs::path& file) {  // its recordings are as typed in the source folder
+       const fs::path before = fs::current_path();
+       fs::current_path(test::kSource);
+       readBatchPlan(file);
+       fs::current_path(before);
+     }},
     {"compare_fiducials.yaml", [](const fs::path& file) { readFiducialGrid(file); }},
     {"_topics.yaml", [](const fs::path& file) { readTopicMap(file); }},
 };
