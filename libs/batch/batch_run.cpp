@@ -1,7 +1,6 @@
 #include "batch/batch_run.h"
 
 #include <fcntl.h>
-#include <sched.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -85,19 +84,6 @@ void runJob(const BatchJob& job, const BatchRunOptions& options) {
                                {"wall_s", child.wall_s},
                                {"cpu_s", child.cpu_s},
                                {"peak_mb", child.peak_mb}});
-}
-
-/// The programs that this thread starts stay on one core: many at a time are quicker than many threads in
-/// one.
-void stayOnOneCore(std::size_t core) {
-  cpu_set_t all, one;
-  if (sched_getaffinity(0, sizeof all, &all) != 0) return;
-  CPU_ZERO(&one);
-  std::size_t seen = 0;
-  const auto count = static_cast<std::size_t>(CPU_COUNT(&all));
-  for (std::size_t cpu = 0; cpu < CPU_SETSIZE; ++cpu)
-    if (CPU_ISSET(cpu, &all) && seen++ == core % count) CPU_SET(cpu, &one);
-  sched_setaffinity(0, sizeof one, &one);
 }
 
 /// As many threads as jobs at once, each taking the next job.

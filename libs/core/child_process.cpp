@@ -1,6 +1,7 @@
 #include "core/child_process.h"
 
 #include <fcntl.h>
+#include <sched.h>
 #include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -57,7 +58,8 @@ ChildResult runChild(const std::vector<std::string>& words, const std::filesyste
     std::this_thread::sleep_for(pause);
     pause = std::min(pause * 2, std::chrono::microseconds(50000));
   }
-  if (asked) throw Interrupted{};
+  // Asked by us, or by the same key that stopped it too: what it had not finished is no result.
+  if (interrupted() && status != 0) throw Interrupted{};
   ChildResult result;
   result.wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
   result.cpu_s = seconds(used.ru_utime) + seconds(used.ru_stime);
@@ -67,6 +69,17 @@ ChildResult runChild(const std::vector<std::string>& words, const std::filesyste
   else
     result.signal = WTERMSIG(status);
   return result;
+}
+
+void stayOnOneCore(std::size_t number) {
+  cpu_set_t all, one;
+  if (sched_getaffinity(0, sizeof all, &all) != 0) return;
+  CPU_ZERO(&one);
+  std::size_t seen = 0;
+  const auto count = static_cast<std::size_t>(CPU_COUNT(&all));
+  for (std::size_t cpu = 0; cpu < CPU_SETSIZE; ++cpu)
+    if (CPU_ISSET(cpu, &all) && seen++ == number % count) CPU_SET(cpu, &one);
+  sched_setaffinity(0, sizeof one, &one);
 }
 
 std::string lastLineOf(const std::filesystem::path& file) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -18,6 +19,10 @@ struct ChildResult {
 /// to `log`. Asked to stop, it asks that program to, and waits for it. Throws Error where it cannot be
 /// started; Interrupted.
 ChildResult runChild(const std::vector<std::string>& words, const std::filesystem::path& log);
+
+/// The programs that this thread starts from now on stay on one core, the so-manyth of those it may use: many
+/// at a time are quicker than many threads in one.
+void stayOnOneCore(std::size_t number);
 
 /// The last line that is not empty of a text file, what programs complain with. Throws Error.
 std::string lastLineOf(const std::filesystem::path& file);

@@ -1,15 +1,13 @@
 // The proof: seals recordings that hide an effect, two, none, or what no effect describes; has `fathom`
 // diagnose them without the truth; scores what it says. Beside them, what it says of real recordings.
-#include <sched.h>
-
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <map>
-#include <thread>
 
 #include "advised.h"
 #include "batch/share.h"
 #include "batch_recording.h"
+#include "core/child_process.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/for_each.h"
@@ -65,18 +63,11 @@ std::vector<ProofCase> planOf(const Options& options) {
   return readPlan(file);
 }
 
-/// The programs that this thread starts run on one core: many recordings at a time are quicker than many
-/// threads on one.
-void stayOnOneCore() {
+/// Many recordings at a time are quicker than many threads on one.
+void stayOnOwnCore() {
   thread_local bool done = false;
-  if (done) return;
+  if (!done) stayOnOneCore(static_cast<std::size_t>(tbb::this_task_arena::current_thread_index()));
   done = true;
-  cpu_set_t cores;
-  CPU_ZERO(&cores);
-  CPU_SET(static_cast<std::size_t>(tbb::this_task_arena::current_thread_index()) %
-              std::max(1U, std::thread::hardware_concurrency()),
-          &cores);
-  sched_setaffinity(0, sizeof cores, &cores);
 }
 
 BatchInput inputOf(const fs::path& recording, const fs::path& folder) {
@@ -142,7 +133,7 @@ Scored scoredCase(const ProofCase& c, const Places& places, const Options& optio
 void runCase(const ProofCase& c, const Options& options) {
   const Places places = placesOf(options.out, c.name);
   if (fs::exists(places.score)) return;
-  stayOnOneCore();
+  stayOnOwnCore();
   tbb::task_arena alone(1);
   Scored scored;
   try {
@@ -164,7 +155,7 @@ fs::path realAnswer(const Options& options, const RealRecording& recording) {
 void runReal(const RealRecording& recording, const Options& options) {
   const fs::path file = realAnswer(options, recording);
   if (fs::exists(file)) return;
-  stayOnOneCore();
+  stayOnOwnCore();
   writeTextFile(file,
                 answerTo(recording, options.programs, options.out / "real" / recording.name).dump(1) + "\n");
 }
