@@ -121,19 +121,18 @@ Table summaryTable(const BatchStory& story) {
     for (const BatchColumn& column : story.plan.columns) {
       std::vector<double> numbers;
       std::map<std::string, std::size_t> words;
+      std::size_t found = 0;
       forEachOf(story, run, [&](const BatchJob&, const JobOutcome& outcome) {
         const Json value = valueOf(outcome, column);
+        found += value.is_null() ? 0 : 1;
         if (value.is_number())
           numbers.push_back(value.get<double>());
         else if (!value.is_null())
           ++words[textOf(value)];
       });
       const ErrorSummary s = summaryOf(numbers);
-      const std::size_t count = numbers.empty() ? 0 : s.count;
-      std::size_t worded = 0;
-      for (const auto& [word, times] : words) worded += times;
-      table.rows.push_back({run, column.name, std::to_string(count + worded), fixed(s.mean, 4),
-                            fixed(s.median, 4), fixed(s.largest, 4), counted(words)});
+      table.rows.push_back({run, column.name, std::to_string(found), fixed(s.mean, 4), fixed(s.median, 4),
+                            fixed(s.largest, 4), counted(words)});
     }
   return table;
 }

@@ -3,21 +3,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <fstream>
-#include <string>
-
+#include "support/memory.h"
 #include "support/stopwatch.h"
 
 /// Work in a child process of its own, so that its peak memory is its own.
 namespace fathom::test {
-
-inline double peakMegabytes() {
-  std::ifstream status("/proc/self/status");
-  double kilobytes = 0;
-  for (std::string word; status >> word;)
-    if (word == "VmHWM:") status >> kilobytes;
-  return kilobytes / 1024.0;
-}
 
 /// Runs `work` in a child and brings its figures (plain data) back by a pipe.
 template <class Figures, class Work>

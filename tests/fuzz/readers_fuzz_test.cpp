@@ -2,7 +2,6 @@
 // config/, damaged anywhere. A reader takes them or throws one Error of one line; nothing else, in memory
 // that the file's own size justifies. FATHOM_FUZZ_SECONDS makes each reader's run as long as that.
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -25,6 +24,7 @@
 #include "simulation/read_trajectory.h"
 #include "sources/degradation.h"
 #include "support/damaged_text.h"
+#include "support/memory.h"
 #include "support/shared_data.h"
 #include "support/shipped.h"
 #include "support/stopwatch.h"
@@ -32,6 +32,7 @@
 namespace fathom {
 namespace {
 namespace fs = std::filesystem;
+using test::peakMegabytes;
 
 struct Reader {
   std::string name;
@@ -86,12 +87,6 @@ std::string damagedBytes(std::string bytes, Random& random) {
   if (random.uniform() < 0.5 || bytes.size() < 8) return test::damaged(bytes, random);
   const std::string extreme[] = {std::string(4, '\xff'), std::string(4, '\0'), "\x7f\xff\xff\xff"};
   return bytes.replace(random.bits() % (bytes.size() - 4), 4, extreme[random.bits() % 3]);
-}
-
-double peakMegabytes() {
-  rusage used{};
-  getrusage(RUSAGE_SELF, &used);
-  return static_cast<double>(used.ru_maxrss) / 1000;
 }
 
 class ReadersFuzz : public testing::TestWithParam<Reader> {

@@ -127,6 +127,17 @@ TEST_F(Batch, TwoAtOnceShareTheWork) {
   EXPECT_EQ(countOf("done"), 6u);
 }
 
+// As by another machine.
+TEST_F(Batch, AJobThatAnotherHoldsIsLeftToIt) {
+  const fs::path held = folder_ / "out/jobs/dive1.filter";
+  fs::create_directories(held);
+  const auto beside = runShell("flock " + shellQuoted((held / "lock").string()) + " " +
+                               shellQuoted(test::fathomProgram()) + " " + arguments());
+  ASSERT_EQ(beside.status, 0) << beside.err;
+  EXPECT_EQ(countOf("open"), 1u);
+  EXPECT_EQ(countOf("done"), 5u);
+}
+
 // Killed with all it has started, at ten moments: what it has left is no obstacle, and the bytes are the
 // same.
 TEST_F(Batch, KilledItGoesOnWhereItWas) {
@@ -159,6 +170,8 @@ TEST_F(Batch, RefusesInOneLine) {
     return runFathom(arguments());
   };
   const std::string dives = "recordings: [\"" + (folder_ / "dives").string() + "\"]\n";
+  expectBadInput(runFathom(arguments() + " --share 3/2"), "--share");
+  expectBadInput(runFathom(arguments() + " --share half"), "--share");
   expectBadInput(withConfig("recordings: [/no/such]\nruns: []\n"), "/no/such");
   expectBadInput(withConfig(dives + "runs: []\n"), "runs");
   expectBadInput(withConfig(dives + "runs: [{name: a/b, command: localize}]\n"), "name");
