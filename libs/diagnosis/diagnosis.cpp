@@ -20,13 +20,13 @@ namespace {
 constexpr double kLogOdds = 8.0;        // ln of the odds against an effect besides another, before looking
 constexpr double kSameSupport = 2.7;    // half of the 5.4 by which the right one loses once in a hundred
 constexpr double kContenderMargin = 8;  // ln p to first order, plus a share of the best's:
-constexpr double kContenderShare = 0.1;
+constexpr double kContenderShare = 0.25;
 constexpr double kFarFromLinear = 100;  // support from which on an effect may be
 constexpr double kFarShare = 0.3;       // of the largest support: what may be right then
 constexpr std::size_t kLooked = 40, kContenders = 5, kRivals = 4;
 // sqrt(lambda) from which on an effect is named: noise has tails, too, and what a panel and a lens do to
-// light is known less well than that; what is on for a part can be made to fit anything.
-constexpr double kDiscovery = 4, kDiscoveryOfLightOrPart = 5;
+// light is known less well than that; what is on for a part can be made to fit anything, and of light, both.
+constexpr double kDiscovery = 4, kDiscoveryOfLightOrPart = 5, kDiscoveryOfLightForAPart = 6;
 constexpr double kLessNoise = 0.9;  // times the noise taken before: less than chance
 // Of the likelihood that an effect gains, on stretches that it was not fitted to. Where these could not show
 // a tenth of it, since poses follow it there, it has to gain that much where it was fitted, and over more
@@ -43,12 +43,13 @@ double cameraNoise(const NoiseModel& noise) {
 
 double discoveryOf(const Candidate& effect) {
   const bool is_light = allEffects()[effect.effect].text.channel == EffectChannel::image;
-  return effect.isForGood() && !is_light ? kDiscovery : kDiscoveryOfLightOrPart;
+  if (effect.isForGood()) return is_light ? kDiscoveryOfLightOrPart : kDiscovery;
+  return is_light ? kDiscoveryOfLightForAPart : kDiscoveryOfLightOrPart;
 }
 
 /// The least of its effects.
 double discoveryOf(const Refit& fit) {
-  double least = kDiscoveryOfLightOrPart;
+  double least = kDiscoveryOfLightForAPart;
   for (const Candidate& effect : fit.effects) least = std::min(least, discoveryOf(effect));
   return least;
 }
@@ -61,6 +62,11 @@ bool isLasting(const Refit& fit) {
 /// Whether what one fit has beside another is large enough for an effect to be named.
 bool isLarge(const Refit& fit, const Refit& fewer, double discovery) {
   return 2 * (fewer.cost - fit.cost) >= discovery * discovery;
+}
+
+/// Of the support of what may turn out to be the best, beside the largest.
+double leastOfContenders(double largest) {
+  return largest - kContenderMargin - kContenderShare * std::abs(largest);
 }
 
 /// Whether anything that a fit has found is.
@@ -145,7 +151,7 @@ class Course {
   /// Its fits are quick.
   bool isCameraAlone() const { return !data_.hasMotion(); }
   HeldOutResult heldOut(const Refit& fit, bool yardsticks) const;
-  void addAlternatives(std::size_t effect);
+  bool addAlternatives(std::size_t effect);
   FoundEffect describe(std::size_t effect);
 
   const BatchData& data_;
@@ -223,10 +229,7 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
   };
   std::vector<std::vector<std::size_t>> tried;
   for (const TestedSet& set : sets) {
-    const double largest = sets.front().support;
-    if (set.support < largest - kContenderMargin - kContenderShare * std::abs(largest) ||
-        tried.size() == kContenders)
-      break;
+    if (set.support < leastOfContenders(sets.front().support) || tried.size() == kContenders) break;
     // What adds nothing to one that was tried is looked for again once that one is in the model.
     if (std::any_of(tried.begin(), tried.end(), [&](const std::vector<std::size_t>& smaller) {
           return std::includes(set.members.begin(), set.members.end(), smaller.begin(), smaller.end());
@@ -239,8 +242,14 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
   }
   for (const Candidate& alone : farContenders(screening)) add({alone});
   std::optional<Refit> best;
-  for (Refit& refitted : fits(from, contenders))
-    if (refitted.succeeded && (!best || worth(refitted) > worth(*best))) best = std::move(refitted);
+  std::vector<Refit> all = fits(from, contenders);
+  double highest = -1e300;
+  for (const Refit& refitted : all) highest = std::max(highest, worth(refitted));
+  for (Refit& refitted : all) {
+    if (!refitted.succeeded || worth(refitted) < leastOfContenders(highest)) continue;
+    Refit own = settled(std::move(refitted));
+    if (!best || worth(own) > worth(*best)) best = std::move(own);
+  }
   return best;
 }
 
@@ -324,14 +333,15 @@ void Course::attribute() {
     std::optional<Refit> best = bestOf(final_, screening, left);
     if (!best) break;
     if (takeLeastNoise()) continue;
-    Refit better = onlyNeeded(settled(std::move(*best)));
+    Refit better = onlyNeeded(std::move(*best));
     if (!final_.effects.empty() && worth(better) <= worth(final_)) break;
     if (!isBelieved(better, looks)) break;
     if (leaveOutUnconfirmed(better)) continue;
     accept(std::move(better));
   }
   confidence_.assign(final_.effects.size(), 1 - diagnosis_.alarm_p);
-  for (std::size_t i = 0; i < final_.effects.size(); ++i) addAlternatives(i);
+  for (std::size_t i = 0; i < final_.effects.size();)
+    if (!addAlternatives(i)) ++i;
 }
 
 /// What has raised the alarm may be another than what is best supported, or explain less once refitted.
@@ -439,10 +449,11 @@ void Course::report() {
   diagnosis_.calibration = final_.estimate.state.effects;
 }
 
-/// Other effects in this one's place that are as good.
-void Course::addAlternatives(std::size_t effect) {
+/// Other effects in this one's place that are as good. One that is better takes its place, as the last of the
+/// effects; then true, and nothing is added.
+bool Course::addAlternatives(std::size_t effect) {
   const Refit rest = without(final_, effect);
-  if (!rest.succeeded) return;
+  if (!rest.succeeded) return false;
   const Screening screening(*rest.model, options_.segments, lasting_only_);
   const auto& candidates = screening.candidates();
   const auto isOwn = [&](std::size_t m) {
@@ -454,7 +465,7 @@ void Course::addAlternatives(std::size_t effect) {
     if (isOwn(m) && (!own || candidates[m].support > candidates[*own].support)) own = m;
     if (!isOwn(m)) order.push_back(m);
   }
-  if (!own) return;
+  if (!own) return false;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return candidates[a].support > candidates[b].support;
   });
@@ -464,27 +475,32 @@ void Course::addAlternatives(std::size_t effect) {
   double odds = 1;  // of it and all others in its place, against it
   std::size_t tried = 0;
   for (const std::size_t m : order) {
-    if (candidates[m].support < first_order - kContenderMargin - kContenderShare * std::abs(first_order) ||
-        tried++ == kRivals)
-      break;
+    if (candidates[m].support < leastOfContenders(first_order) || tried++ == kRivals) break;
     const bool listed =
         std::any_of(set.candidates.begin(), set.candidates.end(),
                     [&](const Candidate& other) { return other.effect == candidates[m].candidate.effect; });
     if (listed) continue;
+    const Candidate other = candidates[m].candidate.isForGood()
+                                ? candidates[m].candidate
+                                : refinedInterval(*rest.model, candidates[m].candidate, segment_s());
     std::vector<Candidate> effects = rest.effects;
-    effects.push_back(candidates[m].candidate);
+    effects.push_back(other);
     const Refit rival = fit(rest, effects);
-    if (!rival.succeeded || !isBeyondBias(rival, rest, candidates[m].candidate)) continue;
+    if (!rival.succeeded || !isBeyondBias(rival, rest, other)) continue;
     const double difference = worth(rival) - worth(final_);
+    if (difference > 0) {
+      final_ = rival;
+      return true;
+    }
     odds += std::exp(difference);
     if (difference < -kSameSupport) continue;
-    set.candidates.push_back(candidates[m].candidate);
+    set.candidates.push_back(other);
     set.support.push_back(difference);
     set.alignment.push_back(screening.alignment(*own, m));
-    if (set.candidates.size() == 2) like = sized(rival, candidates[m].candidate);
+    if (set.candidates.size() == 2) like = sized(rival, other);
   }
   confidence_[effect] = (1 - diagnosis_.alarm_p) / odds;
-  if (!like) return;
+  if (!like) return false;
   try {
     set.advice = adviseManoeuvre(data_, *rest.model, final_.estimate.state,
                                  sized(final_, final_.effects[effect]), *like, diagnosis_.noise);
@@ -492,6 +508,7 @@ void Course::addAlternatives(std::size_t effect) {
     // A manoeuvre in which nothing holds the path tells nothing apart.
   }
   diagnosis_.alternatives.push_back(std::move(set));
+  return false;
 }
 
 FoundEffect Course::describe(std::size_t effect) {

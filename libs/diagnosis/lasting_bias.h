@@ -8,7 +8,7 @@ namespace fathom {
 /// own unit. Of markers' corners what the pixels' lattice leaves, of edges what renderers differ by; of
 /// others nothing is known.
 constexpr double lastingBias(BatchChannel channel) {
-  if (channel == BatchChannel::markers) return 0.005;
+  if (channel == BatchChannel::markers) return 0.003;
   return channel == BatchChannel::edges ? 0.01 : 0;
 }
 

@@ -185,10 +185,9 @@ Eigen::VectorXd changeBy(const Refit& fit, const Candidate& effect, const Linear
   return own * value;
 }
 
-bool isBeyondBias(const Refit& fit, const Refit& fewer, const Candidate& effect) {
-  const Linearization& linear = fewer.model->linear();
-  const Eigen::VectorXd change = changeBy(fit, effect, linear);
-  const Eigen::VectorXd remaining = fewer.model->remaining(change);
+bool isBeyondBias(const WhitenedModel& model, const Eigen::VectorXd& change) {
+  const Linearization& linear = model.linear();
+  const Eigen::VectorXd remaining = model.remaining(change);
   double told = 0, beyond = 0;  // by squares, in units of sigma
   for (const BatchChannel channel : kBatchChannels) {
     std::vector<Eigen::Index> all, changed;
@@ -207,6 +206,10 @@ bool isBeyondBias(const Refit& fit, const Refit& fewer, const Candidate& effect)
     if (raw_square > static_cast<double>(own.size()) * std::pow(lastingBias(channel), 2)) beyond += square;
   }
   return beyond > kMostly * told;
+}
+
+bool isBeyondBias(const Refit& fit, const Refit& fewer, const Candidate& effect) {
+  return isBeyondBias(*fewer.model, changeBy(fit, effect, fewer.model->linear()));
 }
 
 double sqrtLambda(const Refit& fit, std::size_t effect) {

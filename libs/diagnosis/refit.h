@@ -37,10 +37,14 @@ double supportOver(const Refit& fit, const Refit& fewer);
 /// in units of each reading's sigma.
 Eigen::VectorXd changeBy(const Refit& fit, const Candidate& effect, const Linearization& at);
 
-/// Whether an effect is mostly told by kinds of reading that it moves by more than they can be off for no
-/// reason of their own, however often they are taken (lastingBias()): by what remains of its change once all
-/// that `fewer`, the fit without it, estimates has made up for it, root mean square over the readings that it
-/// changes, or, of kinds that only those estimates change, over all.
+/// Whether a change of the readings, over the model's rows in units of each reading's sigma, is mostly told
+/// by kinds of reading that it moves by more than they can be off for no reason of their own, however often
+/// they are taken (lastingBias()): by what remains of it once all that the model estimates has made up for
+/// it, root mean square over the readings that it changes, or, of kinds that only those estimates change,
+/// over all.
+bool isBeyondBias(const WhitenedModel& model, const Eigen::VectorXd& change);
+
+/// The same of an effect as large as the fit found it; the model: of `fewer`, the fit without it.
 bool isBeyondBias(const Refit& fit, const Refit& fewer, const Candidate& effect);
 
 /// Sizes of each effect in units of what the recording can resolve: sqrt(value^T information value).

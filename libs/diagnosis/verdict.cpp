@@ -13,7 +13,7 @@ constexpr double kUnexplained_p = 0.01;
 constexpr double kDetectable = 18;   // information times prior variance: 5 % over the catalogue, power 90 %
 constexpr double kLeastShare = 0.2;  // of the catalogue to be within reach, for "none" to mean something
 // Seen at usual angles either shifts corners alike.
-constexpr MarkerScatter kMaterialScatter{.in_face_m = 0.001, .off_face_m = 0.002, .tilted_m = 0.002};
+constexpr MarkerScatter kMaterialScatter{.in_face_m = 0.001, .off_face_m = 0.00175, .tilted_m = 0.002};
 constexpr double kNoisier = 1.5, kQuieter = 0.5;  // than stated, worth a remark
 constexpr std::size_t kToldFailures = 3;
 

@@ -123,6 +123,22 @@ TEST(Diagnosis, NamesNothingThatMovesCornersLessThanTheLattice) {
 
 /// Where nothing but the difference of two latencies can be seen, the prior would rather have two smaller
 /// ones.
+// What is on for a part is first tried at whole thirtieths of the recording, where another effect may fit
+// better that has not as much to lose by a jump at the wrong time.
+TEST(Diagnosis, TellsEffectsOfAPartApartByTheirBestTimes) {
+  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  test::DiagnosisRun hidden{.name = "camera-misalignment for a part", .run = test::richRun(5), .change = {}};
+  EffectParameters<double>& effects = hidden.run.effects;
+  effects.add<CameraMisalignment>({-0.0356, -0.0132, 0.1186});
+  effects.active_s[kEffectIndex<CameraMisalignment>] = {12.71, 42.15};
+  const BatchInput input = hidden.input();
+  const Diagnosis diagnosis = diagnose(input);
+  ASSERT_EQ(diagnosis.effects.size(), 1U) << diagnosis.why;
+  EXPECT_EQ(allEffects()[diagnosis.effects[0].candidate.effect].id, "camera-misalignment") << diagnosis.why;
+  EXPECT_NEAR(diagnosis.effects[0].candidate.active_s.from_s, 12.71, 0.5);
+  EXPECT_NEAR(diagnosis.effects[0].candidate.active_s.to_s, 42.15, 0.5);
+}
+
 TEST(Diagnosis, NamesOneLatencyThoughItIsFarBeyondWhatIsUsual) {
   if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   test::BatchRun run = test::richRun(1, 24.0);
