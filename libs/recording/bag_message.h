@@ -1,0 +1,67 @@
+#pragma once
+
+#include <rosbag/message_instance.h>
+
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "core/error.h"
+#include "core/geometry.h"
+#include "core/time.h"
+#include "recording/ros_messages.h"
+
+/// A message of a ROS 1 bag, and its fields as this program has them.
+namespace fathom {
+
+inline Vector3d toVector(const ros1::Vector3& v) { return {v.x, v.y, v.z}; }
+inline Vector3d toVector(const ros1::Point& p) { return {p.x, p.y, p.z}; }
+
+/// To the nearest 100 ns, the unit of Time.
+inline Time toTime(const ros::Time& stamp) {
+  return fromUnixSeconds(stamp.sec) + mrpt::Clock::duration((stamp.nsec + 50) / 100);
+}
+
+/// One message, where it stands for error messages, and the checks that every field goes through.
+class BagMessage {
+ public:
+  /// Instance and bag are referred to and must outlive it. number: among its topic's messages, from 1 on.
+  BagMessage(const rosbag::MessageInstance& instance, const std::string& bag, std::size_t number)
+      : instance_(instance), bag_(bag), number_(number) {}
+
+  /// Throws Error where its definition is not M's, and where it has no time stamp.
+  template <class M>
+  boost::shared_ptr<M> as() const {
+    auto message = instance_.instantiate<M>();
+    if (!message) throw error("its definition is not that of " + instance_.getDataType());
+    if (message->header.stamp.isZero()) throw error("has no time stamp");
+    return message;
+  }
+  /// type: as ROS names it, "nav_msgs/Odometry".
+  bool is(const std::string& type) const { return instance_.getDataType() == type; }
+
+  /// The value itself; throws Error that names the field where it is not finite.
+  Vector3d finite(const Vector3d& v, const std::string& field) const;
+  double finite(double value, const std::string& field) const;
+  /// Throws Error where the norm is off one by more than 1 %.
+  Matrix3d rotation(const ros1::Quaternion& q) const;
+  /// An Error about this message, to be thrown.
+  Error error(const std::string& why) const;
+
+ private:
+  const rosbag::MessageInstance& instance_;
+  const std::string& bag_;
+  std::size_t number_;
+};
+
+/// Sigma from the largest variance on a part of a covariance's diagonal; nothing where it is not given.
+template <std::size_t N>
+std::optional<double> sigmaFrom(const boost::array<double, N>& covariance, int first, int count) {
+  constexpr int kSize = N == 36 ? 6 : 3;
+  static_assert(N == 36 || N == 9);
+  const Eigen::Map<const Eigen::Matrix<double, kSize, kSize, Eigen::RowMajor>> c(covariance.data());
+  const double largest = c.diagonal().segment(first, count).maxCoeff();
+  return largest > 0.0 && std::isfinite(largest) ? std::optional(std::sqrt(largest)) : std::nullopt;
+}
+
+}  // namespace fathom
