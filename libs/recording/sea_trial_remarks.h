@@ -1,0 +1,14 @@
+#pragma once
+
+#include "recording/sea_trial_streams.h"
+
+/// What is said of a sea trial's streams, once axes and clocks are settled, and not corrected.
+namespace fathom {
+
+/// Fits DvlRegression, at the delay that suits it best.
+void reportDvl(const AlignedStreams& s, SeaTrialConventions& c);
+
+/// Whether Earth's rotation is in the gyro's rate.
+void reportEarthRate(const AlignedStreams& s, SeaTrialConventions& c);
+
+}  // namespace fathom
