@@ -17,9 +17,10 @@
 #include <array>
 #include <limits>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 #include <string_view>
+
+#include "recording/header_text.h"
 
 namespace fathom {
 namespace {
@@ -67,69 +68,6 @@ constexpr FieldTriple kSpecificForce{IMU_X_ACC, IMU_Y_ACC, IMU_Z_ACC};
 constexpr FieldTriple kVelocity{IMU_X_VEL, IMU_Y_VEL, IMU_Z_VEL};
 constexpr std::array<TIMUDataIndex, 4> kAttitude{IMU_ORI_QUAT_X, IMU_ORI_QUAT_Y, IMU_ORI_QUAT_Z,
                                                  IMU_ORI_QUAT_W};
-
-// ---- the header's INI text ----
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '\\')
-      result += "\\\\";
-    else if (c == '\n')
-      result += "\\n";
-    else if (c == '\r')
-      result += "\\r";
-    else
-      result += c;
-  }
-  return result;
-}
-
-std::string unescaped(const std::string& text) {
-  std::string result;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char next = i + 1 < text.size() ? text[i + 1] : '\0';
-    const bool escape = text[i] == '\\' && (next == '\\' || next == 'n' || next == 'r');
-    if (!escape) {
-      result += text[i];
-      continue;
-    }
-    result += next == 'n' ? '\n' : next == 'r' ? '\r' : '\\';
-    ++i;
-  }
-  return result;
-}
-
-std::string trimmed(const std::string& text) {
-  constexpr const char* kBlanks = " \t\r";
-  const auto begin = text.find_first_not_of(kBlanks);
-  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
-}
-
-std::string formatHeader(const RecordingHeader& header) {
-  return "[recording]\npanel_map = " + escaped(header.panel_map) + "\nvehicle = " + escaped(header.vehicle) +
-         "\ndescription = " + escaped(header.description) + "\n";
-}
-
-/// Not by way of MRPT's configuration reader: that one expands environment variables.
-RecordingHeader parseHeader(const std::string& text) {
-  RecordingHeader header;
-  std::istringstream lines(text);
-  std::string line;
-  bool in_section = false;
-  while (std::getline(lines, line)) {
-    line = trimmed(line);
-    if (!line.empty() && line.front() == '[') in_section = line == "[recording]";
-    const auto equals = line.find('=');
-    if (!in_section || equals == std::string::npos) continue;
-    const std::string key = trimmed(line.substr(0, equals));
-    const std::string value = unescaped(trimmed(line.substr(equals + 1)));
-    if (key == "panel_map") header.panel_map = value;
-    if (key == "vehicle") header.vehicle = value;
-    if (key == "description") header.description = value;
-  }
-  return header;
-}
 
 // ---- reading ----
 
@@ -369,7 +307,7 @@ Reading decodeReading(const std::string& mrpt_class, const std::string& label,
   if (!expected.empty() && expected != mrpt_class)
     throw ConventionBreach{"an entry labelled " + label + " is a " + mrpt_class + ", must be a " +
                            std::string(expected)};
-  if (mrpt_class == kComment) return parseHeader(decode<CObservationComment>(object).text);
+  if (mrpt_class == kComment) return parseHeaderText(decode<CObservationComment>(object).text);
   if (mrpt_class == kImu) return readImu(label, decode<CObservationIMU>(object));
   if (mrpt_class == kRobotPose) {
     const auto observation = decode<CObservationRobotPose>(object);
@@ -394,7 +332,7 @@ void encodeSample(const Sample& sample, std::vector<std::uint8_t>& bytes) {
 
 void encodeHeader(const RecordingHeader& header, Time time, std::vector<std::uint8_t>& bytes) {
   CObservationComment comment;
-  comment.text = formatHeader(header);
+  comment.text = headerText(header);
   append(comment, time, "", bytes);
 }
 
