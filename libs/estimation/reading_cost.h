@@ -2,10 +2,14 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <bitset>
+#include <memory>
 #include <span>
+#include <vector>
 
 #include "effects/catalogue.h"
-#include "estimation/batch_problem.h"
+#include "estimation/batch_cost.h"
+#include "estimation/readings.h"
 
 /// The two kinds of rows that a batch problem is made of: of a reading, and of what is linear.
 namespace fathom {

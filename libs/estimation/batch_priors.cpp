@@ -1,0 +1,106 @@
+#include "estimation/batch_priors.h"
+
+#include <cmath>
+
+#include "effects/drawn.h"
+
+namespace fathom {
+namespace {
+
+/// One standard deviation of each of ImageFlaw. Of light: what rounding leaves in means that it shifts alike.
+const Flaws kFlawSigma{0.1, 0.3, 0.02 / 255, 0.02 / 255, 0.02 / 255};
+
+PriorRows posePrior(const Pose& nominal, const Pose& reference, double position_sigma_m,
+                    double angle_sigma_rad) {
+  Vector6d precision;
+  precision << Vector3d::Constant(1.0 / position_sigma_m), Vector3d::Constant(1.0 / angle_sigma_rad);
+  const Vector6d error = poseDifference(nominal, reference);
+  Matrix6d slope = Matrix6d::Identity();
+  slope.bottomRightCorner<3, 3>() = inverseRightJacobianSO3<double>(error.tail<3>());
+  return {precision.cwiseProduct(error), precision.asDiagonal() * slope};
+}
+
+/// About zero.
+PriorRows scalarPrior(double value, double precision) {
+  return {Eigen::VectorXd::Constant(1, precision * value), Eigen::MatrixXd::Constant(1, 1, precision)};
+}
+
+/// So wide that only what the patches tell nothing of feels it.
+PriorRows waterPrior(const Vector9d& nominal, const Vector9d& reference) {
+  constexpr double kAttenuation_per_m = 2.0, kVeil = 0.5, kAmbient = 1.0;
+  Vector9d sigma;
+  sigma << Vector3d::Constant(kAttenuation_per_m), Vector3d::Constant(kVeil), Vector3d::Constant(kAmbient);
+  const Vector9d precision = sigma.cwiseInverse();
+  return {precision.cwiseProduct(reference - nominal), precision.asDiagonal().toDenseMatrix()};
+}
+
+/// What was found of its spread, or what one would expect.
+PriorRows drawPrior(const Draw& draw, const BatchState& reference,
+                    const std::bitset<kEffectCount>& estimate) {
+  const double known = reference.effects.values[draw.scalar];
+  const bool is_known = known > 0 && !estimate[effectOf(draw.scalar)];
+  const double precision = 1 / (is_known ? known : parameterOf(draw.scalar).prior_sigma);
+  return scalarPrior(reference.drawn(draw), precision);
+}
+
+PriorRows effectPrior(const UnknownBlock& block, const EffectParameters<double>& reference) {
+  Eigen::VectorXd precision(block.size), value(block.size);
+  int i = 0;
+  for (const std::size_t s : continuousScalars(block.index)) {
+    precision[i] = 1.0 / parameterOf(s).prior_sigma;
+    value[i++] = reference.values[s];
+  }
+  return {precision.cwiseProduct(value), precision.asDiagonal().toDenseMatrix()};
+}
+
+}  // namespace
+
+std::optional<PriorRows> priorOf(const UnknownBlock& block, const BatchData& data,
+                                 const BatchUnknowns& unknowns, const std::bitset<kEffectCount>& estimate) {
+  const BatchState& reference = unknowns.reference();
+  switch (block.kind) {
+    case UnknownBlock::Kind::pose:
+    case UnknownBlock::Kind::bias:
+      break;
+    case UnknownBlock::Kind::pressure_offset:
+      return scalarPrior(reference.pressure_offset_pa, 1.0 / data.vehicle.depth->pressure_offset_sigma_pa);
+    case UnknownBlock::Kind::panel: {
+      const PanelMap& map = data.panels[block.index];
+      return posePrior(map.T_odom_panel, reference.T_odom_panel[block.index], map.position_sigma_m,
+                       map.angle_sigma_rad);
+    }
+    case UnknownBlock::Kind::right_camera: {
+      const CameraSheet camera = data.vehicle.camera.value_or(CameraSheet{});
+      return posePrior(data.tie_points[0].T_left_right, reference.T_left_right, camera.right_position_sigma_m,
+                       camera.right_angle_sigma_rad);
+    }
+    case UnknownBlock::Kind::water:
+      return waterPrior(waterParameters(data.water), reference.water);
+    case UnknownBlock::Kind::flaws:
+      return PriorRows{reference.flaws.cwiseQuotient(kFlawSigma),
+                       kFlawSigma.cwiseInverse().asDiagonal().toDenseMatrix()};
+    case UnknownBlock::Kind::effect:
+      return effectPrior(block, reference.effects);
+    case UnknownBlock::Kind::draw:
+      return drawPrior(unknowns.draws()[block.index], reference, estimate);
+  }
+  return std::nullopt;
+}
+
+PriorRows biasPrior(const InsSheet& ins, const BatchState& reference, std::size_t k) {
+  Vector6d precision;
+  precision << Vector3d::Constant(1.0 / ins.gyro_bias_sigma_rad_s),
+      Vector3d::Constant(1.0 / ins.accelerometer_bias_sigma_m_s2);
+  const double phi = k == 0 ? 0.0 : std::exp(-reference.bias_interval_s / ins.bias_time_constant_s);
+  precision /= std::sqrt(1.0 - phi * phi);
+  Eigen::MatrixXd slope(6, k == 0 ? 6 : 12);
+  slope.leftCols<6>() = precision.asDiagonal();
+  Vector6d value = precision.cwiseProduct(reference.bias[k]);
+  if (k > 0) {
+    slope.rightCols<6>() = (-phi * precision).asDiagonal();
+    value -= phi * precision.cwiseProduct(reference.bias[k - 1]);
+  }
+  return {value, slope};
+}
+
+}  // namespace fathom

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <bitset>
+#include <cstddef>
+#include <optional>
+
+#include "estimation/batch_unknowns.h"
+
+/// What is known of a batch problem's unknowns before any reading.
+namespace fathom {
+
+/// Rows value + slope x, whitened: x are the coordinates of one block, or of two, one behind the other.
+struct PriorRows {
+  Eigen::VectorXd value;
+  Eigen::MatrixXd slope;
+};
+
+/// Of what is constant; nothing of poses and biases. estimate: effects whose continuous parameters are
+/// unknown.
+std::optional<PriorRows> priorOf(const UnknownBlock& block, const BatchData& data,
+                                 const BatchUnknowns& unknowns, const std::bitset<kEffectCount>& estimate);
+
+/// A bias as first-order Gauss-Markov process: stationary at first, then b' = phi b + noise. x: of the k-th,
+/// then of the one before it, of which the first has none.
+PriorRows biasPrior(const InsSheet& ins, const BatchState& reference, std::size_t k);
+
+}  // namespace fathom

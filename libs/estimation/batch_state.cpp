@@ -1,0 +1,44 @@
+#include "estimation/batch_state.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fathom {
+
+std::vector<std::size_t> continuousScalars(std::size_t effect) {
+  std::vector<std::size_t> list;
+  for (std::size_t s = kEffectOffsets[effect]; s < kEffectOffsets[effect + 1]; ++s)
+    if (isEstimated(parameterOf(s).kind)) list.push_back(s);
+  return list;
+}
+
+BatchState startState(const BatchData& data, const std::vector<double>& times_s,
+                      const std::vector<Pose>& T_odom_robot, const EffectParameters<double>& effects,
+                      double bias_interval_s) {
+  BatchState state;
+  state.effects = effects;
+  for (const PanelMap& panel : data.panels) state.T_odom_panel.push_back(panel.T_odom_panel);
+  if (!data.tie_points.empty()) state.T_left_right = data.tie_points[0].T_left_right;
+  if (!data.patches.empty()) state.water = waterParameters(data.water);
+  if (!data.hasMotion()) {
+    for (const BatchMarker& seen : data.markers) {
+      if (!state.images.empty() && state.images.back() == seen.image) continue;
+      const auto found = std::find(times_s.begin(), times_s.end(), seen.t_s);
+      if (found == times_s.end()) continue;
+      state.images.push_back(seen.image);
+      state.path.poses.push_back(T_odom_robot[static_cast<std::size_t>(found - times_s.begin())]);
+    }
+    return state;
+  }
+  const double begin_s = std::floor(data.first_s / data.knot_s + 1e-6) * data.knot_s;
+  state.path = PosePath::splineNear(times_s, T_odom_robot, begin_s, data.last_s, data.knot_s);
+  if (data.vehicle.ins && !(data.gyro.empty() && data.force.empty())) {
+    state.bias_interval_s = bias_interval_s;
+    const double length_s = state.path.end_s() - begin_s;
+    const auto intervals = std::max(1.0, std::ceil(length_s / bias_interval_s));
+    state.bias.assign(static_cast<std::size_t>(intervals) + 1, Vector6d::Zero());
+  }
+  return state;
+}
+
+}  // namespace fathom

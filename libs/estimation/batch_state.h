@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <vector>
+
+#include "estimation/batch_data.h"
+#include "estimation/motion.h"
+#include "estimation/readings.h"
+
+/// What a batch estimate finds, as numbers, and where it starts from.
+namespace fathom {
+
+/// What is drawn of an effect's spread for one image.
+struct Draw {
+  std::size_t scalar = 0;  ///< in EffectParameters::values
+  std::size_t image = 0;   ///< see ImagePatch
+  friend auto operator<=>(const Draw&, const Draw&) = default;
+};
+
+/// What is estimated, as numbers.
+struct BatchState {
+  PosePath path;
+  std::vector<std::size_t> images;  ///< of poses by themselves: number of each one's image
+  /// Gyro (rad/s) and accelerometer bias (m/s²), INS axes, at path.begin_s + k bias_interval_s; linear
+  /// between. Empty without an INS.
+  std::vector<Vector6d> bias;
+  double bias_interval_s = 10.0;
+  double pressure_offset_pa = 0.0;
+  std::vector<Pose> T_odom_panel;
+  Pose T_left_right;                  ///< of a pair of cameras that sees tie points
+  Vector9d water = Vector9d::Zero();  ///< waterParameters(), where there are patches
+  Flaws flaws = Flaws::Zero();        ///< of images, see ImageFlaw
+  EffectParameters<double> effects;   ///< all that are on, estimated or not
+  std::map<Draw, double> draws;       ///< of effects that are drawn anew for each image; missing: 0
+
+  double drawn(const Draw& draw) const {
+    const auto found = draws.find(draw);
+    return found == draws.end() ? 0.0 : found->second;
+  }
+};
+
+/// An effect's continuous scalars, by their place in EffectParameters::values: those that are estimated.
+std::vector<std::size_t> continuousScalars(std::size_t effect);
+
+/// The first state of a problem: a spline near a path, or a pose an image. Images without one are left out.
+BatchState startState(const BatchData& data, const std::vector<double>& times_s,
+                      const std::vector<Pose>& T_odom_robot, const EffectParameters<double>& effects,
+                      double bias_interval_s);
+
+}  // namespace fathom

@@ -1,0 +1,216 @@
+#include "estimation/reading_cost_maker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/chi_square.h"
+#include "estimation/reading_cost.h"
+
+namespace fathom {
+namespace {
+
+constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+/// Marker ids and times are this row's own: what acts here.
+void setDiscrete(ForwardPoint& point, int marker_id, double t_s) {
+  for (std::size_t s = 0; s < kEffectScalars; ++s) {
+    if (parameterOf(s).kind == ParameterKind::marker_id) point.effects[s] = marker_id;
+    if (parameterOf(s).kind == ParameterKind::time) point.effects[s] = -Interval::kForever_s;
+    if (parameterOf(s).kind == ParameterKind::peak_time) point.effects[s] = t_s;
+  }
+}
+
+}  // namespace
+
+/// What of an image a reading is of, if it is.
+struct ReadingCostMaker::Subject {
+  const BatchMarker* marker = nullptr;
+  const ImagePatch* patch = nullptr;
+  const MarkerBlur* blur = nullptr;
+  std::size_t panel = kNone, image = kNone;
+};
+
+std::unique_ptr<BatchCost> ReadingCostMaker::make(std::unique_ptr<ReadingModel> model,
+                                                  const RowSource& source, std::vector<double> node_s,
+                                                  Eigen::VectorXd reading, const Eigen::MatrixXd& whitening) {
+  auto cost = std::make_unique<ReadingCost>(motions_, unknowns_.blocks());
+  cost->model = std::move(model);
+  cost->source = source;
+  const Subject subject = subjectOf(source);
+  setEffects(subject, *cost);
+  setPlaces(subject, cost->at_reference);
+  setMotions(subject, std::move(node_s), *cost);
+  addOthers(subject, *cost);
+  linkBias(*cost);
+  linkPressureOffset(*cost);
+  linkEffects(*cost);
+  linkDraws(subject, *cost);
+  cost->whitening = whitening / options_.noise_scale[static_cast<std::size_t>(source.channel)];
+  cost->robust_threshold = thresholdOf(source.channel, reading.size());
+  cost->reading = std::move(reading);
+  cost->finish();
+  return cost;
+}
+
+ReadingCostMaker::Subject ReadingCostMaker::subjectOf(const RowSource& source) const {
+  Subject subject;
+  const auto take = [&](const auto& all, std::ptrdiff_t at, auto& seen) {
+    if (at < 0) return;
+    seen = &all[static_cast<std::size_t>(at)];
+    subject.panel = seen->panel;
+    subject.image = seen->image;
+  };
+  take(data_.markers, source.marker, subject.marker);
+  take(data_.patches, source.patch, subject.patch);
+  take(data_.blurs, source.blur, subject.blur);
+  return subject;
+}
+
+std::bitset<kEffectCount> ReadingCostMaker::actingOn(const ReadingModel& model,
+                                                     const RowSource& source) const {
+  const EffectParameters<double>& effects = unknowns_.reference().effects;
+  std::bitset<kEffectCount> acting;
+  for (std::size_t e = 0; e < kEffectCount; ++e) {
+    const bool on = effects.on[e] || options_.estimate[e];
+    if (!on || !effects.active_s[e].contains(source.t_s) || !model.dependsOn(e)) continue;
+    bool acts = true;
+    for (std::size_t s = kEffectOffsets[e]; s < kEffectOffsets[e + 1]; ++s) {
+      const double value = effects.values[s];
+      if (parameterOf(s).kind == ParameterKind::marker_id)
+        acts = acts && source.marker >= 0 &&
+               static_cast<int>(std::lround(value)) ==
+                   data_.markers[static_cast<std::size_t>(source.marker)].marker.id;
+      if (parameterOf(s).kind == ParameterKind::time) acts = acts && source.t_s >= value;
+    }
+    acting[e] = acts;
+  }
+  return acting;
+}
+
+void ReadingCostMaker::setEffects(const Subject& subject, ReadingCost& cost) const {
+  ForwardPoint& point = cost.at_reference;
+  setDiscrete(point, subject.marker == nullptr ? -1 : subject.marker->marker.id, cost.source.t_s);
+  cost.acting = actingOn(*cost.model, cost.source);
+  for (const EffectInfo& effect : allEffects())
+    cost.told[effect.index] = cost.model->dependsOn(effect.index) &&
+                              (subject.patch == nullptr || effect.text.channel == EffectChannel::image);
+  point.on = cost.acting;
+  for (std::size_t e = 0; e < kEffectCount; ++e)
+    if (cost.acting[e])
+      for (const std::size_t s : continuousScalars(e))
+        point.effects[s] = unknowns_.reference().effects.values[s];
+}
+
+void ReadingCostMaker::setPlaces(const Subject& subject, ForwardPoint& point) const {
+  const BatchState& reference = unknowns_.reference();
+  if (subject.panel != kNone) point.T_odom_panel = reference.T_odom_panel[subject.panel];
+  point.water = reference.water;
+  point.flaws = reference.flaws;
+  point.T_left_right = reference.T_left_right;
+}
+
+/// When it was valid, and which poses that makes.
+void ReadingCostMaker::setMotions(const Subject& subject, std::vector<double> node_s,
+                                  ReadingCost& cost) const {
+  ForwardPoint& point = cost.at_reference;
+  point.validity_s = cost.model->validity_s(point);
+  if (node_s.size() == 2 && node_s[0] == node_s[1]) node_s.pop_back();
+  std::vector<MotionNode> nodes;
+  for (const double t_s : node_s) nodes.push_back(unknowns_.nodeOf(t_s + point.validity_s, subject.image));
+  if (nodes.empty()) nodes.push_back({0, 0, 0.0});  // whatever the robot's pose
+  for (const MotionNode& node : nodes) cost.motions.push_back(motions_.add(node));
+  if (subject.patch != nullptr || subject.blur != nullptr)
+    point.motion = unknowns_.motionAt(cost.source.t_s + point.validity_s, subject.image);
+  const auto [first, last] = std::minmax_element(
+      nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  cost.first_pose = first->first;
+  cost.pose_count = last->first + last->count - first->first;
+  for (int k = 0; k < cost.pose_count; ++k)
+    cost.blocks.push_back(
+        unknowns_.placeOf(UnknownBlock::Kind::pose, static_cast<std::size_t>(cost.first_pose + k)));
+}
+
+void ReadingCostMaker::addOthers(const Subject& subject, ReadingCost& cost) const {
+  const auto add = [&](UnknownBlock::Kind kind, std::size_t index, int column) {
+    cost.others.push_back({cost.blocks.size(), column});
+    cost.blocks.push_back(unknowns_.placeOf(kind, index));
+  };
+  using enum UnknownBlock::Kind;
+  if (subject.marker != nullptr && unknowns_.find(panel, subject.panel) != nullptr)
+    add(panel, subject.panel, kPanelColumn);
+  if (cost.source.tie_point >= 0) add(right_camera, 0, kRightColumn);
+  if (subject.patch != nullptr) add(water, 0, kWaterColumn);
+  if (subject.patch != nullptr || subject.blur != nullptr || cost.source.specks >= 0)
+    add(flaws, 0, kFlawColumn);
+}
+
+/// The scalars are a block's coordinates from this one on, times a factor.
+void ReadingCostMaker::link(UnknownBlock::Kind kind, std::size_t index,
+                            const std::vector<std::size_t>& scalars, int coordinate, double factor,
+                            ReadingCost& cost) const {
+  cost.blocks.push_back(unknowns_.placeOf(kind, index));
+  for (const std::size_t s : scalars) cost.links.push_back({s, cost.blocks.size() - 1, coordinate++, factor});
+}
+
+void ReadingCostMaker::linkBias(ReadingCost& cost) const {
+  const BatchState& reference = unknowns_.reference();
+  const bool is_gyro = cost.source.channel == BatchChannel::gyro,
+             is_force = cost.source.channel == BatchChannel::accelerometer;
+  if (!(is_gyro || is_force) || reference.bias.empty()) return;
+  const std::size_t effect = is_gyro ? kEffectIndex<GyroBias> : kEffectIndex<AccelerometerBias>;
+  const int first_axis = is_gyro ? 0 : 3;
+  ForwardPoint& point = cost.at_reference;
+  point.on.set(effect);
+  const double at = std::clamp((cost.source.t_s - reference.path.begin_s) / reference.bias_interval_s, 0.0,
+                               static_cast<double>(reference.bias.size()) - 1.0);
+  const auto k = std::min(static_cast<std::size_t>(at), reference.bias.size() - 2);
+  const double share = at - static_cast<double>(k);
+  const auto axes = continuousScalars(effect);
+  link(UnknownBlock::Kind::bias, k, axes, first_axis, 1.0 - share, cost);
+  link(UnknownBlock::Kind::bias, k + 1, axes, first_axis, share, cost);
+  for (std::size_t i = 0; i < 3; ++i)
+    point.effects[axes[i]] += (1.0 - share) * reference.bias[k][first_axis + static_cast<int>(i)] +
+                              share * reference.bias[k + 1][first_axis + static_cast<int>(i)];
+}
+
+void ReadingCostMaker::linkPressureOffset(ReadingCost& cost) const {
+  if (cost.source.channel != BatchChannel::depth) return;
+  const auto scalar = continuousScalars(kEffectIndex<PressureOffset>);
+  ForwardPoint& point = cost.at_reference;
+  point.on.set(kEffectIndex<PressureOffset>);
+  point.effects[scalar[0]] += unknowns_.reference().pressure_offset_pa;
+  link(UnknownBlock::Kind::pressure_offset, 0, scalar, 0, 1.0, cost);
+}
+
+void ReadingCostMaker::linkEffects(ReadingCost& cost) const {
+  for (std::size_t e = 0; e < kEffectCount; ++e)
+    if (cost.acting[e] && cost.told[e] && unknowns_.find(UnknownBlock::Kind::effect, e) != nullptr)
+      link(UnknownBlock::Kind::effect, e, continuousScalars(e), 0, 1.0, cost);
+}
+
+/// Drawn anew for each image: of its own one's.
+void ReadingCostMaker::linkDraws(const Subject& subject, ReadingCost& cost) const {
+  const std::vector<Draw>& draws = unknowns_.draws();
+  for (std::size_t i = 0; subject.patch != nullptr && i < draws.size(); ++i) {
+    const auto& [scalar, of_image] = draws[i];
+    if (of_image != subject.image || !cost.acting[effectOf(scalar)]) continue;
+    cost.at_reference.effects[scalar] = unknowns_.reference().drawn(draws[i]);
+    link(UnknownBlock::Kind::draw, i, {scalar}, 0, 1.0, cost);
+  }
+}
+
+double ReadingCostMaker::thresholdOf(BatchChannel channel, Eigen::Index rows) {
+  const bool robust = channel == BatchChannel::dvl || channel == BatchChannel::usbl ||
+                      channel == BatchChannel::markers || channel == BatchChannel::tie_points ||
+                      channel == BatchChannel::pixels || channel == BatchChannel::edges ||
+                      channel == BatchChannel::specks;
+  if (!robust || options_.robust_probability >= 1.0) return 0.0;
+  const auto [known, is_new] = robust_thresholds_.try_emplace(rows);
+  if (is_new)
+    known->second = std::sqrt(chiSquareQuantile(static_cast<double>(rows), options_.robust_probability));
+  return known->second;
+}
+
+}  // namespace fathom
