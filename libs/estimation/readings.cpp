@@ -3,103 +3,14 @@
 #include <ceres/jet.h>
 
 #include <algorithm>
-#include <numeric>
 
+#include "estimation/reading_inputs.h"
 #include "sensors/camera_geometry.h"
 #include "sensors/models.h"
 #include "sensors/two_views.h"
 
 namespace fathom {
 namespace {
-
-/// What a sensor's model is called with.
-template <class T>
-struct Inputs {
-  KinematicState<T> state;
-  PanelPlacement<T> panel;
-  Vector3<T> right_in_left;
-  Matrix3<T> R_left_right;
-  Vector9<T> water;
-  Eigen::Matrix<T, kFlaws, 1> flaws;
-  EffectParameters<T> effects;
-};
-
-template <class T>
-Vector3<T> cast(const Vector3d& v) {
-  return v.cast<T>();
-}
-
-/// A rotation's derivative by a turn about one of its own axes: R [axis]x.
-template <class Jet>
-void turn(Matrix3<Jet>& R, int axis, int slot) {
-  const int next = (axis + 1) % 3, last = (axis + 2) % 3;
-  for (int i = 0; i < 3; ++i) {
-    R(i, next).v[slot] = R(i, last).a;
-    R(i, last).v[slot] = -R(i, next).a;
-  }
-}
-
-/// Takes one column's derivative into a slot of the Jets: of velocity and acceleration while they are in
-/// odom.
-template <class Jet>
-void differentiateBy(int column, int slot, Inputs<Jet>& in) {
-  const int axis = column % 3;
-  const auto move = [slot](Jet& scalar) { scalar.v[slot] = 1.0; };
-  KinematicState<Jet>& state = in.state;
-  if (column >= kEffectColumn)
-    return move(in.effects.values[static_cast<std::size_t>(column - kEffectColumn)]);
-  if (column >= kFlawColumn) return move(in.flaws[column - kFlawColumn]);
-  if (column >= kWaterColumn) return move(in.water[column - kWaterColumn]);
-  if (column >= kRightColumn + 3) return turn(in.R_left_right, axis, slot);
-  if (column >= kRightColumn) return move(in.right_in_left[axis]);
-  if (column >= kPanelColumn + 3) return turn(in.panel.R_odom_panel, axis, slot);
-  if (column >= kPanelColumn) return move(in.panel.position_odom[axis]);
-  if (column >= kRateDerivativeColumn) return move(state.angular_acceleration_robot[axis]);
-  if (column >= kRateColumn) return move(state.angular_velocity_robot[axis]);
-  if (column >= kAccelerationColumn) return move(state.acceleration_robot[axis]);
-  if (column >= kVelocityColumn) return move(state.velocity_robot[axis]);
-  if (column >= kOrientationColumn) return turn(state.R_odom_robot, axis, slot);
-  move(state.position_odom[axis]);
-}
-
-/// `point`; as Jets, with derivatives by as many columns as they carry, from the first-th on. Those of
-/// rotations are set directly: multiplied out as Jets they would cost more than most sensors' models.
-template <class T>
-Inputs<T> lift(const ForwardPoint& point, double t_s, const std::vector<int>& columns, std::size_t first) {
-  Inputs<T> in;
-  const Motion& m = point.motion;
-  KinematicState<T>& state = in.state;
-  state = {cast<T>(m.T_odom_robot.position), m.T_odom_robot.rotation.cast<T>(),
-           cast<T>(m.velocity_odom),         cast<T>(m.rate_robot),
-           cast<T>(m.acceleration_odom),     cast<T>(m.rate_derivative_robot)};
-  in.panel = {t_s, cast<T>(point.T_odom_panel.position), point.T_odom_panel.rotation.cast<T>()};
-  in.right_in_left = cast<T>(point.T_left_right.position);
-  in.R_left_right = point.T_left_right.rotation.cast<T>();
-  in.water = point.water.cast<T>();
-  in.flaws = point.flaws.cast<T>();
-  in.effects.on = point.on;
-  for (std::size_t e = 0; e < kEffectCount; ++e)
-    for (std::size_t s = kEffectOffsets[e]; point.on[e] && s < kEffectOffsets[e + 1]; ++s)
-      in.effects.values[s] = T(point.effects[s]);
-  if constexpr (!std::is_same_v<T, double>)
-    for (int slot = 0; slot < T::DIMENSION && first + slot < columns.size(); ++slot)
-      differentiateBy(columns[first + static_cast<std::size_t>(slot)], slot, in);
-  const Matrix3<T> R_robot_odom = state.R_odom_robot.transpose();
-  state.velocity_robot = R_robot_odom * state.velocity_robot;
-  state.acceleration_robot = R_robot_odom * state.acceleration_robot;
-  return in;
-}
-
-/// The motion where the effects say that it was seen: extrapolated(), and constant jerks too.
-template <class T, Sensor S>
-void carryOn(Inputs<T>& in, const ForwardPoint& point, double t_s) {
-  if (!anyActsAt<ValidityOffset<double, S>>(in.effects)) return;
-  const T seconds = validityOffset<S>(in.effects, t_s) - point.validity_s;
-  in.state = extrapolated(in.state, seconds);
-  in.state.acceleration_robot +=
-      in.state.R_odom_robot.transpose() * Vector3<T>(cast<T>(point.motion.jerk_odom) * seconds);
-  in.state.angular_acceleration_robot += cast<T>(point.motion.rate_second_derivative_robot) * seconds;
-}
 
 template <class... Stages>
 struct StageList {
@@ -127,7 +38,7 @@ struct GyroReader {
   Pose T_robot_ins;
   double t_s;
   template <class T>
-  Vector3<T> predict(const Inputs<T>& in) const {
+  Vector3<T> predict(const ReadingInputs<T>& in) const {
     return predictGyro(in.state, T_robot_ins, in.effects, t_s);
   }
 };
@@ -143,7 +54,7 @@ struct ForceReader {
   double t_s;
   Vector3d gravity_odom;
   template <class T>
-  Vector3<T> predict(const Inputs<T>& in) const {
+  Vector3<T> predict(const ReadingInputs<T>& in) const {
     return predictSpecificForce(in.state, World<T>{gravity_odom, T(0)}, T_robot_ins, in.effects, t_s);
   }
 };
@@ -156,7 +67,7 @@ struct AttitudeReader {
   double t_s;
   Matrix3d R_odom_about;
   template <class T>
-  Vector3<T> predict(const Inputs<T>& in) const {
+  Vector3<T> predict(const ReadingInputs<T>& in) const {
     return logSO3<T>(R_odom_about.transpose().cast<T>() *
                      predictAttitude(in.state, T_robot_ins, in.effects, t_s));
   }
@@ -170,7 +81,7 @@ struct DvlReader {
   Pose T_robot_dvl;
   double t_s;
   template <class T>
-  Vector3<T> predict(const Inputs<T>& in) const {
+  Vector3<T> predict(const ReadingInputs<T>& in) const {
     return predictDvlVelocity(in.state, T_robot_dvl, in.effects, t_s);
   }
 };
@@ -185,7 +96,7 @@ struct PressureReader {
   double t_s;
   Vector3d gravity_odom;
   template <class T>
-  Eigen::Matrix<T, 1, 1> predict(const Inputs<T>& in) const {
+  Eigen::Matrix<T, 1, 1> predict(const ReadingInputs<T>& in) const {
     return Eigen::Matrix<T, 1, 1>(
         predictPressure(in.state, World<T>{gravity_odom, T(0)}, sheet, T_robot_depth, in.effects, t_s));
   }
@@ -198,7 +109,7 @@ struct UsblReader {
   Pose T_robot_usbl;
   double t_s;
   template <class T>
-  Vector3<T> predict(const Inputs<T>& in) const {
+  Vector3<T> predict(const ReadingInputs<T>& in) const {
     return predictUsbl(in.state, T_robot_usbl);
   }
 };
@@ -212,7 +123,7 @@ struct MarkerReader {
   BatchMarker seen;
   double t_s;
   template <class T>
-  Eigen::Matrix<T, 8, 1> predict(const Inputs<T>& in) const {
+  Eigen::Matrix<T, 8, 1> predict(const ReadingInputs<T>& in) const {
     const auto corners =
         predictDetectedCorners(in.state, in.panel, seen.marker, seen.camera, seen.T_robot_camera, seen.light,
                                in.effects, t_s, seen.T_left_right);
@@ -231,7 +142,7 @@ struct TiePointReader {
   Eigen::Vector4d sense;
   double t_s;
   template <class T>
-  Eigen::Matrix<T, 1, 1> predict(const Inputs<T>& in) const {
+  Eigen::Matrix<T, 1, 1> predict(const ReadingInputs<T>& in) const {
     return Eigen::Matrix<T, 1, 1>(
         contradiction(seen, in.R_left_right, in.right_in_left, in.effects, t_s, sense));
   }
@@ -248,7 +159,7 @@ struct PatchReader {
   std::vector<int> colours;
   std::vector<LampSheet> lamps;
   template <class T>
-  Eigen::Matrix<T, Eigen::Dynamic, 1, 0, 3, 1> predict(const Inputs<T>& in) const {
+  Eigen::Matrix<T, Eigen::Dynamic, 1, 0, 3, 1> predict(const ReadingInputs<T>& in) const {
     const Vector3<T> all = predictPatch(in.state, in.panel, seen, lamps, in.water, in.effects, t_s) +
                            in.flaws.template segment<3>(kFalseLight);
     return all(colours);
@@ -262,7 +173,7 @@ struct BlurReader {
   MarkerBlur seen;
   double t_s;
   template <class T>
-  Vector3<T> predict(const Inputs<T>& in) const {
+  Vector3<T> predict(const ReadingInputs<T>& in) const {
     return predictBlur(in.state, in.panel, seen, in.flaws[kLensBlur], in.effects, t_s);
   }
 };
@@ -274,7 +185,7 @@ struct SpecksReader {
   ImageSpecks seen;
   double t_s;
   template <class T>
-  Eigen::Matrix<T, kSpeckClasses, 1> predict(const Inputs<T>& in) const {
+  Eigen::Matrix<T, kSpeckClasses, 1> predict(const ReadingInputs<T>& in) const {
     auto specks = predictSpecks(seen.volumes, in.effects, t_s);
     specks[0] += in.flaws[kFalseSpecks];
     return specks.matrix();
@@ -289,7 +200,7 @@ struct AccelerationReader {
   }
   double t_s;
   template <class T>
-  Eigen::Matrix<T, 6, 1> predict(const Inputs<T>& in) const {
+  Eigen::Matrix<T, 6, 1> predict(const ReadingInputs<T>& in) const {
     Eigen::Matrix<T, 6, 1> both;
     both << in.state.acceleration_robot, in.state.angular_acceleration_robot;
     return both;
@@ -303,7 +214,7 @@ struct PoseReader {
   Pose T_odom_about;
   double t_s;
   template <class T>
-  Eigen::Matrix<T, 6, 1> predict(const Inputs<T>& in) const {
+  Eigen::Matrix<T, 6, 1> predict(const ReadingInputs<T>& in) const {
     Eigen::Matrix<T, 6, 1> both;
     both << in.state.position_odom,
         logSO3<T>(in.state.R_odom_robot * T_odom_about.rotation.transpose().template cast<T>());
@@ -369,8 +280,9 @@ class ModelOf final : public ReadingModel {
   static constexpr bool kMayBeLate = !std::is_same_v<typename Reader::Stages, StageList<>>;
 
   template <class T>
-  Inputs<T> inputs(const ForwardPoint& point, const std::vector<int>& columns, std::size_t first) const {
-    Inputs<T> in = lift<T>(point, reader_.t_s, columns, first);
+  ReadingInputs<T> inputs(const ForwardPoint& point, const std::vector<int>& columns,
+                          std::size_t first) const {
+    ReadingInputs<T> in = inputsAt<T>(point, reader_.t_s, columns, first);
     if constexpr (kMayBeLate) carryOn<T, Reader::kSensor>(in, point, reader_.t_s);
     return in;
   }
