@@ -1,0 +1,89 @@
+#include "diagnosis/alternatives.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "diagnosis/onset.h"
+#include "diagnosis/screening.h"
+
+namespace fathom {
+namespace {
+
+constexpr double kSameSupport = 2.7;  // half of the 5.4 by which the right one loses once in a hundred
+constexpr std::size_t kRivals = 4;
+
+/// Of the candidates to first order, that of an effect which comes nearest; nothing where there is none.
+std::optional<std::size_t> nearestOf(std::size_t effect, const std::vector<TestedCandidate>& candidates) {
+  std::optional<std::size_t> nearest;
+  for (std::size_t m = 0; m < candidates.size(); ++m)
+    if (candidates[m].candidate.effect == effect &&
+        (!nearest || candidates[m].support > candidates[*nearest].support))
+      nearest = m;
+  return nearest;
+}
+
+/// All others, best supported first.
+std::vector<std::size_t> othersThan(std::size_t effect, const std::vector<TestedCandidate>& candidates) {
+  std::vector<std::size_t> order;
+  for (std::size_t m = 0; m < candidates.size(); ++m)
+    if (candidates[m].candidate.effect != effect) order.push_back(m);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return candidates[a].support > candidates[b].support;
+  });
+  return order;
+}
+
+bool isListed(std::size_t effect, const Alternatives& set) {
+  return std::any_of(set.candidates.begin(), set.candidates.end(),
+                     [&](const Candidate& other) { return other.effect == effect; });
+}
+
+}  // namespace
+
+InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, const BatchData& data,
+                           const std::set<std::size_t>& lasting_only) {
+  InItsPlace found;
+  const Refit rest = fits.without(fit, effect);
+  if (!rest.succeeded) return found;
+  const Candidate& stated = fit.effects[effect];
+  const Screening screening(*rest.model, fits.segments(), lasting_only);
+  const auto& candidates = screening.candidates();
+  const std::optional<std::size_t> own = nearestOf(stated.effect, candidates);
+  if (!own) return found;
+  Alternatives set{{stated}, {0}, {1}, {}};
+  std::optional<SizedEffect> like;
+  std::size_t tried = 0;
+  for (const std::size_t m : othersThan(stated.effect, candidates)) {
+    if (candidates[m].support < leastOfContenders(candidates[*own].support) || tried++ == kRivals) break;
+    Candidate other = candidates[m].candidate;
+    if (isListed(other.effect, set)) continue;
+    if (!other.isForGood()) other = refinedInterval(*rest.model, other, fits.segment_s());
+    std::vector<Candidate> effects = rest.effects;
+    effects.push_back(other);
+    Refit rival = fits.of(rest, effects);
+    if (!rival.succeeded || !isBeyondBias(rival, rest, other)) continue;
+    const double difference = fits.worth(rival) - fits.worth(fit);
+    if (difference > 0) {
+      found.better = std::move(rival);
+      return found;
+    }
+    found.odds += std::exp(difference);
+    if (difference < -kSameSupport) continue;
+    set.candidates.push_back(other);
+    set.support.push_back(difference);
+    set.alignment.push_back(screening.alignment(*own, m));
+    if (!like) like = sized(rival, other);
+  }
+  if (!like) return found;
+  try {
+    set.advice =
+        adviseManoeuvre(data, *rest.model, fit.estimate.state, sized(fit, stated), *like, fits.noise());
+  } catch (const std::runtime_error&) {
+    // A manoeuvre in which nothing holds the path tells nothing apart.
+  }
+  found.set = std::move(set);
+  return found;
+}
+
+}  // namespace fathom

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <set>
+
+#include "diagnosis/diagnosis.h"
+#include "diagnosis/fits.h"
+
+namespace fathom {
+
+/// What else could stand in an effect's place.
+struct InItsPlace {
+  /// A fit with another effect there, as the last one, that is better. The rest is left then.
+  std::optional<Refit> better;
+  std::optional<Alternatives> set;  ///< with those that are as good, where there are
+  double odds = 1;                  ///< of it and of all others there, against it
+};
+
+/// Of one of a fit's effects; tries the nearest few in full. `lasting_only`: effects that are not tried for a
+/// part of the recording.
+InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, const BatchData& data,
+                           const std::set<std::size_t>& lasting_only);
+
+}  // namespace fathom

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "diagnosis/refit.h"
+
+namespace fathom {
+
+/// Fits of sets of effects to one recording under one noise, each made once, and what they are worth beside
+/// the nominal model. The same whatever the number of threads.
+class Fits {
+ public:
+  /// -ln of the odds against an effect besides another, before looking.
+  static constexpr double kLogOdds = 8.0;
+
+  /// `segments`: onsets and ends are looked for at so many places first. The data is referred to.
+  Fits(const BatchData& data, int segments) : data_(data), segments_(segments) {}
+
+  /// Under another noise: what was fitted is forgotten. `base`: the nominal fit's options, with that noise.
+  void beginWith(Refit nominal, BatchOptions base, NoiseModel noise);
+
+  const Refit& nominal() const { return nominal_; }
+  const NoiseModel& noise() const { return noise_; }
+  const BatchOptions& base() const { return base_; }
+  int segments() const { return segments_; }
+  double segment_s() const;
+
+  /// In the order of the sets; those that are new are made at once, from where `from` ended.
+  std::vector<Refit> of(const Refit& from, const std::vector<std::vector<Candidate>>& sets);
+  Refit of(const Refit& from, const std::vector<Candidate>& effects) {
+    return of(from, std::vector<std::vector<Candidate>>{effects}).front();
+  }
+  /// With one effect fewer; without any: the nominal one.
+  Refit without(const Refit& from, std::vector<Candidate> effects, std::size_t one);
+  Refit without(const Refit& from, std::size_t one) { return without(from, from.effects, one); }
+
+  /// Against the nominal one: support, less the odds against so many effects. (The first is believed by the
+  /// alarm: it knows the chance of a false one.)
+  double worth(const Refit& fit) const;
+  /// Intervals and times to a fraction of a segment, and whether what seems lasting was on for a part only.
+  Refit settled(Refit fit);
+  /// Without those effects that are not needed; one remains.
+  Refit onlyNeeded(Refit fit);
+
+  /// Each that was made until now.
+  template <class Look>
+  void forEach(Look&& look) const {
+    for (const auto& [name, fit] : fitted_) look(fit);
+  }
+
+ private:
+  bool isNeeded(const Refit& fit, const Refit& less, const Candidate& effect) const;
+
+  const BatchData& data_;
+  int segments_;
+  BatchOptions base_;
+  NoiseModel noise_;
+  Refit nominal_;
+  std::map<std::string, Refit> fitted_;  // by the effects' names
+};
+
+/// Of the support to first order of what may turn out to be the best once refitted, beside the largest.
+double leastOfContenders(double largest);
+
+}  // namespace fathom
