@@ -24,6 +24,34 @@ std::vector<cv::Point> rounded(const std::vector<Vector2d>& points) {
   return pixels;
 }
 
+/// The image's light at the places of the view's pixels, side x side of them.
+cv::Mat lightFromTheFront(const PosedPanelImage& image, const Pose& T_camera_foot, double height_m, int side,
+                          const FrontView& view) {
+  cv::Mat places(side, side, CV_32FC2);
+  for (int row = 0; row < side; ++row)
+    for (int column = 0; column < side; ++column) {
+      const Vector3d point((column - view.axis_px.x()) * view.m_per_px,
+                           (view.axis_px.y() - row) * view.m_per_px, height_m);
+      const Vector2d pixel = image.projector.project(Vector3d(T_camera_foot * point));
+      places.at<cv::Vec2f>(row, column) = {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
+    }
+  cv::Mat light;
+  cv::remap(image.light, light, places, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return light;
+}
+
+/// Where the view can show the handle at all, whatever its angle.
+cv::Mat regionInReach(const SweptBox& box, const Vector3d& eye, double height_m, int side,
+                      const FrontView& view) {
+  std::vector<Vector2d> outline;
+  for (const Vector3d& p : box.rims()) outline.push_back(view.pixelOf(onPlane(eye, p, height_m)));
+  std::vector<cv::Point> hull;
+  cv::convexHull(rounded(outline), hull);
+  cv::Mat in_reach = cv::Mat::zeros(side, side, CV_8UC1);
+  cv::fillConvexPoly(in_reach, hull, 255);
+  return in_reach;
+}
+
 }  // namespace
 
 FrontView frontViewOf(const PosedPanelImage& image, const Handle& handle) {
@@ -72,22 +100,8 @@ FrontView frontViewOf(const PosedPanelImage& image, const Handle& handle) {
   view.axis_px = {0.5 * (side - 1) - middle.x() / view.m_per_px,
                   0.5 * (side - 1) + middle.y() / view.m_per_px};
 
-  cv::Mat places(side, side, CV_32FC2);
-  for (int row = 0; row < side; ++row)
-    for (int column = 0; column < side; ++column) {
-      const Vector3d point((column - view.axis_px.x()) * view.m_per_px,
-                           (view.axis_px.y() - row) * view.m_per_px, height_m);
-      const Vector2d pixel = image.projector.project(Vector3d(T_camera_foot * point));
-      places.at<cv::Vec2f>(row, column) = {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
-    }
-  cv::remap(image.light, view.light, places, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-
-  std::vector<Vector2d> outline;
-  for (const Vector3d& p : box.rims()) outline.push_back(view.pixelOf(onPlane(eye, p, height_m)));
-  std::vector<cv::Point> hull;
-  cv::convexHull(rounded(outline), hull);
-  view.in_reach = cv::Mat::zeros(side, side, CV_8UC1);
-  cv::fillConvexPoly(view.in_reach, hull, 255);
+  view.light = lightFromTheFront(image, T_camera_foot, height_m, side, view);
+  view.in_reach = regionInReach(box, eye, height_m, side, view);
   return view;
 }
 
