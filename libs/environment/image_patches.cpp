@@ -90,6 +90,31 @@ Pose panelFromCamera(const PosedImage& posed, const std::vector<PanelMap>& panel
   return panels[posed.panel].T_odom_panel.inverse() * posed.T_odom_camera();
 }
 
+/// raysOf() each lens, by its fingerprint.
+std::map<std::string, cv::Mat> raysByLens(const std::vector<PosedImage>& posed) {
+  std::map<std::string, cv::Mat> rays;
+  for (const PosedImage& image : posed)
+    if (cv::Mat& own = rays[fingerprintOf(image.camera.lens)]; own.empty()) own = raysOf(image.camera.lens);
+  return rays;
+}
+
+/// The place that each pixel shows; -1: of none.
+cv::Mat placesIn(const PosedImage& image, const View& clean, const cv::Mat& rays,
+                 const std::vector<PanelMap>& panels, const std::vector<Places>& places) {
+  const Pose T_panel_camera = panelFromCamera(image, panels);
+  const cv::Mat known = knownAround(clean, image.camera.lens);
+  cv::Mat labels(clean.range_m.size(), CV_32SC1, cv::Scalar(-1));
+  for (int v = 0; v < labels.rows; ++v)
+    for (int u = 0; u < labels.cols; ++u) {
+      const float range_m = clean.range_m.at<float>(v, u);
+      if (known.at<std::uint8_t>(v, u) == 0) continue;
+      const cv::Vec3f ray = range_m * rays.at<cv::Vec3f>(v, u), albedo = clean.radiance.at<cv::Vec3f>(v, u);
+      labels.at<int>(v, u) = places[image.panel].at(T_panel_camera * Vector3d(ray[0], ray[1], ray[2]),
+                                                    (albedo[0] + albedo[1] + albedo[2]) / 3);
+    }
+  return labels;
+}
+
 /// What stands for all of a patch: in the direction of its middle, where z and the image radius are their
 /// means. (Those of the middle pixel are less: 0.03 DN of a piece of a panel near by.)
 Vector3d pointOf(const Patch& patch, const CameraModel& camera) {
@@ -164,6 +189,15 @@ void setSeenShares(std::vector<ImagePatch>& patches, const std::vector<double>& 
     if (areas[i] > 0) patches[i].seen_share = areas[i] / most[patches[i].place];
 }
 
+/// Or else what is not flat would be taken for physics.
+void allowForUnevenness(ImagePatches& found) {
+  const Water& water = found.start.water;
+  for (ImagePatch& patch : found.patches) {
+    const Vector3d by_z = water.attenuation_per_m.cwiseProduct(patch.radiance - water.veil);
+    patch.sigma = (patch.sigma.cwiseAbs2() + (kFlat_m * by_z).cwiseAbs2()).cwiseSqrt();
+  }
+}
+
 /// Near enough for an estimate to start from: by some of the patches, evenly.
 WaterFit startWater(const SynchronizedImages& synchronized) {
   constexpr std::size_t kEnough = 2000;
@@ -182,23 +216,9 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
                           bool open_water) {
   const std::vector<PanelMap>& panels = maker.world().panels;
   const std::vector<Places> places = placesOf(panels);
-  std::map<std::string, cv::Mat> rays;
-  for (const PosedImage& image : posed)
-    if (cv::Mat& own = rays[fingerprintOf(image.camera.lens)]; own.empty()) own = raysOf(image.camera.lens);
+  const std::map<std::string, cv::Mat> rays = raysByLens(posed);
   const auto labelsOf = [&](const PosedImage& image, const View& clean) {
-    const cv::Mat& own = rays.at(fingerprintOf(image.camera.lens));
-    const Pose T_panel_camera = panelFromCamera(image, panels);
-    const cv::Mat known = knownAround(clean, image.camera.lens);
-    cv::Mat labels(clean.range_m.size(), CV_32SC1, cv::Scalar(-1));
-    for (int v = 0; v < labels.rows; ++v)
-      for (int u = 0; u < labels.cols; ++u) {
-        const float range_m = clean.range_m.at<float>(v, u);
-        if (known.at<std::uint8_t>(v, u) == 0) continue;
-        const cv::Vec3f ray = range_m * own.at<cv::Vec3f>(v, u), albedo = clean.radiance.at<cv::Vec3f>(v, u);
-        labels.at<int>(v, u) = places[image.panel].at(T_panel_camera * Vector3d(ray[0], ray[1], ray[2]),
-                                                      (albedo[0] + albedo[1] + albedo[2]) / 3);
-      }
-    return labels;
+    return placesIn(image, clean, rays.at(fingerprintOf(image.camera.lens)), panels, places);
   };
   std::vector<std::size_t> all(posed.size());
   std::iota(all.begin(), all.end(), 0);
@@ -249,12 +269,7 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
       }
   }
   setSeenShares(result.patches, areas);
-  // Or else what is not flat would be taken for physics.
-  const Water& water = result.start.water;
-  for (ImagePatch& patch : result.patches) {
-    const Vector3d by_z = water.attenuation_per_m.cwiseProduct(patch.radiance - water.veil);
-    patch.sigma = (patch.sigma.cwiseAbs2() + (kFlat_m * by_z).cwiseAbs2()).cwiseSqrt();
-  }
+  allowForUnevenness(result);
   return result;
 }
 
