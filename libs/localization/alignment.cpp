@@ -82,17 +82,8 @@ Matrix3d level(const Vector3d& specific_force_robot) {
                                   std::atan2(up.y(), up.z()));
 }
 
-}  // namespace
-
-InitialState alignInitially(const LocalizationSetup& setup, const std::vector<Sample>& samples) {
-  const FirstReadings first = readAll(setup, samples);
-  InitialState initial;
-  initial.t_s = secondsBetween(setup.time_zero, samples.front().time);
+void alignOrientation(const LocalizationSetup& setup, const FirstReadings& first, InitialState& initial) {
   auto& motion = initial.state.motion;
-  auto& sigma = initial.sigma;
-  sigma.setZero();
-
-  // Orientation.
   double tilt_sigma = radians(0.5), yaw_sigma = radians(0.5);
   if (setup.start) {
     motion.R_odom_robot = setup.start->T_odom_robot.rotation;
@@ -114,9 +105,13 @@ InitialState alignInitially(const LocalizationSetup& setup, const std::vector<Sa
     yaw_sigma = radians(0.01);
     initial.source = "orientation: assumed level, heading zero by definition";
   }
-  sigma.segment<3>(kOrientation) << tilt_sigma, tilt_sigma, yaw_sigma;
+  initial.sigma.segment<3>(kOrientation) << tilt_sigma, tilt_sigma, yaw_sigma;
+}
 
-  // Position.
+/// The orientation must be known.
+void alignPosition(const LocalizationSetup& setup, const FirstReadings& first, InitialState& initial) {
+  auto& motion = initial.state.motion;
+  auto& sigma = initial.sigma;
   sigma.segment<3>(kPosition).setConstant(0.01);
   if (setup.start) {
     motion.position_odom = setup.start->T_odom_robot.position;
@@ -138,15 +133,23 @@ InitialState alignInitially(const LocalizationSetup& setup, const std::vector<Sa
                       : first.depth_z.any() ? "; position: zero by definition, height from pressure"
                                             : "; position: zero by definition";
   }
+}
 
-  // Motion. The sigmas cover what a robot does within the first seconds.
+/// The sigmas cover what a robot does within the first seconds.
+void alignMotion(const FirstReadings& first, InitialState& initial) {
+  auto& motion = initial.state.motion;
+  auto& sigma = initial.sigma;
   if (first.velocity.any()) motion.velocity_robot = first.velocity.value();
   sigma.segment<3>(kVelocity).setConstant(first.velocity.any() ? 0.2 : 1.0);
   if (first.rate.any()) motion.angular_velocity_robot = first.rate.value();
   sigma.segment<3>(kAngularVelocity).setConstant(0.2);
   sigma.segment<3>(kAcceleration).setConstant(0.5);
+}
 
-  // Slow states.
+/// What hardly changes: biases, offsets, the sea floor. Orientation and position must be known.
+void alignSlowStates(const LocalizationSetup& setup, const FirstReadings& first, InitialState& initial) {
+  const auto& motion = initial.state.motion;
+  auto& sigma = initial.sigma;
   if (const auto& ins = setup.vehicle.ins) {
     sigma.segment<3>(kGyroBias).setConstant(ins->gyro_bias_sigma_rad_s);
     sigma.segment<3>(kAccelerometerBias).setConstant(ins->accelerometer_bias_sigma_m_s2);
@@ -156,6 +159,19 @@ InitialState alignInitially(const LocalizationSetup& setup, const std::vector<Sa
     initial.state.sea_floor_z_m =
         motion.position_odom.z() + (motion.R_odom_robot * first.floor_depth.value()).z();
   sigma[kSeaFloor] = std::hypot(0.5, sigma[kPosition + 2]);
+}
+
+}  // namespace
+
+InitialState alignInitially(const LocalizationSetup& setup, const std::vector<Sample>& samples) {
+  const FirstReadings first = readAll(setup, samples);
+  InitialState initial;
+  initial.t_s = secondsBetween(setup.time_zero, samples.front().time);
+  initial.sigma.setZero();
+  alignOrientation(setup, first, initial);
+  alignPosition(setup, first, initial);
+  alignMotion(first, initial);
+  alignSlowStates(setup, first, initial);
   return initial;
 }
 
