@@ -129,6 +129,27 @@ void setLight(RowInfo& info, const ImagePatch& seen, const Eigen::VectorXd& by_w
   info.seen_share = seen.seen_share;
 }
 
+/// Of the k-th row of a reading of an image. J: its derivative, by the water from water_column on.
+void setSeen(RowInfo& info, Eigen::Index k, const BatchData& data, const BatchState& reference,
+             const Eigen::MatrixXd& J, Eigen::Index water_column) {
+  if (info.patch >= 0) {
+    const ImagePatch& seen = data.patches[static_cast<std::size_t>(info.patch)];
+    info.component = seen.colours()[static_cast<std::size_t>(k)];
+    setLight(info, seen, J.row(k).segment(water_column, 9), reference.water);
+  }
+  if (info.marker >= 0) setCorner(info, data.markers[static_cast<std::size_t>(info.marker)]);
+  if (info.tie_point >= 0)
+    setTiePoint(info, data.tie_points[static_cast<std::size_t>(info.tie_point)], reference.T_left_right);
+}
+
+/// Of each row in the reading's unit: of what has been whitened.
+Eigen::VectorXd rawSigmas(const BatchCost& cost, Eigen::Index rows) {
+  const Eigen::MatrixXd units = cost.raw(Eigen::MatrixXd::Identity(rows, rows));
+  Eigen::VectorXd sigma = Eigen::VectorXd::Zero(rows);
+  for (Eigen::Index k = 0; k < rows; ++k) sigma += units.col(k).cwiseAbs2();
+  return sigma.cwiseSqrt();
+}
+
 /// Tracks in the order of channel, marker and component; rows by time.
 void findTracks(Linearization& linear) {
   using Key = std::tuple<BatchChannel, std::ptrdiff_t, int, std::ptrdiff_t, int, int, int>;
@@ -189,23 +210,12 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
     info.robust_weight = huberWeight(r.norm(), cost.robust_threshold);
     info.robust_threshold = cost.robust_threshold;
     const Eigen::VectorXd raw = cost.raw(r);
-    const Eigen::MatrixXd units = cost.raw(Eigen::MatrixXd::Identity(r.size(), r.size()));
-    Eigen::VectorXd sigma = Eigen::VectorXd::Zero(r.size());  // of what has been whitened
-    for (Eigen::Index k = 0; k < r.size(); ++k) sigma += units.col(k).cwiseAbs2();
-    sigma = sigma.cwiseSqrt();
+    const Eigen::VectorXd sigma = rawSigmas(cost, r.size());
     for (Eigen::Index k = 0; k < r.size(); ++k) {
       info.component = static_cast<int>(k);
       info.raw = raw[k];
       info.per_unit = 1 / sigma[k];
-      if (info.patch >= 0) {
-        const ImagePatch& seen = data.patches[static_cast<std::size_t>(info.patch)];
-        info.component = seen.colours()[static_cast<std::size_t>(k)];
-        setLight(info, seen, J.row(k).segment(water_column, 9), problem.reference().water);
-      }
-      if (info.marker >= 0) setCorner(info, data.markers[static_cast<std::size_t>(info.marker)]);
-      if (info.tie_point >= 0)
-        setTiePoint(info, data.tie_points[static_cast<std::size_t>(info.tie_point)],
-                    problem.reference().T_left_right);
+      setSeen(info, k, data, problem.reference(), J, water_column);
       linear.rows[static_cast<std::size_t>(first[i] + k)] = info;
     }
   });
