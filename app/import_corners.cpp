@@ -18,6 +18,7 @@
 #include "recording/recorded_camera.h"
 #include "render/images.h"
 #include "report/run_info.h"
+#include "sensors/camera_files.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -26,7 +27,6 @@ namespace {
 constexpr double kMargin = 1;         // squares between the outer corners and the board's edge
 constexpr double kInterval_s = 1;     // the tables have no times
 constexpr double kBehind_m = 0.0005;  // the board's face behind its squares
-constexpr int kLargest_px = 20000;    // side of an image
 
 struct CornerOptions {
   std::string table, camera, calibrate, board, image_size;
@@ -58,7 +58,7 @@ CameraModel readIntrinsics(const fs::path& file, const std::optional<std::array<
   CameraModel camera;
   readPinhole(root, camera);
   const auto sideAround = [](double middle_px) {
-    return static_cast<int>(std::lround(std::clamp(2 * middle_px + 1, 0.0, kLargest_px + 1.0)));
+    return static_cast<int>(std::lround(std::clamp(2 * middle_px + 1, 0.0, kLargestImageSide_px + 1.0)));
   };
   camera.width_px = sideAround(camera.cx_px);
   camera.height_px = sideAround(camera.cy_px);
@@ -66,18 +66,14 @@ CameraModel readIntrinsics(const fs::path& file, const std::optional<std::array<
   root.read("height_px", camera.height_px);
   if (size) std::tie(camera.width_px, camera.height_px) = std::tie((*size)[0], (*size)[1]);
   for (const int side_px : {camera.width_px, camera.height_px})
-    if (side_px < 1 || side_px > kLargest_px)
-      throw root.error("cx_px",
-                       print("an image has sides of 1 to %d px; --image-size says them", kLargest_px));
+    if (!isImageSide(side_px))
+      throw root.error(
+          "cx_px", print("an image has sides of 1 to %d px; --image-size says them", kLargestImageSide_px));
   if (root.has("distortion")) {
     const std::vector<double> d = root.numbers("distortion");
     if (d.size() != 4 && d.size() != 5)
       throw root.error("distortion", "must be k1, k2, p1, p2 and perhaps k3, in OpenCV's order");
-    camera.k1 = d[0];
-    camera.k2 = d[1];
-    camera.p1 = d[2];
-    camera.p2 = d[3];
-    camera.k3 = d.size() > 4 ? d[4] : 0;
+    setPlumbBob(d, camera);
   }
   yaml.rejectUnknownKeys();
   return camera;
@@ -87,8 +83,9 @@ CameraModel cameraOf(const CornerOptions& options, const std::optional<Checkerbo
   std::optional<std::array<int, 2>> size;
   if (!options.image_size.empty()) {
     size = timesOf("--image-size", options.image_size);
-    if (std::max((*size)[0], (*size)[1]) > kLargest_px || std::min((*size)[0], (*size)[1]) < 1)
-      throw Error("--image-size", options.image_size, print("sides must be from 1 to %d px", kLargest_px));
+    if (!isImageSide((*size)[0]) || !isImageSide((*size)[1]))
+      throw Error("--image-size", options.image_size,
+                  print("sides must be from 1 to %d px", kLargestImageSide_px));
   }
   if (!options.camera.empty()) return readIntrinsics(options.camera, size);
   if (options.calibrate.empty()) throw Error("--camera", "", "or --calibrate is needed");

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/files.h"
+#include "core/text.h"
 #include "core/yaml.h"
 
 namespace fathom {
@@ -31,12 +32,7 @@ void setDistortion(const YamlMap& y, const std::string& key, const std::vector<d
   if (std::any_of(d.begin() + std::min<std::ptrdiff_t>(5, std::ssize(d)), d.end(),
                   [](double rational) { return rational != 0; }))
     throw y.error(key, "has more than plumb bob's five coefficients");
-  if (d.empty()) return;
-  camera.k1 = d[0];
-  camera.k2 = d[1];
-  camera.p1 = d[2];
-  camera.p2 = d[3];
-  if (d.size() > 4) camera.k3 = d[4];
+  if (!d.empty()) setPlumbBob(d, camera);
 }
 
 void rejectOtherModels(const YamlMap& y, const char* key, std::initializer_list<const char*> known) {
@@ -48,10 +44,9 @@ void rejectOtherModels(const YamlMap& y, const char* key, std::initializer_list<
 
 void setImageSize(const YamlMap& y, const std::string& key, double width_px, double height_px,
                   CameraModel& camera) {
-  constexpr double kLargest_px = 20000;
   for (const double side_px : {width_px, height_px})
-    if (!(side_px >= 1 && side_px <= kLargest_px) || side_px != std::floor(side_px))
-      throw y.error(key, "an image has sides of 1 to 20000 px");
+    if (!isImageSide(side_px))
+      throw y.error(key, print("an image has sides of 1 to %d px", kLargestImageSide_px));
   camera.width_px = static_cast<int>(width_px);
   camera.height_px = static_cast<int>(height_px);
 }
@@ -96,6 +91,18 @@ CameraModel readMatrices(const YamlMap& y, const std::string& matrix) {
 }
 
 }  // namespace
+
+bool isImageSide(double side_px) {
+  return side_px >= 1 && side_px <= kLargestImageSide_px && side_px == std::floor(side_px);
+}
+
+void setPlumbBob(const std::vector<double>& coefficients, CameraModel& camera) {
+  camera.k1 = coefficients[0];
+  camera.k2 = coefficients[1];
+  camera.p1 = coefficients[2];
+  camera.p2 = coefficients[3];
+  if (coefficients.size() > 4) camera.k3 = coefficients[4];
+}
 
 CameraModel readCameraFile(const std::filesystem::path& file, const std::string& camera) {
   const YamlFile yaml = readForeignYaml(file);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "core/camera_model.h"
 
@@ -14,5 +15,13 @@ namespace fathom {
 /// cannot express (fisheye, an omnidirectional mirror, rational coefficients that are not zero) is an error.
 /// Other keys of the file do not matter. Throws Error.
 CameraModel readCameraFile(const std::filesystem::path& file, const std::string& camera = "cam0");
+
+/// A longer side of an image is taken for a mistake.
+inline constexpr int kLargestImageSide_px = 20000;
+/// Whether an image may have a side of so many pixels: a whole number, from 1 on.
+bool isImageSide(double side_px);
+
+/// Takes plumb-bob coefficients as OpenCV orders them: k1, k2, p1, p2 and perhaps k3, four at least.
+void setPlumbBob(const std::vector<double>& coefficients, CameraModel& camera);
 
 }  // namespace fathom
