@@ -91,6 +91,14 @@ std::string textOf(const std::optional<Interval>& interval) {
   return interval ? print("%.1f to %.1f s", interval->from_s, interval->to_s) : "always";
 }
 
+std::string probabilityText(double log_p) {
+  if (!std::isfinite(log_p)) return log_p < 0 ? "0" : "-";
+  const double log10_p = log_p / std::log(10.0);
+  if (log10_p > -4) return fixed(std::exp(log_p), 4);
+  const double exponent = std::floor(log10_p);
+  return print("%.1fe%.0f", std::pow(10.0, log10_p - exponent), exponent);
+}
+
 bool isSignificant(const Mismatch& mismatch, double false_alarm) { return mismatch.p_value < false_alarm; }
 
 std::string sensorOf(const Mismatch& mismatch) {

@@ -56,6 +56,9 @@ std::optional<Interval> activeIn(const Candidate& candidate, const BatchData& da
 /// "12.0 to 171.0 s", "always".
 std::string textOf(const std::optional<Interval>& interval);
 
+/// exp(log_p) for a reader, however small: "0.0312", "4.5e-173".
+std::string probabilityText(double log_p);
+
 /// Whether a mismatch is more than chance leaves of no mismatch.
 bool isSignificant(const Mismatch& mismatch, double false_alarm);
 /// "markers, right", "dvl y", "depth".
