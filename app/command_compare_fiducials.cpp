@@ -169,37 +169,38 @@ void addList(CLI::App& command, const std::string& name, std::vector<std::string
   command.add_option(name, values, help)->delimiter(',')->expected(1)->allow_extra_args(false)->take_all();
 }
 
+constexpr const char* kCompareHelp =
+    "Prints the panel with each family's markers at the same size in the same places, makes images of it "
+    "from\n"
+    "the same views through several waters and blurs by the simulator's forward model, and has each library\n"
+    "read them. Writes results.csv (detection rate, false detections, corner and pose errors, one line a\n"
+    "condition), times.csv (measured), result.json, report.html and contact_sheet.png. The same seed gives "
+    "the\n"
+    "same results. Interrupted and started again, the same command goes on with what it has.\n"
+    "\n";
+
+constexpr const char* kCompareMoreHelp =
+    "Markers count as found where they truly show; with --recording, where the nominal camera has them.\n"
+    "\n"
+    "With --recording the libraries read a recording's images instead, after each preprocessing: where it "
+    "has\n"
+    "truth and a panel map, how many of the markers that should show; else how many, and whether they "
+    "agree.\n"
+    "\n"
+    "Examples:\n"
+    "  fathom compare-fiducials --map maps/dexrov/panel.yaml --vehicle config/rov.yaml --out out/fiducials\n"
+    "  fathom compare-fiducials --map maps/dexrov/panel.yaml --vehicle config/rov.yaml\n"
+    "      --family tag36h11,DICT_4X4_50 --preprocess none,clahe --repeats 1 --out out/fiducials\n"
+    "  fathom compare-fiducials --map maps/dexrov/panel.yaml --vehicle config/rov.yaml\n"
+    "      --calibration out/dive/calibration.yaml --out out/fiducials\n"
+    "  fathom compare-fiducials --recording out/survey/survey.rawlog --out out/readers";
+
 }  // namespace
 
 void addCompareFiducials(const RunContext& context) {
   auto* command = context.root->add_subcommand(
       "compare-fiducials", "Which markers, read by which library, are found under water, and how well");
-  command->footer(
-      "Prints the panel with each family's markers at the same size in the same places, makes images of it "
-      "from\n"
-      "the same views through several waters and blurs by the simulator's forward model, and has each "
-      "library\n"
-      "read them. Writes results.csv (detection rate, false detections, corner and pose errors, one line a\n"
-      "condition), times.csv (measured), result.json, report.html and contact_sheet.png. The same seed gives "
-      "the\n"
-      "same results. Interrupted and started again, the same command goes on with what it has.\n"
-      "\n" +
-      std::string(kEffectsInViews) +
-      "Markers count as found where they truly show; with --recording, where the nominal camera has them.\n"
-      "\n"
-      "With --recording the libraries read a recording's images instead, after each preprocessing: where it "
-      "has\n"
-      "truth and a panel map, how many of the markers that should show; else how many, and whether they "
-      "agree.\n"
-      "\n"
-      "Examples:\n"
-      "  fathom compare-fiducials --map maps/dexrov/panel.yaml --vehicle config/rov.yaml --out "
-      "out/fiducials\n"
-      "  fathom compare-fiducials --map maps/dexrov/panel.yaml --vehicle config/rov.yaml\n"
-      "      --family tag36h11,DICT_4X4_50 --preprocess none,clahe --repeats 1 --out out/fiducials\n"
-      "  fathom compare-fiducials --map maps/dexrov/panel.yaml --vehicle config/rov.yaml\n"
-      "      --calibration out/dive/calibration.yaml --out out/fiducials\n"
-      "  fathom compare-fiducials --recording out/survey/survey.rawlog --out out/readers");
+  command->footer(kCompareHelp + std::string(kEffectsInViews) + kCompareMoreHelp);
   const auto options = std::make_shared<CompareOptions>();
   auto* recording = command->add_option("--recording", options->recording, "Read this recording's images")
                         ->type_name(values::kRawlog);

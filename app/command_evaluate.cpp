@@ -112,27 +112,30 @@ void evaluatePanelPoses(const PanelOptions& options, const RunContext& context) 
   std::cout << "\nreport: " << (fs::path(options.folder) / "report.html").string() << "\n";
 }
 
+constexpr const char* kPanelHelp =
+    "Draws views of the panel, makes their images by the simulator's forward model, finds the markers and "
+    "solves\n"
+    "for the panel's pose twice, from the same corners: as the paper does (mean of the poses of single "
+    "markers)\n"
+    "and jointly over all corners. Prints and writes errors, their ratio, flipped poses, and whether the "
+    "stated\n"
+    "covariance is honest (NEES, 6 expected). All waters have the same views; the same seed gives the same "
+    "bytes.\n"
+    "\n";
+
+constexpr const char* kPanelExamples =
+    "\n"
+    "Examples:\n"
+    "  fathom evaluate panel --map maps/dexrov/panel.yaml --vehicle config/rov.yaml --out out/panel\n"
+    "  fathom evaluate panel --map maps/dexrov/panel.yaml --vehicle config/rov.yaml --views 200\n"
+    "      --water config/water_moderate.yaml --nearest 2 --farthest 2\n"
+    "  fathom evaluate panel --map maps/dexrov/panel.yaml --vehicle config/rov.yaml\n"
+    "      --calibration out/dive/calibration.yaml --water out/water/dive_water.yaml";
+
 void addPanel(CLI::App& parent, const RunContext& context) {
   auto* command =
       parent.add_subcommand("panel", "How far the panel's pose is from truth, in several waters (task T_P)");
-  command->footer(
-      "Draws views of the panel, makes their images by the simulator's forward model, finds the markers and "
-      "solves\n"
-      "for the panel's pose twice, from the same corners: as the paper does (mean of the poses of single "
-      "markers)\n"
-      "and jointly over all corners. Prints and writes errors, their ratio, flipped poses, and whether the "
-      "stated\n"
-      "covariance is honest (NEES, 6 expected). All waters have the same views; the same seed gives the same "
-      "bytes.\n"
-      "\n" +
-      std::string(kEffectsInViews) +
-      "\n"
-      "Examples:\n"
-      "  fathom evaluate panel --map maps/dexrov/panel.yaml --vehicle config/rov.yaml --out out/panel\n"
-      "  fathom evaluate panel --map maps/dexrov/panel.yaml --vehicle config/rov.yaml --views 200\n"
-      "      --water config/water_moderate.yaml --nearest 2 --farthest 2\n"
-      "  fathom evaluate panel --map maps/dexrov/panel.yaml --vehicle config/rov.yaml\n"
-      "      --calibration out/dive/calibration.yaml --water out/water/dive_water.yaml");
+  command->footer(kPanelHelp + std::string(kEffectsInViews) + kPanelExamples);
   const auto options = std::make_shared<PanelOptions>();
   PanelEvaluationOptions& evaluation = options->evaluation;
   ViewRanges& ranges = evaluation.ranges;

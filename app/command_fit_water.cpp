@@ -79,39 +79,38 @@ void fitWaterTo(const FitWaterOptions& options, const RunContext& context) {
   printStory(story, writeOutputs(story, options.folder), options.folder);
 }
 
+constexpr const char* kFitWaterHelp =
+    "Where an image was taken follows from its markers; the panel is rendered from there without water, and\n"
+    "what it loses and gains on its way to the camera is fitted, for red, green and blue: attenuation a, "
+    "veil b\n"
+    "and ambient light E in   radiance = gain (albedo E exp(-a z) + (1 - exp(-a z)) b).   Baseline: the "
+    "paper's\n"
+    "search for the a and b of largest FSIM, from the default water. Images that neither has seen decide "
+    "which\n"
+    "water is recommended. Writes NAME_water.yaml, which simulate --water takes, result.json, report.html\n"
+    "and waters.png. The same seed gives the same bytes.\n"
+    "\n"
+    "With --calibration (a file as `fathom diagnose` writes it), images are posed, rendered and fitted with "
+    "the\n"
+    "effects in it, which are active when they say: lamps, another response, a veil of its own, a lens that "
+    "is\n"
+    "not as stated. What is drawn for each image is not known: gains make up for it. The panel's pose "
+    "errors\n"
+    "(task T_P) are those expected with the effects, of estimators that know nothing of them.\n"
+    "\n"
+    "Examples:\n"
+    "  fathom fit-water rawlogs/trial/trial.rawlog --out out/water\n"
+    "  fathom fit-water dive.rawlog --water config/water_moderate.yaml --exposure-gain on --out out/water\n"
+    "  fathom fit-water dive.rawlog --calibration out/dive/calibration.yaml --out out/water\n"
+    "  fathom simulate --trajectory dive_truth.tum --vehicle rov.yaml --map panel.yaml\n"
+    "      --water out/water/dive_water.yaml --out out/again";
+
 }  // namespace
 
 void addFitWater(const RunContext& context) {
   auto* command = context.root->add_subcommand(
       "fit-water", "The water and light of a recording, from its images of the panel (task T_E)");
-  command->footer(
-      "Where an image was taken follows from its markers; the panel is rendered from there without water, "
-      "and\n"
-      "what it loses and gains on its way to the camera is fitted, for red, green and blue: attenuation a, "
-      "veil b\n"
-      "and ambient light E in   radiance = gain (albedo E exp(-a z) + (1 - exp(-a z)) b).   Baseline: the "
-      "paper's\n"
-      "search for the a and b of largest FSIM, from the default water. Images that neither has seen decide "
-      "which\n"
-      "water is recommended. Writes NAME_water.yaml, which simulate --water takes, result.json, report.html\n"
-      "and waters.png. The same seed gives the same bytes.\n"
-      "\n"
-      "With --calibration (a file as `fathom diagnose` writes it), images are posed, rendered and fitted "
-      "with "
-      "the\n"
-      "effects in it, which are active when they say: lamps, another response, a veil of its own, a lens "
-      "that "
-      "is\n"
-      "not as stated. What is drawn for each image is not known: gains make up for it. The panel's pose "
-      "errors\n"
-      "(task T_P) are those expected with the effects, of estimators that know nothing of them.\n"
-      "\n"
-      "Examples:\n"
-      "  fathom fit-water rawlogs/trial/trial.rawlog --out out/water\n"
-      "  fathom fit-water dive.rawlog --water config/water_moderate.yaml --exposure-gain on --out out/water\n"
-      "  fathom fit-water dive.rawlog --calibration out/dive/calibration.yaml --out out/water\n"
-      "  fathom simulate --trajectory dive_truth.tum --vehicle rov.yaml --map panel.yaml\n"
-      "      --water out/water/dive_water.yaml --out out/again");
+  command->footer(kFitWaterHelp);
   const auto options = std::make_shared<FitWaterOptions>();
   WaterStudyOptions& study = options->study;
   command->add_option("recording", options->recording, "Its images must show a panel")

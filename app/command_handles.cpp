@@ -115,6 +115,28 @@ void writeResultsLog(const HandlesStory& story, const RecordingHeader& header, c
   rawlog.finish();
 }
 
+SilWorld readWorld(const HandlesStory& story, const HandlesOptions& options) {
+  SilWorld world{readVehicle(story.vehicle),
+                 readPanelMaps(story.map),
+                 readEnvironment(options.water),
+                 {},
+                 seaFloorOf(options.recording)};
+  if (!world.vehicle.camera) throw Error(story.vehicle, "camera", "the vehicle has none");
+  if (std::all_of(world.panels.begin(), world.panels.end(),
+                  [](const PanelMap& map) { return map.handles.empty(); }))
+    throw Error(story.map, "handles", "there are none");
+  return world;
+}
+
+/// The same panels, with their true angles.
+std::vector<PanelMap> readTruth(const std::string& file, const std::vector<PanelMap>& panels) {
+  std::vector<PanelMap> truth = readPanelMaps(file);
+  if (truth.size() != panels.size()) throw Error(file, "", "has other panels");
+  for (std::size_t i = 0; i < panels.size(); ++i)
+    if (truth[i].handles.size() != panels[i].handles.size()) throw Error(file, "handles", "has others");
+  return truth;
+}
+
 void readHandles(const HandlesOptions& options, const RunContext& context) {
   HandlesStory story;
   story.run = {.command_line = context.command_line, .seed = options.seed};
@@ -125,22 +147,8 @@ void readHandles(const HandlesOptions& options, const RunContext& context) {
   RecordingHeader header = RawlogReader(options.recording).header();
   story.vehicle = neededVehicleFile(options.vehicle, options.recording, header);
   story.map = neededPanelMapFile(options.map, options.recording, header);
-  SilWorld world{readVehicle(story.vehicle),
-                 readPanelMaps(story.map),
-                 readEnvironment(options.water),
-                 {},
-                 seaFloorOf(options.recording)};
-  if (!world.vehicle.camera) throw Error(story.vehicle, "camera", "the vehicle has none");
-  if (std::all_of(world.panels.begin(), world.panels.end(),
-                  [](const PanelMap& map) { return map.handles.empty(); }))
-    throw Error(story.map, "handles", "there are none");
-  if (!options.truth.empty()) {
-    story.true_panels = readPanelMaps(options.truth);
-    if (story.true_panels.size() != world.panels.size()) throw Error(options.truth, "", "has other panels");
-    for (std::size_t i = 0; i < world.panels.size(); ++i)
-      if (story.true_panels[i].handles.size() != world.panels[i].handles.size())
-        throw Error(options.truth, "handles", "has others");
-  }
+  SilWorld world = readWorld(story, options);
+  if (!options.truth.empty()) story.true_panels = readTruth(options.truth, world.panels);
   DetectionSettings detection;
   detection.families = familiesOf(world.panels);
   if (detection.families.empty()) throw Error(story.map, "markers", "there are none");

@@ -135,44 +135,43 @@ void localize(const LocalizeOptions& options, const RunContext& context) {
     localizeMany(jobs, options, context);
 }
 
+constexpr const char* kLocalizeHelp =
+    "Runs the error-state Kalman filter over a recording: INS and DVL only, unless --config or --tasks say\n"
+    "otherwise. Writes report.html, result.json, trajectory.tum, NAME_results.rawlog (opens in\n"
+    "RawLogViewer) and innovations.csv.gz (every NIS, fused or gated).\n"
+    "\n"
+    "--tasks runs several tasks side by side and compares them. A name stands for config/NAME.yaml:\n"
+    "  TL1  landmarks only            TL4  TL3, with the markers' measured covariance\n"
+    "  TL2  INS and DVL only          TL5  TL4, rejecting marker poses beyond 1 m or 12 deg\n"
+    "  TL3  TL2 and markers\n"
+    "These are the paper's; beside each runs what --improved makes of it: one pose from all corners of all\n"
+    "markers with its covariance, a Mahalanobis gate, biases, the smoother. Errors are mean ± sigma over\n"
+    "the marker sightings, against the markers' pose M and, where there is one, the reference S. m_A is\n"
+    "the lag-one autocorrelation of the path's increments from image to image, Pearson's r, the mean over\n"
+    "three axes of position and three of rotation: near 1 where the path is smooth, low where it jerks.\n"
+    "Markers are detected once; detections are kept beside the recording, by content and settings.\n"
+    "\n"
+    "Several recordings go to a folder each, with a summary over all. What was done before with the same\n"
+    "inputs is not done again; a broken recording is reported, the rest goes on, the exit status is 2.\n"
+    "\n"
+    "Where the path starts: `auto` aligns from the first seconds (gravity, INS attitude, USBL, pressure; "
+    "what no\n"
+    "sensor tells is zero and defines odom), `reference` takes the reference's first pose, or give numbers.\n"
+    "A reference (--reference, or TRUTH in a simulated recording) is used to judge, never to estimate.\n"
+    "\n"
+    "Examples:\n"
+    "  fathom localize rawlogs/dive/dive.rawlog --start reference --out out/dive\n"
+    "  fathom localize rawlogs/trial/trial.rawlog --tasks TL1,TL2,TL3,TL4,TL5 --out out/trial\n"
+    "  fathom localize dives/*.rawlog --tasks TL2,TL5 --out out/dives\n"
+    "  fathom localize trial.rawlog --tasks TL5 --faults config/degrade_dvl_outage.yaml --out out/outage\n"
+    "  fathom localize section1.rawlog --reference section1_reference.tum --start reference --out "
+    "out/section1";
+
 }  // namespace
 
 void addLocalize(const RunContext& context) {
   auto* command = context.root->add_subcommand("localize", "Estimate the robot's path from recordings");
-  command->footer(
-      "Runs the error-state Kalman filter over a recording: INS and DVL only, unless --config or --tasks "
-      "say\n"
-      "otherwise. Writes report.html, result.json, trajectory.tum, NAME_results.rawlog (opens in\n"
-      "RawLogViewer) and innovations.csv.gz (every NIS, fused or gated).\n"
-      "\n"
-      "--tasks runs several tasks side by side and compares them. A name stands for config/NAME.yaml:\n"
-      "  TL1  landmarks only            TL4  TL3, with the markers' measured covariance\n"
-      "  TL2  INS and DVL only          TL5  TL4, rejecting marker poses beyond 1 m or 12 deg\n"
-      "  TL3  TL2 and markers\n"
-      "These are the paper's; beside each runs what --improved makes of it: one pose from all corners of "
-      "all\n"
-      "markers with its covariance, a Mahalanobis gate, biases, the smoother. Errors are mean ± sigma over\n"
-      "the marker sightings, against the markers' pose M and, where there is one, the reference S. m_A is\n"
-      "the lag-one autocorrelation of the path's increments from image to image, Pearson's r, the mean over\n"
-      "three axes of position and three of rotation: near 1 where the path is smooth, low where it jerks.\n"
-      "Markers are detected once; detections are kept beside the recording, by content and settings.\n"
-      "\n"
-      "Several recordings go to a folder each, with a summary over all. What was done before with the same\n"
-      "inputs is not done again; a broken recording is reported, the rest goes on, the exit status is 2.\n"
-      "\n"
-      "Where the path starts: `auto` aligns from the first seconds (gravity, INS attitude, USBL, pressure; "
-      "what no\n"
-      "sensor tells is zero and defines odom), `reference` takes the reference's first pose, or give "
-      "numbers.\n"
-      "A reference (--reference, or TRUTH in a simulated recording) is used to judge, never to estimate.\n"
-      "\n"
-      "Examples:\n"
-      "  fathom localize rawlogs/dive/dive.rawlog --start reference --out out/dive\n"
-      "  fathom localize rawlogs/trial/trial.rawlog --tasks TL1,TL2,TL3,TL4,TL5 --out out/trial\n"
-      "  fathom localize dives/*.rawlog --tasks TL2,TL5 --out out/dives\n"
-      "  fathom localize trial.rawlog --tasks TL5 --faults config/degrade_dvl_outage.yaml --out out/outage\n"
-      "  fathom localize section1.rawlog --reference section1_reference.tum --start reference --out "
-      "out/section1");
+  command->footer(kLocalizeHelp);
   const auto options = std::make_shared<LocalizeOptions>();
   RecordingJob& job = options->job;
   command->add_option("RECORDING", options->recordings, "The recordings")

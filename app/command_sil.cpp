@@ -96,6 +96,28 @@ void sil(const SilCommandOptions& options, const RunContext& context) {
             << "\nimages: " << (folder / "contact_sheet.png").string() << "\n";
 }
 
+constexpr const char* kSilHelp =
+    "Simulation in the loop: for every image, markers -> panel's pose -> robot's pose -> render from there\n"
+    "through the given water -> pair of recorded and simulated image -> measures.\n"
+    "\n"
+    "Writes NAME_pairs.rawlog (CAMERA: recorded, SIMULATED: simulated, MARKERS: the robot's pose), with\n"
+    "NAME_pairs_Images (recorded images copied, simulated ones, and masks of the panel), NAME_pairs_panel "
+    "and\n"
+    "NAME_pairs_vehicle.yaml; measures.csv, unpaired.csv, contact_sheet.png, NAME_pairs.avi, result.json,\n"
+    "report.html; with --frames, NAME_frames. Interrupted and started again, the same command goes on; what\n"
+    "an earlier run of the same inputs has made is taken over.\n"
+    "\n"
+    "A recording made by `fathom simulate` says where its sea floor is (NAME_simulation.json); else, and\n"
+    "without --sea-floor-z, only the panels are rendered, and only they are compared.\n"
+    "\n"
+    "Measures:\n";
+
+constexpr const char* kSilExamples =
+    "\n"
+    "Examples:\n"
+    "  fathom sil rawlogs/trial/trial.rawlog --water config/water_turbid.yaml --out out/sil\n"
+    "  fathom sil rawlogs/trial/trial.rawlog --measure fsim,fsimc --every 10 --frames --out out/sil";
+
 }  // namespace
 
 void addSil(const RunContext& context) {
@@ -104,28 +126,7 @@ void addSil(const RunContext& context) {
   std::string measures;
   for (const RegisteredMeasure& measure : kMeasures)
     measures += "  " + std::string(measure.id) + ": " + std::string(measure.about) + "\n";
-  command->footer(
-      "Simulation in the loop: for every image, markers -> panel's pose -> robot's pose -> render from "
-      "there\n"
-      "through the given water -> pair of recorded and simulated image -> measures.\n"
-      "\n"
-      "Writes NAME_pairs.rawlog (CAMERA: recorded, SIMULATED: simulated, MARKERS: the robot's pose), with\n"
-      "NAME_pairs_Images (recorded images copied, simulated ones, and masks of the panel), NAME_pairs_panel "
-      "and\n"
-      "NAME_pairs_vehicle.yaml; measures.csv, unpaired.csv, contact_sheet.png, NAME_pairs.avi, result.json,\n"
-      "report.html; with --frames, NAME_frames. Interrupted and started again, the same command goes on; "
-      "what\n"
-      "an earlier run of the same inputs has made is taken over.\n"
-      "\n"
-      "A recording made by `fathom simulate` says where its sea floor is (NAME_simulation.json); else, and\n"
-      "without --sea-floor-z, only the panels are rendered, and only they are compared.\n"
-      "\n"
-      "Measures:\n" +
-      measures +
-      "\n"
-      "Examples:\n"
-      "  fathom sil rawlogs/trial/trial.rawlog --water config/water_turbid.yaml --out out/sil\n"
-      "  fathom sil rawlogs/trial/trial.rawlog --measure fsim,fsimc --every 10 --frames --out out/sil");
+  command->footer(kSilHelp + measures + kSilExamples);
   const auto options = std::make_shared<SilCommandOptions>();
   SilOptions& sil_options = options->sil;
   command->add_option("RECORDING", options->recording, "The recording, with images")

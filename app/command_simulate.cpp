@@ -92,28 +92,29 @@ void simulate(SimulateOptions options, const RunContext& context) {
     std::cout << "no images: " << lacking << "\n";
 }
 
+constexpr const char* kSimulateHelp =
+    "Runs the sensors' forward model along the path and adds the vehicle file's noise. Effects that the\n"
+    "nominal model leaves out (a wrong sound speed, a misaligned DVL, ...) are switched on by a calibration\n"
+    "file. Writes NAME.rawlog, NAME_vehicle.yaml, NAME_truth.tum and NAME_simulation.json. The same seed\n"
+    "gives the same bytes.\n"
+    "\n"
+    "With --map and --water the vehicle's camera sees the panel on the sea floor through that water: "
+    "NAME_Images\n"
+    "and NAME_panel too. Interrupted and started again, the same command keeps the images it has made.\n"
+    "\n"
+    "Examples:\n"
+    "  fathom simulate --trajectory config/dive_trajectory.yaml --vehicle config/rov.yaml --out out/sim\n"
+    "  fathom simulate --trajectory config/trajectory_survey.yaml --vehicle config/rov.yaml\n"
+    "      --map maps/dexrov/panel.yaml --water config/water_turbid.yaml --out out/survey\n"
+    "  fathom simulate --trajectory truth.tum --vehicle rov.yaml --calibration cal.yaml --seed 7 --out "
+    "out/sim";
+
 }  // namespace
 
 void addSimulate(const RunContext& context) {
   auto* command = context.root->add_subcommand(
       "simulate", "Make the recording that a vehicle on a given path would bring home");
-  command->footer(
-      "Runs the sensors' forward model along the path and adds the vehicle file's noise. Effects that the\n"
-      "nominal model leaves out (a wrong sound speed, a misaligned DVL, ...) are switched on by a "
-      "calibration\n"
-      "file. Writes NAME.rawlog, NAME_vehicle.yaml, NAME_truth.tum and NAME_simulation.json. The same seed\n"
-      "gives the same bytes.\n"
-      "\n"
-      "With --map and --water the vehicle's camera sees the panel on the sea floor through that water: "
-      "NAME_Images\n"
-      "and NAME_panel too. Interrupted and started again, the same command keeps the images it has made.\n"
-      "\n"
-      "Examples:\n"
-      "  fathom simulate --trajectory config/dive_trajectory.yaml --vehicle config/rov.yaml --out out/sim\n"
-      "  fathom simulate --trajectory config/trajectory_survey.yaml --vehicle config/rov.yaml\n"
-      "      --map maps/dexrov/panel.yaml --water config/water_turbid.yaml --out out/survey\n"
-      "  fathom simulate --trajectory truth.tum --vehicle rov.yaml --calibration cal.yaml --seed 7 --out "
-      "out/sim");
+  command->footer(kSimulateHelp);
   const auto options = std::make_shared<SimulateOptions>();
   SimulationOptions& simulation = options->simulation;
   command
