@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <mutex>
 #include <thread>
 
@@ -103,7 +104,7 @@ void inThreads(std::size_t threads, std::size_t jobs, const Run& run) {
 
 fs::path folderOf(const BatchJob& job, const fs::path& folder) { return folder / "jobs" / job.name; }
 
-JobOutcome outcomeOf(const BatchJob& job, const fs::path& folder) {
+JobOutcome outcomeOf(const BatchJob& job, const fs::path& folder) try {
   JobOutcome outcome;
   const fs::path record = folderOf(job, folder) / kRecord, result = folderOf(job, folder) / "result.json";
   if (!fs::exists(record)) return outcome;
@@ -117,6 +118,8 @@ JobOutcome outcomeOf(const BatchJob& job, const fs::path& folder) {
   if (outcome.state == JobOutcome::State::done && fs::exists(result))
     outcome.result = nlohmann::ordered_json::parse(readTextFile(result), nullptr, false);
   return outcome;
+} catch (const nlohmann::json::exception&) {  // a record of something else
+  return {};
 }
 
 void runJobs(const BatchPlan& plan, const BatchRunOptions& options) {
@@ -127,22 +130,23 @@ void runJobs(const BatchPlan& plan, const BatchRunOptions& options) {
   const std::size_t at_once = std::min(mine.size(), options.at_once > 0 ? options.at_once : cores);
   SharedProgress progress("jobs", mine.size());
   std::mutex failing;
-  std::optional<Error> no_room;  // a folder that cannot be written, a full disk
+  std::exception_ptr failure;  // a folder that cannot be written, a full disk: no job's own
   inThreads(at_once, mine.size(), [&](std::size_t i) {
     try {
       runJob(*mine[i], options);
       progress.oneDone();
-    } catch (const Error& error) {
-      const std::scoped_lock lock(failing);
-      no_room = error;
-    } catch (const fs::filesystem_error& error) {
-      const std::scoped_lock lock(failing);
-      no_room = Error(error.path1().string(), "", error.code().message());
     } catch (const Interrupted&) {  // seen again below
+    } catch (...) {
+      const std::scoped_lock lock(failing);
+      failure = std::current_exception();
     }
   });
   if (interrupted()) throw Interrupted{};
-  if (no_room) throw *no_room;
+  try {
+    if (failure) std::rethrow_exception(failure);
+  } catch (const fs::filesystem_error& error) {
+    throw Error(error.path1().string(), "", error.code().message());
+  }
 }
 
 }  // namespace fathom

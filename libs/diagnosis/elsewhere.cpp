@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "diagnosis/refit.h"
+#include "diagnosis/residual_metrics.h"
 #include "diagnosis/rows_alone.h"
 #include "effects/drawn.h"
 

@@ -1,0 +1,27 @@
+#include "batch/batch_run.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "core/files.h"
+
+namespace fathom {
+namespace {
+
+// Half of a file, another program's, or what somebody wrote by hand: the job runs again.
+TEST(BatchRun, ARecordOfSomethingElseIsNone) {
+  const auto folder = std::filesystem::temp_directory_path() / "fathom_batch_run_test";
+  const BatchJob job{
+      .name = "dive.TL2", .recording = {}, .run = "TL2", .seed = {}, .words = {"info", "dive.rawlog"}};
+  const auto record = folderOf(job, folder) / "job.json";
+  std::filesystem::create_directories(record.parent_path());
+  for (const char* text :
+       {"", "{", "[]", "\"done\"", "{}", R"({"inputs": 5})", R"({"inputs": "", "status": "done"})"}) {
+    writeTextFile(record, text);
+    EXPECT_EQ(outcomeOf(job, folder).state, JobOutcome::State::open) << text;
+  }
+}
+
+}  // namespace
+}  // namespace fathom
