@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "core/error.h"
 #include "core/files.h"
+#include "core/text.h"
 #include "handles/evidence_picture.h"
 #include "handles_report.h"
 #include "panel/panel_maps.h"

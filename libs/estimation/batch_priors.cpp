@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "effects/drawn.h"
+#include "effects/catalogue.h"
 
 namespace fathom {
 namespace {

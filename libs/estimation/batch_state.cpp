@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/catalogue.h"
+
 namespace fathom {
 
 std::vector<std::size_t> continuousScalars(std::size_t effect) {

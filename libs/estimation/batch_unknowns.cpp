@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 
+#include "effects/catalogue.h"
 #include "effects/drawn.h"
 
 namespace fathom {
