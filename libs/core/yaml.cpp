@@ -30,6 +30,10 @@ std::string join(const std::string& path, const std::string& key) {
 
 std::string indexed(const std::string& key, std::size_t i) { return key + "[" + std::to_string(i) + "]"; }
 
+constexpr std::size_t kLargestYaml_bytes = std::size_t{16}
+                                           << 20;  // lists of ten thousand recordings are 1 MB
+constexpr int kMaxNodes = 1'000'000;
+
 /// Looks at every node once for duplicate keys. Bounds depth and number of nodes: with aliases a few lines
 /// can contain themselves or stand for billions.
 class StructureCheck {
@@ -59,35 +63,50 @@ class StructureCheck {
   }
 
   static constexpr int kMaxDepth = 16;
-  static constexpr int kMaxNodes = 1'000'000;
   const std::string& file_;
   int nodes_ = 0;
 };
 
-/// Does nothing with what a parser finds.
-struct IgnoreAll final : YAML::EventHandler {
+/// Counts what a parser finds: a node takes hundreds of times the bytes that it has in the file.
+class NodeCount final : public YAML::EventHandler {
+ public:
   using Mark = YAML::Mark;
+  explicit NodeCount(const std::string& file) : file_(file) {}
   void OnDocumentStart(const Mark& /*mark*/) override {}
   void OnDocumentEnd() override {}
-  void OnNull(const Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
-  void OnAlias(const Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
-  void OnScalar(const Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                const std::string& /*value*/) override {}
-  void OnSequenceStart(const Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                       YAML::EmitterStyle::value /*style*/) override {}
+  void OnNull(const Mark& mark, YAML::anchor_t /*anchor*/) override { count(mark); }
+  void OnAlias(const Mark& mark, YAML::anchor_t /*anchor*/) override { count(mark); }
+  void OnScalar(const Mark& mark, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                const std::string& /*value*/) override {
+    count(mark);
+  }
+  void OnSequenceStart(const Mark& mark, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                       YAML::EmitterStyle::value /*style*/) override {
+    count(mark);
+  }
   void OnSequenceEnd() override {}
-  void OnMapStart(const Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
-                  YAML::EmitterStyle::value /*style*/) override {}
+  void OnMapStart(const Mark& mark, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                  YAML::EmitterStyle::value /*style*/) override {
+    count(mark);
+  }
   void OnMapEnd() override {}
+
+ private:
+  void count(const Mark& mark) {
+    if (++nodes_ > kMaxNodes) throw Error(file_, "line " + std::to_string(mark.line + 1), "too large");
+  }
+
+  const std::string& file_;
+  int nodes_ = 0;
 };
 
 /// Not by YAML::LoadAll(): of a text that begins with a comma, yaml-cpp 0.7 makes empty documents without
 /// end.
-bool hasMoreThanOneDocument(const std::string& text) {
+bool hasMoreThanOneDocument(const std::string& text, const std::string& file) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);
-  IgnoreAll nothing;
-  return parser.HandleNextDocument(nothing) && parser.HandleNextDocument(nothing);
+  NodeCount nodes(file);
+  return parser.HandleNextDocument(nodes) && parser.HandleNextDocument(nodes);
 }
 
 std::size_t editDistance(const std::string& a, const std::string& b) {
@@ -280,9 +299,11 @@ YamlFile::YamlFile(const std::filesystem::path& file) : YamlFile(readTextFile(fi
 YamlFile YamlFile::parse(const std::string& text, const std::string& name) { return {text, name}; }
 
 YamlFile::YamlFile(const std::string& text, const std::string& name) {
+  if (text.size() > kLargestYaml_bytes)
+    throw Error(name, "", "is larger than 16 MB: no YAML file of this program is");
   YAML::Node node;
   try {
-    if (hasMoreThanOneDocument(text)) throw Error(name, "", "not YAML, or more than one document");
+    if (hasMoreThanOneDocument(text, name)) throw Error(name, "", "not YAML, or more than one document");
     node = YAML::Load(text);
   } catch (const YAML::Exception& e) {
     throw Error(name, "line " + std::to_string(e.mark.line + 1), "not YAML: " + e.msg);

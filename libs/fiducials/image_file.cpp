@@ -19,6 +19,8 @@ using namespace std::string_view_literals;
 constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n"sv;
 constexpr std::string_view kJpegStart = "\xff\xd8\xff"sv, kJpegEnd = "\xff\xd9"sv;
 constexpr std::string_view kBmpSignature = "BM"sv;
+constexpr std::uint64_t kMostPixels = 100'000'000;  // cameras have a quarter of that
+constexpr std::uint64_t kLongestSide_px = 65'535;   // JPEG's own limit
 
 std::uint32_t bigEndian(std::string_view bytes) {
   std::uint32_t value = 0;
@@ -52,8 +54,44 @@ class Checker {
     throw Error(file_, "byte " + std::to_string(at), why);
   }
 
+  /// Before anything is made room for.
+  void checkSize(std::size_t at, std::uint64_t width, std::uint64_t height) const {
+    if (width == 0 || height == 0) fail(at, "damaged: an image without a pixel");
+    if (std::max(width, height) > kLongestSide_px || width * height > kMostPixels)
+      fail(at, print("an image of %llu x %llu pixels: no more than 100 million are read",
+                     static_cast<unsigned long long>(width), static_cast<unsigned long long>(height)));
+  }
+
   void checkPng() const {
-    std::size_t at = kPngSignature.size();
+    const std::size_t first = kPngSignature.size();
+    const std::uint64_t raw_bytes = checkPngHeader(first + 8);
+    const std::uint64_t deflated_bytes = checkPngParts(first);
+    constexpr std::uint64_t kMostInflation = 1032;  // deflate's limit
+    if (raw_bytes > kMostInflation * deflated_bytes) fail(first + 8, "damaged: too few data for its size");
+  }
+
+  /// What libpng would refuse with lines of its own. The bytes that pixels and filters take.
+  std::uint64_t checkPngHeader(std::size_t at) const {
+    if (bytes_.size() < at + 13) fail(bytes_.size(), "the PNG image is cut off");
+    if (bytes_.substr(at - 4, 4) != "IHDR") fail(at - 4, "damaged: a PNG image begins with its header");
+    const std::uint64_t width = bigEndian(bytes_.substr(at, 4)), height = bigEndian(bytes_.substr(at + 4, 4));
+    checkSize(at, width, height);
+    const std::string_view depths[] = {"\1\2\4\x8\x10"sv, "", "\x8\x10"sv, "\1\2\4\x8"sv,
+                                       "\x8\x10"sv,       "", "\x8\x10"sv};
+    const std::uint64_t channels[] = {1, 0, 3, 1, 2, 0, 4};
+    const auto colour = static_cast<std::uint8_t>(bytes_[at + 9]);
+    const bool known =
+        colour < std::size(depths) && depths[colour].find(bytes_[at + 8]) != std::string_view::npos;
+    if (!known || bytes_[at + 10] != 0 || bytes_[at + 11] != 0 ||
+        static_cast<std::uint8_t>(bytes_[at + 12]) > 1)
+      fail(at + 8, "damaged: no such kind of PNG image");
+    const auto depth = static_cast<std::uint64_t>(bytes_[at + 8]);
+    return height * ((width * depth * channels[colour] + 7) / 8 + 1);
+  }
+
+  /// The bytes of pixels, deflated.
+  std::uint64_t checkPngParts(std::size_t at) const {
+    std::uint64_t deflated_bytes = 0;
     while (true) {  // length, type, data, checksum over type and data
       if (bytes_.size() - at < 12) fail(bytes_.size(), "the PNG image is cut off");
       const std::size_t length = bigEndian(bytes_.substr(at, 4));
@@ -63,7 +101,8 @@ class Checker {
           crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()));
       if (checksum != bigEndian(bytes_.substr(at + 8 + length, 4)))
         fail(at, "damaged: the checksum of this part of the PNG image is wrong");
-      if (body.starts_with("IEND")) return;
+      if (body.starts_with("IDAT")) deflated_bytes += length;
+      if (body.starts_with("IEND")) return deflated_bytes;
       at += length + 12;
     }
   }
@@ -74,13 +113,21 @@ class Checker {
     while (true) {
       if (bytes_.size() - at < 4) fail(bytes_.size(), "the JPEG image is cut off");
       if (bytes_[at] != '\xff') fail(at, "damaged: no JPEG segment here");
-      const bool scan = bytes_[at + 1] == '\xda';
+      const auto kind = static_cast<std::uint8_t>(bytes_[at + 1]);
+      const bool scan = kind == 0xda;
       const std::size_t length = bigEndian(bytes_.substr(at + 2, 2));
       if (length < 2 || length > bytes_.size() - at - 2) fail(bytes_.size(), "the JPEG image is cut off");
+      if (isFrame(kind) && length >= 7)
+        checkSize(at, bigEndian(bytes_.substr(at + 7, 2)), bigEndian(bytes_.substr(at + 5, 2)));
       at += length + 2;
       if (scan) break;
     }
     if (bytes_.find(kJpegEnd, at) == std::string_view::npos) fail(bytes_.size(), "the JPEG image is cut off");
+  }
+
+  /// ITU T.81, table B.1: start of frame; c4, c8 and cc are other things.
+  static bool isFrame(std::uint8_t kind) {
+    return kind >= 0xc0 && kind <= 0xcf && kind != 0xc4 && kind != 0xc8 && kind != 0xcc;
   }
 
   /// Pixels lie in rows of whole words from an offset on; a negative height means from the top.
@@ -97,6 +144,7 @@ class Checker {
     const std::int64_t row_bytes = (width * bits + 31) / 32 * 4;
     if (width <= 0 || height == 0 || bits == 0 || bits > 32)
       fail(18, "damaged: the BMP image's size or depth cannot be");
+    checkSize(18, static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(std::abs(height)));
     const auto rows_there = (static_cast<std::int64_t>(bytes_.size()) - offset) / row_bytes;
     if (std::abs(height) > rows_there) fail(bytes_.size(), "the BMP image is cut off");
   }

@@ -105,6 +105,9 @@ int cornerVertex(const Place& place, const std::string& word, int vertices) {
 }
 
 std::vector<int> corners(const Place& place, const std::vector<std::string>& words, int vertices) {
+  // What OpenMesh does with a face takes the square of its vertices.
+  constexpr std::size_t kMostCorners = 1000;
+  if (words.size() > kMostCorners + 1) throw place.error("a face of more than 1000 vertices");
   std::vector<int> indices;
   for (std::size_t i = 1; i < words.size(); ++i) {
     const int index = cornerVertex(place, words[i], vertices);

@@ -17,7 +17,9 @@ namespace fathom {
 namespace {
 
 constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
-constexpr std::uint32_t kLargestChunk = 1U << 30U;  // rosbag writes chunks of 768 kB, or of one large message
+// rosbag writes chunks of 768 kB, or of one large message. A compressed one can claim any length, and a
+// sparse file can have it.
+constexpr std::uint32_t kLargestRecord = 256U << 20U;
 
 enum Op : unsigned char {
   message = 2,
@@ -122,7 +124,7 @@ class BagChecker {
       if (data.size() != size) throw error("a chunk has another length than it says");
       return data;
     }
-    if (size > kLargestChunk) throw error("a chunk's length is absurd");
+    if (size > kLargestRecord) throw error("a chunk's length is absurd");
     std::string inside(size, '\0');
     unsigned int decompressed = size;
     bool good = false;
@@ -189,6 +191,7 @@ class BagChecker {
   }
   std::string read(std::uint64_t bytes) {
     if (bytes > size_ - position_) throw error("the file ends within a record: cut off or damaged");
+    if (bytes > kLargestRecord) throw error("a record's length is absurd");
     std::string data(bytes, '\0');
     in_.read(data.data(), static_cast<std::streamsize>(bytes));
     if (!in_) throw Error(name_, "", "cannot be read");

@@ -269,11 +269,28 @@ bool isObservation(const std::string& class_name) {
   return id != nullptr && id->derivedFrom(CLASS_ID(mrpt::obs::CObservation));
 }
 
+/// What the names of all of MRPT's observations begin with.
+constexpr std::string_view kObservationMark = "mrpt::obs::CObservation";
+
 bool beginsObservation(ByteStream& in, std::size_t offset) {
+  // Looked at first: an exception at every byte that could end an entry would take minutes.
+  const auto ahead = in.peek(offset, 1 + kObservationMark.size());
+  if (ahead.size() <= kObservationMark.size() ||
+      !std::equal(kObservationMark.begin(), kObservationMark.end(), ahead.begin() + 1))
+    return false;
   try {
     const Header header = Walker(in, offset).header();
     const Layout* layout = findLayout(kObservations, header.class_name);
     return layout ? header.version == layout->version : isObservation(header.class_name);
+  } catch (const Damage&) {
+    return false;
+  }
+}
+
+/// Whether the table has the observation that begins there.
+bool beginsKnown(ByteStream& in, std::size_t offset) {
+  try {
+    return findLayout(kObservations, Walker(in, offset).header().class_name) != nullptr;
   } catch (const Damage&) {
     return false;
   }
@@ -326,20 +343,24 @@ ObjectExtent measureObject(ByteStream& in, std::size_t offset) {
 }
 
 Time findLastTime(ByteStream& in) {
-  constexpr std::string_view kMark = "mrpt::obs::CObservation";
   constexpr std::size_t kWindow = 4096;
   Time last{};
   for (;;) {
     // One byte before the mark is the length of the class name.
     const auto ahead = in.peek(0, kWindow);
     const std::string_view text(reinterpret_cast<const char*>(ahead.data()), ahead.size());
-    const std::size_t found = text.find(kMark, 1);
+    const std::size_t found = text.find(kObservationMark, 1);
     if (found == std::string_view::npos) {
       if (ahead.size() < kWindow) return last;
-      in.skip(ahead.size() - kMark.size());
+      in.skip(ahead.size() - kObservationMark.size());
       continue;
     }
     in.skip(found - 1);
+    // Of another the end would have to be searched, for each of them up to the file's.
+    if (!beginsKnown(in, 0)) {
+      in.skip(2);
+      continue;
+    }
     const ObjectExtent extent = measureObject(in);
     const bool known = extent.kind == ObjectExtent::Kind::kKnown;
     if (known) last = std::max(last, extent.time);

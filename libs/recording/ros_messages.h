@@ -10,15 +10,19 @@
 #include <sensor_msgs/Range.h>
 
 #include <memory>
+#include <new>
 #include <type_traits>
 
 /// The ROS 1 messages that bags are read into (and, in tests, written from).
 namespace fathom::ros1 {
 
 /// std::allocator with `rebind`, which it lost in C++20 and which the messages and their serializers ask for.
-/// Texts stay std::string.
+/// Texts stay std::string. The serializers make room for as many bytes as a message claims before they look
+/// whether it has them: no more than an image can need.
 template <class T>
 struct Allocator : std::allocator<T> {
+  static constexpr std::size_t kMostBytes = std::size_t{256} << 20;
+
   template <class U>
   struct rebind {
     using other = std::conditional_t<std::is_same_v<U, char>, std::allocator<char>, Allocator<U>>;
@@ -26,6 +30,10 @@ struct Allocator : std::allocator<T> {
   Allocator() = default;
   template <class U>
   Allocator(const Allocator<U>&) {}
+  T* allocate(std::size_t count) {
+    if (count > kMostBytes / sizeof(T)) throw std::bad_alloc();
+    return std::allocator<T>::allocate(count);
+  }
 };
 
 using CompressedImage = sensor_msgs::CompressedImage_<Allocator<void>>;

@@ -62,7 +62,7 @@ TEST(ImageFile, BmpOfAnImpossibleSizeOrCompressedIsRefused) {
     return whyRefused(damaged);
   };
   EXPECT_NE(changed(18, 0).find("cannot be"), std::string::npos);     // width: was 60
-  EXPECT_NE(changed(21, '\x7f').find("cut off"), std::string::npos);  // two thousand million wide
+  EXPECT_NE(changed(21, '\x7f').find("million"), std::string::npos);  // two thousand million wide
   EXPECT_NE(changed(30, 1).find("compressed"), std::string::npos);
 }
 
