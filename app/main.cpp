@@ -2,11 +2,14 @@
 #include <algorithm>
 #include <exception>
 #include <iostream>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "commands.h"
 #include "core/error.h"
+#include "core/files.h"
 #include "core/progress.h"
 #include "core/text.h"
 
@@ -39,6 +42,26 @@ std::string commandLine(int argc, char** argv) {
   return text;
 }
 
+using Claims = std::map<std::string, std::unique_ptr<FolderClaim>>;
+
+/// Files that are named after what they come from lie side by side; `batch` divides its jobs by itself.
+bool sharesItsFolder(const CLI::App& command) {
+  const std::string& name = command.get_name();
+  return command.get_option_no_throw("--name") != nullptr || name == "show" || name == "batch";
+}
+
+/// Of every command whose results have names of their own, as soon as it is given.
+void claimFolders(CLI::App& app, Claims& claims) {
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
+    claimFolders(*command, claims);
+    CLI::Option* out = command->get_option_no_throw("--out");
+    if (out == nullptr || out->get_type_name() != values::kFolder || sharesItsFolder(*command)) continue;
+    out->each([&claims](const std::string& folder) {
+      if (!claims.contains(folder)) claims[folder] = std::make_unique<FolderClaim>(folder);
+    });
+  }
+}
+
 std::string oneLine(std::string text) {
   while (text.ends_with('\n')) text.pop_back();
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -64,6 +87,8 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   const RunContext context{&app, commandLine(argc, argv)};
   for (const auto add : kCommands) add(context);
+  Claims claims;
+  claimFolders(app, claims);
   if (argc > 1) rejectUnknownCommand(app, argv[1]);
   try {
     app.parse(argc, argv);

@@ -1,23 +1,61 @@
 #include "core/files.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 #include <fstream>
-#include <sstream>
 
 #include "core/error.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kLargestFile_bytes = std::size_t{256} << 20;
+
+/// Whether the path still leads to the file that was opened there.
+bool isStill(int descriptor, const fs::path& file) {
+  struct stat opened {
+  }, there{};
+  return fstat(descriptor, &opened) == 0 && stat(file.c_str(), &there) == 0 &&
+         opened.st_dev == there.st_dev && opened.st_ino == there.st_ino;
+}
+
+/// Opens and locks a part file, none that a link of its name leads to. The lock ends with the process,
+/// however that ends. A file system without locks (errno other than EWOULDBLOCK) gives none.
+int claim(const fs::path& part, const fs::path& target) {
+  while (true) {
+    const int descriptor = open(part.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (descriptor < 0)
+      throw Error(target.string(), "", std::string("cannot be written: ") + std::strerror(errno));
+    if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      close(descriptor);
+      throw Error(target.string(), "", "is being written by another run");
+    }
+    // Its owner may have renamed or removed it since it was opened here.
+    if (isStill(descriptor, part)) return descriptor;
+    close(descriptor);
+  }
+}
+
+}  // namespace
 
 PendingFile::PendingFile(fs::path target) : target_(std::move(target)), part_(target_) {
   part_ += ".part";
   std::error_code problem;
   if (target_.has_parent_path()) fs::create_directories(target_.parent_path(), problem);
   if (problem) throw Error(target_.string(), "", "cannot create its folder: " + problem.message());
+  claim_ = claim(part_, target_);
 }
 
 PendingFile::~PendingFile() {
   std::error_code ignored;
   if (!committed_) fs::remove(part_, ignored);
+  close(claim_);  // last: until then nobody else takes the part file over
 }
 
 void PendingFile::commit() {
@@ -25,6 +63,23 @@ void PendingFile::commit() {
   fs::rename(part_, target_, problem);
   if (problem) throw Error(target_.string(), "", "cannot be written: " + problem.message());
   committed_ = true;
+}
+
+FolderClaim::FolderClaim(const fs::path& folder) {
+  std::error_code problem;
+  for (fs::path part = folder; !part.empty() && !fs::exists(part, problem); part = part.parent_path())
+    made_.push_back(part);
+  fs::create_directories(folder, problem);
+  claim_ = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (claim_ < 0 || flock(claim_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  close(claim_);
+  throw Error(folder.string(), "", "another run is writing its results there");
+}
+
+FolderClaim::~FolderClaim() {
+  std::error_code not_empty;
+  for (const fs::path& part : made_) fs::remove(part, not_empty);
+  if (claim_ >= 0) close(claim_);
 }
 
 void writeTextFile(const fs::path& target, const std::string& text) {
@@ -39,9 +94,16 @@ void writeTextFile(const fs::path& target, const std::string& text) {
 std::string readTextFile(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in || fs::is_directory(file)) throw Error(file.string(), "", "cannot be read");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
+  std::string text;
+  constexpr std::size_t kPiece = std::size_t{1} << 16;
+  // Not by its size: what is no regular file has none.
+  for (std::size_t size = 0; in; text.resize(size)) {
+    text.resize(size + kPiece);
+    size += static_cast<std::size_t>(in.read(text.data() + size, kPiece).gcount());
+    if (size > kLargestFile_bytes) throw Error(file.string(), "", "is larger than 256 MB");
+  }
+  if (in.bad()) throw Error(file.string(), "", "cannot be read");
+  return text;
 }
 
 }  // namespace fathom

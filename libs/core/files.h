@@ -2,14 +2,17 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace fathom {
 
 /// An output file that is written aside (NAME.part) and renamed when whole, so that an interrupted or failed
 /// run never leaves half a file under the real name. Destroyed without commit(), the part file is removed.
+/// One run at a time: what is left by one that was killed is taken over.
 class PendingFile {
  public:
-  /// Creates missing parent folders. Throws Error where that fails.
+  /// Creates missing parent folders. Throws Error where that fails, where the file cannot be written, and
+  /// where another run is writing it.
   explicit PendingFile(std::filesystem::path target);
   ~PendingFile();
   PendingFile(const PendingFile&) = delete;
@@ -21,12 +24,28 @@ class PendingFile {
 
  private:
   std::filesystem::path target_, part_;
+  int claim_ = -1;  ///< the part file, open and locked
   bool committed_ = false;
+};
+
+/// A folder of results that is one run's until destroyed: two at once would mix theirs. Made where it is
+/// missing; what is still empty of it at the end is removed again. A folder that cannot be made or locked is
+/// not claimed. Throws Error where another run has it.
+class FolderClaim {
+ public:
+  explicit FolderClaim(const std::filesystem::path& folder);
+  ~FolderClaim();
+  FolderClaim(const FolderClaim&) = delete;
+  FolderClaim& operator=(const FolderClaim&) = delete;
+
+ private:
+  std::vector<std::filesystem::path> made_;  ///< the innermost first
+  int claim_ = -1;                           ///< the folder, open and locked
 };
 
 /// Writes a whole text file by way of PendingFile. Throws Error.
 void writeTextFile(const std::filesystem::path& target, const std::string& text);
-/// Reads a whole file. Throws Error.
+/// Reads a whole file. Throws Error, also where it is larger than 256 MB: no text, image or mesh of ours is.
 std::string readTextFile(const std::filesystem::path& file);
 
 }  // namespace fathom

@@ -28,15 +28,14 @@ std::vector<std::string> materialFiles(const std::string& obj) {
 fs::path named(const fs::path& by, const std::string& key, const fs::path& file) {
   if (file.is_absolute())
     throw Error(by.string(), key, "cannot be copied with the recording: " + file.string() + " is absolute");
-  return (by.parent_path() / file).lexically_normal();
+  return by.parent_path() / file;
 }
 
-/// A map file and all that belongs to it, absolute, the map first.
+/// A map file and all that belongs to it, absolute and as named, the map first.
 std::vector<fs::path> filesOf(const fs::path& map_file) {
   const fs::path map = fs::absolute(map_file).lexically_normal();
   std::vector<fs::path> files{map};
-  for (const fs::path& panel_file : panelMapFiles(map)) {
-    const fs::path panel = panel_file.lexically_normal();
+  for (const fs::path& panel : panelMapFiles(map)) {
     const fs::path mesh = named(panel, "mesh", readPanelMap(panel).mesh_file);
     files.insert(files.end(), {panel, mesh});
     for (const std::string& material : materialFiles(readTextFile(mesh)))
@@ -45,27 +44,62 @@ std::vector<fs::path> filesOf(const fs::path& map_file) {
   return files;
 }
 
+bool liesIn(const fs::path& folder, const fs::path& path) {
+  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+}
+
 fs::path commonFolder(const std::vector<fs::path>& files) {
   fs::path common = files.front().parent_path();
   for (const fs::path& file : files)
-    while (std::mismatch(common.begin(), common.end(), file.begin(), file.end()).first != common.end())
-      common = common.parent_path();
+    while (!liesIn(common, file.lexically_normal())) common = common.parent_path();
   return common;
+}
+
+/// Whether the way that a name leads never comes out of this folder. Then copies lead to copies; else they
+/// lead to files elsewhere, the originals perhaps.
+bool staysIn(const fs::path& folder, const fs::path& named) {
+  fs::path way;
+  bool inside = false;
+  for (const fs::path& part : named) {
+    if (part == ".." && way == way.root_path()) return false;
+    way = part == ".." ? way.parent_path() : part == "." ? way : way / part;
+    const bool now = liesIn(folder, way);
+    if (inside && !now) return false;
+    inside = now;
+  }
+  return true;
+}
+
+/// What is copied, absolute, and the folder that becomes the copy's.
+struct Original {
+  std::vector<fs::path> files;
+  fs::path folder;
+};
+
+Original originalOf(const fs::path& map_file) {
+  Original original{filesOf(map_file), {}};
+  original.folder = commonFolder(original.files);
+  for (fs::path& file : original.files) {
+    if (!staysIn(original.folder, file))
+      throw Error(map_file.string(), "",
+                  "cannot be copied with the recording: " + file.string() + " leads out of the copy");
+    file = file.lexically_normal();
+  }
+  return original;
 }
 
 }  // namespace
 
 fs::path copyOfPanelMap(const fs::path& map_file, const fs::path& folder) {
-  const auto files = filesOf(map_file);
-  return folder / files.front().lexically_relative(commonFolder(files));
+  const Original original = originalOf(map_file);
+  return folder / original.files.front().lexically_relative(original.folder);
 }
 
 fs::path copyPanelMap(const fs::path& map_file, const fs::path& folder) {
-  const auto files = filesOf(map_file);
-  const fs::path from = commonFolder(files);
-  for (const fs::path& file : files)
-    writeTextFile(folder / file.lexically_relative(from), readTextFile(file));
-  return folder / files.front().lexically_relative(from);
+  const Original original = originalOf(map_file);
+  for (const fs::path& file : original.files)
+    writeTextFile(folder / file.lexically_relative(original.folder), readTextFile(file));
+  return folder / original.files.front().lexically_relative(original.folder);
 }
 
 }  // namespace fathom

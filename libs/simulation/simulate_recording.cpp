@@ -31,10 +31,9 @@ void makeImages(const SimulationOptions& options, const Trajectory& trajectory, 
 }
 
 void makeRawlog(const SimulationOptions& options, const Trajectory& trajectory, const RecordingTarget& target,
-                const RecordingFiles& files) {
+                const RecordingFiles& files, PendingFile& truth) {
   const double duration_s = simulatedDuration_s(options, trajectory);
   const std::string vehicle_text = readTextFile(target.vehicle_file);
-  PendingFile truth(files.truth);
   std::ofstream truth_out(truth.path(), std::ios::binary);
   const auto named = [&](const fs::path& file) {
     return file.lexically_relative(target.folder).generic_string();
@@ -69,6 +68,7 @@ RecordingFiles simulateRecording(const SimulationOptions& options, const Traject
   const auto named = [&](const std::string& ending) { return target.folder / (target.name + ending); };
   RecordingFiles files{named(".rawlog"), named("_vehicle.yaml"), named("_truth.tum"), {}, {}, 0};
   if (!target.panel_map.empty()) files.panel_map = copyOfPanelMap(target.panel_map, named(kPanelFolder));
+  PendingFile truth(files.truth);  // from here on, so that no other run makes this recording's images too
   SimulationOptions with_images = options;
   with_images.images = options.vehicle.camera && target.environment && !target.panel_map.empty();
   if (with_images.images) {
@@ -76,7 +76,7 @@ RecordingFiles simulateRecording(const SimulationOptions& options, const Traject
     files.image_entries = imageCount(options, trajectory);
     makeImages(options, trajectory, target, files);
   }
-  makeRawlog(with_images, trajectory, target, files);
+  makeRawlog(with_images, trajectory, target, files, truth);
   return files;
 }
 

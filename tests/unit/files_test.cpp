@@ -60,12 +60,42 @@ TEST(PendingFile, FailuresAreErrorsThatNameTheFile) {
   } catch (const Error& error) {
     EXPECT_EQ(error.file, below_a_file.string());
   }
-  PendingFile never_written(folder / "other.txt");
-  EXPECT_THROW(never_written.commit(), Error);
+  PendingFile gone(folder / "other.txt");
+  fs::remove(gone.path());
+  EXPECT_THROW(gone.commit(), Error);
   fs::create_directories(folder / "taken" / "full");
   EXPECT_THROW(writeTextFile(folder / "taken", "text"), Error);
   EXPECT_FALSE(fs::exists(folder / "taken.part"));
 }
+
+TEST(PendingFile, IsOneWritersAtATime) {
+  const auto target = test::scratchFolder() / "out.txt";
+  writeTextFile(target.string() + ".part", "left by one that was killed");
+  {
+    PendingFile first(target);
+    EXPECT_THROW(PendingFile second(target), Error);
+    EXPECT_THROW(writeTextFile(target, "other"), Error);
+    EXPECT_TRUE(fs::exists(first.path())) << "it is the first one's";
+    first.commit();
+    writeTextFile(target, "next");  // what is committed is nobody's any more
+  }
+  EXPECT_EQ(readTextFile(target), "next");
+}
+
+TEST(FolderClaim, LeavesAFolderOnlyWhereThereIsSomethingInIt) {
+  const auto folder = test::scratchFolder();
+  {
+    const FolderClaim claim(folder / "a/b");
+    EXPECT_THROW(FolderClaim(folder / "a/b"), Error);
+    const FolderClaim beside(folder / "a/c");
+    writeTextFile(folder / "a/c/file", "");
+  }
+  EXPECT_FALSE(fs::exists(folder / "a/b"));
+  EXPECT_TRUE(fs::exists(folder / "a/c/file"));
+  const FolderClaim again(folder / "a/c");
+}
+
+TEST(TextFile, WithoutEndIsAnError) { EXPECT_THROW(readTextFile("/dev/zero"), Error); }
 
 TEST(TextFile, KeepsEveryByte) {
   const auto file = test::scratchFolder() / "bytes";

@@ -17,6 +17,7 @@
 #include "core/error.h"
 #include "support/recordings.h"
 #include "support/shared_data.h"
+#include "support/small_disk.h"
 
 namespace fathom::test {
 namespace {
@@ -270,8 +271,11 @@ TEST(Rawlog, WriterNamesWhatItCannotWrite) {
   const auto folder = scratchFolder();
   writeTextFile(folder / "file", "");
   EXPECT_THROW(RawlogWriter(folder / "file" / "a.rawlog", {}, kStart), Error);
-  fs::create_symlink("/dev/full", folder / "full.rawlog.part");
+  fs::create_symlink(folder / "file", folder / "linked.rawlog.part");
+  EXPECT_THROW(RawlogWriter(folder / "linked.rawlog", {}, kStart), Error) << "what is elsewhere";
+  EXPECT_EQ(readTextFile(folder / "file"), "");
   RawlogWriter writer(folder / "full.rawlog", {}, kStart);
+  const test::SmallDisk disk(10);
   EXPECT_THROW(writer.finish(), Error);
   EXPECT_FALSE(fs::exists(folder / "full.rawlog"));
 }
