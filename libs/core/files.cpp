@@ -25,14 +25,17 @@ bool isStill(int descriptor, const fs::path& file) {
          opened.st_dev == there.st_dev && opened.st_ino == there.st_ino;
 }
 
-/// Opens and locks a part file, none that a link of its name leads to. The lock ends with the process,
-/// however that ends. A file system without locks (errno other than EWOULDBLOCK) gives none.
+/// Locks an open file or folder, where another run has not. The lock ends with the process, however that
+/// ends. A file system without locks (errno other than EWOULDBLOCK) gives none.
+bool isAnothers(int descriptor) { return flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
+
+/// Opens and locks a part file, none that a link of its name leads to.
 int claim(const fs::path& part, const fs::path& target) {
   while (true) {
     const int descriptor = open(part.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (descriptor < 0)
       throw Error(target.string(), "", std::string("cannot be written: ") + std::strerror(errno));
-    if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    if (isAnothers(descriptor)) {
       close(descriptor);
       throw Error(target.string(), "", "is being written by another run");
     }
@@ -71,7 +74,7 @@ FolderClaim::FolderClaim(const fs::path& folder) {
     made_.push_back(part);
   fs::create_directories(folder, problem);
   claim_ = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (claim_ < 0 || flock(claim_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  if (claim_ < 0 || !isAnothers(claim_)) return;
   close(claim_);
   throw Error(folder.string(), "", "another run is writing its results there");
 }

@@ -41,7 +41,7 @@ bool isListed(std::size_t effect, const Alternatives& set) {
 
 }  // namespace
 
-InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, const BatchData& data,
+InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits,
                            const std::set<std::size_t>& lasting_only) {
   InItsPlace found;
   const Refit rest = fits.without(fit, effect);
@@ -77,8 +77,8 @@ InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, con
   }
   if (!like) return found;
   try {
-    set.advice =
-        adviseManoeuvre(data, *rest.model, fit.estimate.state, sized(fit, stated), *like, fits.noise());
+    set.advice = adviseManoeuvre(fits.data(), *rest.model, fit.estimate.state, sized(fit, stated), *like,
+                                 fits.noise());
   } catch (const std::runtime_error&) {
     // A manoeuvre in which nothing holds the path tells nothing apart.
   }

@@ -18,7 +18,7 @@ struct InItsPlace {
 
 /// Of one of a fit's effects; tries the nearest few in full. `lasting_only`: effects that are not tried for a
 /// part of the recording.
-InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, const BatchData& data,
+InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits,
                            const std::set<std::size_t>& lasting_only);
 
 }  // namespace fathom

@@ -211,7 +211,7 @@ void Course::attribute() {
 void Course::lookForAlternatives() {
   confidence_.assign(final_.effects.size(), 1 - diagnosis_.alarm_p);
   for (std::size_t i = 0; i < final_.effects.size();) {
-    InItsPlace others = othersInPlaceOf(i, final_, fits_, data_, lasting_only_);
+    InItsPlace others = othersInPlaceOf(i, final_, fits_, lasting_only_);
     if (others.better) {
       final_ = std::move(*others.better);
       continue;
@@ -274,8 +274,8 @@ bool Course::leaveOutUnconfirmed(const Refit& fit) {
 /// goes.
 void Course::accept(Refit better) {
   final_ = std::move(better);
-  const NoiseModel shown = shownNoise(final_.model->linear(), diagnosis_.noise, options_.seed);
-  if (isQuieter(shown, diagnosis_.noise)) takeNoise(shown);
+  const NoiseModel shown = shownNoise(final_.model->linear(), fits_.noise(), options_.seed);
+  if (isQuieter(shown, fits_.noise())) takeNoise(shown);
 }
 
 /// Everything fitted again for another noise.
@@ -288,7 +288,6 @@ bool Course::takeNoise(const NoiseModel& shown) {
   // Where readings contradict each other there are many minima: no effect is to profit from a better one.
   Refit back = refit(data_, present.estimate, base, {}, shown);
   if (back.succeeded && back.cost < nominal.cost) nominal = std::move(back);
-  diagnosis_.noise = shown;
   fits_.beginWith(std::move(nominal), std::move(base), shown);
   final_ = fits_.onlyNeeded(std::move(present));
   if (!isLarge(final_, fits_.nominal())) final_ = fits_.nominal();
@@ -300,13 +299,13 @@ bool Course::takeNoise(const NoiseModel& shown) {
 /// than the nominal model's misfit look alike.
 bool Course::takeLeastNoise() {
   if (!isCameraAlone()) return false;
-  NoiseModel least = diagnosis_.noise;
+  NoiseModel least = fits_.noise();
   fits_.forEach([&](const Refit& fit) {
     if (!fit.succeeded) return;
-    const NoiseModel shown = shownNoise(fit.model->linear(), diagnosis_.noise, options_.seed);
+    const NoiseModel shown = shownNoise(fit.model->linear(), fits_.noise(), options_.seed);
     if (cameraNoise(shown) < cameraNoise(least)) least = shown;
   });
-  return cameraNoise(least) < kLessNoise * cameraNoise(diagnosis_.noise) && takeNoise(least);
+  return cameraNoise(least) < kLessNoise * cameraNoise(fits_.noise()) && takeNoise(least);
 }
 
 HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {
@@ -314,10 +313,11 @@ HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {
   options.yardsticks = yardsticks;
   options.seed = options_.seed;
   return holdOut(linearize(data_, *problemAt(data_, fit.estimate, fit.options)), fit.effects,
-                 fit.estimate.state, diagnosis_.noise, data_, options);
+                 fit.estimate.state, fits_.noise(), data_, options);
 }
 
 void Course::report() {
+  diagnosis_.noise = fits_.noise();
   diagnosis_.before = described(data_, fits_.nominal().estimate, fits_.nominal().options);
   diagnosis_.before_options = fits_.nominal().options;
   diagnosis_.after = described(data_, final_.estimate, final_.options);

@@ -21,6 +21,7 @@ class Fits {
   /// Under another noise: what was fitted is forgotten. `base`: the nominal fit's options, with that noise.
   void beginWith(Refit nominal, BatchOptions base, NoiseModel noise);
 
+  const BatchData& data() const { return data_; }
   const Refit& nominal() const { return nominal_; }
   const NoiseModel& noise() const { return noise_; }
   const BatchOptions& base() const { return base_; }
@@ -61,7 +62,8 @@ class Fits {
   std::map<std::string, Refit> fitted_;  // by the effects' names
 };
 
-/// Of the support to first order of what may turn out to be the best once refitted, beside the largest.
+/// Of the support of what may turn out to be the best once it is refitted, or at its best times, beside the
+/// largest.
 double leastOfContenders(double largest);
 
 }  // namespace fathom

@@ -1,14 +1,8 @@
 // Search of the whole image beside search where a predicted panel must show, in one run: time, ratio, markers
 // found. Rendered views of the shipped dexrov panel, through clear and through turbid water.
 #include <cstdio>
-#include <vector>
 
-#include "core/random.h"
-#include "evaluation/views.h"
-#include "fiducials/predicted_search.h"
-#include "panel/panel_map.h"
-#include "sensors/vehicle.h"
-#include "sensors/water.h"
+#include "predicted_views.h"
 #include "support/stopwatch.h"
 
 using namespace fathom;
@@ -16,7 +10,6 @@ using namespace fathom;
 namespace {
 
 constexpr int kViews = 12, kRounds = 9;
-const std::string kSource = FATHOM_SOURCE_DIR;
 
 struct Tally {
   double seconds = 0;
@@ -36,40 +29,15 @@ Tally timed(const std::vector<cv::Mat>& images, Search&& search) {
   return tally;
 }
 
-/// A filter's: 1 cm, 0.3 degrees.
-PanelPrediction predictionNear(const Pose& truth, Random& random) {
-  PanelPrediction prediction;
-  prediction.T_camera_panel = {truth.rotation * expSO3<double>(radians(0.3) * random.normal3()),
-                               truth.position + 0.01 * random.normal3()};
-  prediction.covariance.diagonal() << 1e-4, 1e-4, 1e-4, 2.7e-5, 2.7e-5, 2.7e-5;
-  prediction.margin_px = 4;
-  return prediction;
-}
-
-void compare(Backend backend, Preprocess preprocess, const std::string& water, const PanelMap& map,
-             const Vehicle& vehicle) {
-  const CameraModel& camera = vehicle.camera->model;
-  const ViewStudio studio(map, vehicle, readEnvironment(kSource + "/config/water_" + water + ".yaml"));
-  ViewRanges ranges;
-  ranges.nearest_m = 1.6;
-  ranges.farthest_m = 3.5;
-  ranges.largest_tilt_rad = 0.5;
-  Random random(1);
-  std::vector<cv::Mat> images;
-  std::vector<PanelPrediction> predictions;
-  for (std::uint64_t i = 0; i < kViews; ++i) {
-    const CameraView view = drawView(ranges, 1, i);
-    images.push_back(studio.image(view, 1));
-    predictions.push_back(predictionNear(view.T_panel_camera().inverse(), random));
-  }
-  std::vector<std::string> families;
-  for (const Marker& marker : map.markers) families.push_back(marker.family);
+void compare(Backend backend, Preprocess preprocess, const std::string& water) {
+  const test::PredictedViews views(water, kViews);
   DetectorOptions options;
   options.preprocess = preprocess;
-  const auto detector = makeDetector(backend, families, options);
-  const Tally whole = timed(images, [&](std::size_t i) { return detector->detect(images[i]); });
-  const Tally predicted = timed(images, [&](std::size_t i) {
-    return detectPredicted(*detector, images[i], map, camera, predictions[i]);
+  const auto detector = views.detector(backend, options);
+  const Tally whole = timed(views.images, [&](std::size_t i) { return detector->detect(views.images[i]); });
+  const Tally predicted = timed(views.images, [&](std::size_t i) {
+    return detectPredicted(*detector, views.images[i], views.map, views.vehicle.camera->model,
+                           views.predictions[i]);
   });
   std::printf("%-8s %-7s %-6s  whole image %6.2f ms (%3zu markers)  predicted %6.2f ms (%3zu)  ratio %5.2f\n",
               std::string(nameOf(backend)).c_str(), std::string(nameOf(preprocess)).c_str(), water.c_str(),
@@ -81,10 +49,8 @@ void compare(Backend backend, Preprocess preprocess, const std::string& water, c
 
 int main() {
   cv::setNumThreads(1);  // images, not parts of one, go to threads
-  const PanelMap map = readPanelMap(kSource + "/maps/dexrov/panel.yaml");
-  const Vehicle vehicle = readVehicle(kSource + "/config/rov.yaml");
   for (const Backend backend : {Backend::aruco, Backend::apriltag})
     for (const Preprocess preprocess : {Preprocess::none, Preprocess::clahe})
-      for (const char* water : {"clear", "turbid"}) compare(backend, preprocess, water, map, vehicle);
+      for (const char* water : {"clear", "turbid"}) compare(backend, preprocess, water);
   return 0;
 }

@@ -3,9 +3,8 @@
 //     build/release/tests/fit_water_bench
 #include <cstdio>
 
-#include "environment/water_study.h"
-#include "support/sil_recordings.h"
 #include "support/stopwatch.h"
+#include "water_images.h"
 
 namespace {
 
@@ -15,22 +14,10 @@ using test::seconds;
 }  // namespace
 
 int main() {
-  const auto folder = std::filesystem::temp_directory_path() / "fathom-fit-water-bench";
-  SimulationOptions options;
-  options.vehicle = readVehicle(test::kConfig / "trial_rov.yaml");
-  options.duration_s = 45;
-  const RecordingFiles recording =
-      simulateRecording(options, readTrajectory(test::kConfig / "trial_trajectory.yaml"),
-                        {folder, "bench", test::kConfig / "trial_rov.yaml", test::kDexrovMap, "a bench",
-                         readEnvironment(test::kSilWater)});
-  const PosedImages images =
-      posedImages(recording.rawlog, readPanelMaps(test::kDexrovMap), test::silDetection());
-  SilWorld world = test::silWorld();
-  world.vehicle = options.vehicle;
-  const PairMaker maker(world, {}, test::silDetection());
-  std::vector<std::size_t> some;
-  // The nearest, with the most patches.
-  for (std::size_t i = images.posed.size() - 50; i < images.posed.size(); ++i) some.push_back(i);
+  const test::WaterImages bench("fathom-fit-water-bench", 50);
+  const PosedImages& images = bench.images;
+  const std::vector<std::size_t>& some = bench.nearest;
+  const PairMaker maker = bench.maker();
   maker.clean(images.posed.front());  // tools are made once
 
   SynchronizedImages pairs;

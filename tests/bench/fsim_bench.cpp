@@ -1,13 +1,13 @@
 // How many 640x480 images FSIM compares in a second on one core, beside OpenCV's SSIM in the same run. Each
 // takes pairs (both images new) and one kept reference with image after image. Times are the thread's
 // own, medians of rounds that take turns, so that what else the machine does hits all alike.
-#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <functional>
 #include <opencv2/quality/qualityssim.hpp>
 #include <vector>
 
+#include "core/median.h"
 #include "similarity/fsim.h"
 #include "support/textured_images.h"
 
@@ -33,10 +33,7 @@ struct Contender {
   std::function<void()> work;
   std::vector<double> seconds{};
 
-  double median_s() {
-    std::nth_element(seconds.begin(), seconds.begin() + kRounds / 2, seconds.end());
-    return seconds[kRounds / 2];
-  }
+  double median_s() const { return upperMedian(seconds); }
 };
 
 void run() {

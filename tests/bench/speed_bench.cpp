@@ -6,7 +6,6 @@
 #include <tbb/global_control.h>
 
 #include <Eigen/SparseCholesky>
-#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <functional>
@@ -14,20 +13,19 @@
 #include <opencv2/quality/qualityssim.hpp>
 #include <vector>
 
+#include "core/median.h"
 #include "diagnosis/diagnosis.h"
 #include "diagnosis/nominal.h"
 #include "environment/water_scores.h"
-#include "environment/water_study.h"
 #include "estimation/sparse.h"
-#include "evaluation/views.h"
-#include "fiducials/predicted_search.h"
+#include "predicted_views.h"
 #include "similarity/fsim.h"
 #include "support/diagnosis_runs.h"
 #include "support/ekf_inputs.h"
 #include "support/render_scenes.h"
-#include "support/sil_recordings.h"
 #include "support/textbook_filter.h"
 #include "support/textured_images.h"
+#include "water_images.h"
 
 namespace fathom::test {
 namespace {
@@ -52,12 +50,6 @@ double processorSeconds(const Work& work) {
   return work.times * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
 }
 
-double medianOf(std::vector<double> values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 void print(const Path& path) {
   std::vector<double> ours, reference, limit;
   for (int round = 0; round < path.rounds; ++round) {
@@ -65,7 +57,7 @@ void print(const Path& path) {
     reference.push_back(processorSeconds(path.reference));
     limit.push_back(processorSeconds(path.limit));
   }
-  const double ours_s = medianOf(ours), reference_s = medianOf(reference), limit_s = medianOf(limit);
+  const double ours_s = upperMedian(ours), reference_s = upperMedian(reference), limit_s = upperMedian(limit);
   std::printf("%-10s %10.3f ms %-28s %6.2f times as fast as %s\n%-10s %13s %-28s %6.2f times the limit: %s\n",
               path.name, 1e3 * ours_s / path.units, path.unit, reference_s / ours_s, path.reference.what, "",
               "", path.ours.what, ours_s / limit_s, path.limit.what);
@@ -156,34 +148,17 @@ void batchPath() {
 }
 
 void detectionPath() {
-  const PanelMap map = readPanelMap(kDexrovMap);
-  const Vehicle vehicle = readVehicle(kConfig / "rov.yaml");
-  const ViewStudio studio(map, vehicle, readEnvironment(kConfig / "water_turbid.yaml"));
-  ViewRanges ranges;
-  ranges.nearest_m = 1.6;
-  ranges.farthest_m = 3.5;
-  ranges.largest_tilt_rad = 0.5;
-  std::vector<cv::Mat> images;
-  std::vector<PanelPrediction> predictions;
-  for (std::uint64_t i = 0; i < 12; ++i) {
-    const CameraView view = drawView(ranges, 1, i);
-    images.push_back(studio.image(view, 1));
-    PanelPrediction prediction;
-    prediction.T_camera_panel = view.T_panel_camera().inverse();
-    prediction.covariance.diagonal() << 1e-4, 1e-4, 1e-4, 2.7e-5, 2.7e-5, 2.7e-5;
-    prediction.margin_px = 4;
-    predictions.push_back(prediction);
-  }
-  std::vector<std::string> families;
-  for (const Marker& marker : map.markers) families.push_back(marker.family);
-  const auto detector = makeDetector(Backend::apriltag, families, {});
+  const PredictedViews views("turbid", 12);
+  const std::vector<cv::Mat>& images = views.images;
+  const auto detector = views.detector(Backend::apriltag);
   print({"detection",
          "an image of 640 x 480",
          static_cast<double>(images.size()),
          {"where a filter predicts the panel",
           [&] {
             for (std::size_t i = 0; i < images.size(); ++i)
-              detectPredicted(*detector, images[i], map, vehicle.camera->model, predictions[i]);
+              detectPredicted(*detector, images[i], views.map, views.vehicle.camera->model,
+                              views.predictions[i]);
           }},
          {"AprilTag's search of the whole image",
           [&] {
@@ -260,19 +235,10 @@ void similarityPath() {
 void waterPath() {
   constexpr std::size_t kImages = 20, kSearched = 5;
   constexpr std::size_t kTried = 6;
-  const auto folder = std::filesystem::temp_directory_path() / "fathom-speed-bench";
-  SimulationOptions options;
-  options.vehicle = readVehicle(kConfig / "trial_rov.yaml");
-  options.duration_s = 40;
-  const RecordingFiles recording = simulateRecording(
-      options, readTrajectory(kConfig / "trial_trajectory.yaml"),
-      {folder, "bench", kConfig / "trial_rov.yaml", kDexrovMap, "a bench", readEnvironment(kSilWater)});
-  const PosedImages images = posedImages(recording.rawlog, readPanelMaps(kDexrovMap), silDetection());
-  SilWorld world = silWorld();
-  world.vehicle = options.vehicle;
-  const PairMaker maker(world, {}, silDetection());
-  std::vector<std::size_t> some;
-  for (std::size_t i = images.posed.size() - kImages; i < images.posed.size(); ++i) some.push_back(i);
+  const WaterImages bench("fathom-speed-bench", kImages);
+  const PosedImages& images = bench.images;
+  const std::vector<std::size_t>& some = bench.nearest;
+  const PairMaker maker = bench.maker();
   std::vector<CleanPair> pairs;
   for (std::size_t k = 0; k < kSearched; ++k) pairs.push_back(maker.clean(images.posed[some[k]]));
   const WaterCamera camera(maker, std::nullopt, 1);

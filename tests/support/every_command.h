@@ -17,7 +17,7 @@ struct WritingCommand {
 };
 std::ostream& operator<<(std::ostream& out, const WritingCommand& command);
 
-/// Those of inputs that makeInputs() makes, or has made.
+/// Their inputs are in inputFolder(), which must be asked for before they are run.
 std::vector<WritingCommand> writingCommands();
 /// The one of this name.
 WritingCommand writingCommand(const std::string& name);

@@ -174,4 +174,10 @@ inline std::string inflated(const std::filesystem::path& file) {
   return text;
 }
 
+/// What it read, as this kind of reading.
+template <class T>
+const T& as(const Sample& sample) {
+  return std::get<T>(sample.reading);
+}
+
 }  // namespace fathom::test

@@ -1,38 +1,20 @@
 #include "recording/rawlog.h"
 
 #include <gtest/gtest.h>
-#include <mrpt/io/CMemoryStream.h>
-#include <mrpt/obs/CObservationBearingRange.h>
-#include <mrpt/obs/CObservationComment.h>
-#include <mrpt/obs/CObservationIMU.h>
-#include <mrpt/obs/CObservationImage.h>
-#include <mrpt/obs/CObservationOdometry.h>
-#include <mrpt/obs/CObservationRange.h>
-#include <mrpt/obs/CSensoryFrame.h>
-#include <mrpt/serialization/CArchive.h>
-
-#include <fstream>
-#include <map>
 
 #include "core/error.h"
+#include "support/memory.h"
 #include "support/recordings.h"
-#include "support/shared_data.h"
 #include "support/small_disk.h"
 
 namespace fathom::test {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace mrpt::obs;
 
 void expectNear(const Pose& a, const Pose& b, double tolerance) {
   EXPECT_LT((a.position - b.position).norm(), tolerance);
   EXPECT_LT((a.rotation - b.rotation).norm(), tolerance);
-}
-
-template <class T>
-const T& as(const Sample& sample) {
-  return std::get<T>(sample.reading);
 }
 
 /// Writes one sample, reads it back.
@@ -45,35 +27,6 @@ Sample throughFile(const Sample& sample) {
   EXPECT_EQ(back.samples.at(0).label, sample.label);
   EXPECT_EQ(back.samples.at(0).time, sample.time);
   return back.samples.at(0);
-}
-
-/// A plain rawlog of MRPT's own making.
-fs::path writePlain(const std::vector<const mrpt::serialization::CSerializable*>& objects,
-                    const std::string& tail = {}) {
-  mrpt::io::CMemoryStream stream;
-  auto archive = mrpt::serialization::archiveFrom(stream);
-  for (const auto* object : objects) archive << *object;
-  auto file = scratchFolder() / "plain.rawlog";
-  writeTextFile(
-      file,
-      std::string(static_cast<const char*>(stream.getRawBufferData()), stream.getTotalBytesCount()) + tail);
-  return file;
-}
-
-std::string rawlogErrorOf(const fs::path& file) {
-  try {
-    readRecording(file);
-  } catch (const Error& error) {
-    return error.where + ": " + error.why;
-  }
-  return "no error";
-}
-
-CObservationIMU imuLabelled(const std::string& label, double seconds = 0.0) {
-  CObservationIMU imu;
-  imu.sensorLabel = label;
-  imu.timestamp = after(kStart, seconds);
-  return imu;
 }
 
 // ---- what is written is read again ----
@@ -206,19 +159,6 @@ TEST(Rawlog, OfTwoMarkersOfOneIdTheSecondHasNone) {
   EXPECT_EQ(back[2].id, -1);
 }
 
-TEST(Rawlog, MarkersOfOthersShareTheirSigmas) {
-  CObservationBearingRange bearing;
-  bearing.sensorLabel = "MARKER_SIGHTS";
-  bearing.timestamp = kStart;
-  bearing.sensor_std_range = 0.5F;
-  bearing.sensor_std_yaw = 0.25F;
-  bearing.sensor_std_pitch = 0.125F;
-  bearing.sensedData.resize(1);
-  const ReadBack back = readRecording(writePlain({&bearing}));
-  const Matrix3d expected = Vector3d(0.25, 0.0625, 0.015625).asDiagonal();
-  EXPECT_EQ(as<MarkersSample>(back.samples.at(0)).markers.at(0).covariance, expected);
-}
-
 TEST(Rawlog, NanIsHandedOn) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto back = as<DvlSample>(throughFile({kStart, labels::kDvl, DvlSample{{}, Vector3d(1, nan, 3)}}));
@@ -293,243 +233,15 @@ TEST(Rawlog, WriterRefusesWhatTheConventionDoesNot) {
   EXPECT_THROW(writer.write({after(kStart, 2.0), "", RecordingHeader{}}), std::logic_error);
 }
 
-// ---- what the convention does not know, or forbids ----
-
-TEST(Rawlog, FilesThatAreNone) {
-  const auto folder = scratchFolder();
-  EXPECT_EQ(rawlogErrorOf(folder / "missing.rawlog"), ": no such file");
-  EXPECT_EQ(rawlogErrorOf(folder), ": is not a file");
-  writeTextFile(folder / "empty.rawlog", "");
-  EXPECT_EQ(rawlogErrorOf(folder / "empty.rawlog"), ": is empty");
-  writeTextFile(folder / "text.rawlog", "a,b,c\n1,2,3\n");
-  EXPECT_EQ(rawlogErrorOf(folder / "text.rawlog"),
-            ": is no rawlog, or damaged from the start: no object begins where one should");
-  writeTextFile(folder / "gzip.rawlog", "\x1f\x8b and then nonsense");
-  EXPECT_NE(rawlogErrorOf(folder / "gzip.rawlog").find("gzip data are damaged"), std::string::npos);
-}
-
-TEST(Rawlog, WrongClassIsNamedWithItsByte) {
-  const CObservationIMU first = imuLabelled("DVL");
-  CObservationRange range;
-  range.timestamp = kStart;
-  range.sensorLabel = "INS";
-  const auto file = writePlain({&first, &range});
-  mrpt::io::CMemoryStream stream;
-  mrpt::serialization::archiveFrom(stream) << first;
-  EXPECT_EQ(rawlogErrorOf(file), "byte " + std::to_string(stream.getTotalBytesCount()) +
-                                     ": an entry labelled INS is a mrpt::obs::CObservationRange, must be a "
-                                     "mrpt::obs::CObservationIMU");
-}
-
-TEST(Rawlog, DepthNeedsPressure) {
-  const CObservationIMU depth = imuLabelled("DEPTH");
-  EXPECT_EQ(rawlogErrorOf(writePlain({&depth})), "byte 0: a DEPTH entry lacks IMU_PRESSURE");
-}
-
-TEST(Rawlog, ImagesMustBeFiles) {
-  CObservationImage image;
-  image.timestamp = kStart;
-  image.sensorLabel = "CAMERA";
-  image.image = mrpt::img::CImage(40, 30, mrpt::img::CH_RGB);
-  EXPECT_NE(rawlogErrorOf(writePlain({&image})).find("byte 0: an image is stored in the rawlog"),
-            std::string::npos);
-  image.sensorLabel = "HANDYCAM";  // no business of the convention
-  const ReadBack back = readRecording(writePlain({&image}));
-  ASSERT_EQ(back.samples.size(), 1U);
-  EXPECT_EQ(as<UnknownSample>(back.samples[0]).mrpt_class, "mrpt::obs::CObservationImage");
-}
-
-TEST(Rawlog, ActionsAndFramesAreRefused) {
-  const CSensoryFrame frame;
-  EXPECT_EQ(rawlogErrorOf(writePlain({&frame})),
-            "byte 0: holds a mrpt::obs::CSensoryFrame: not in the observations-only format");
-}
-
-TEST(Rawlog, UnknownEntriesArePassedOver) {
-  const CObservationIMU ins = imuLabelled("INS", 1.0), other = imuLabelled("XSENS", 2.0),
-                        last = imuLabelled("DVL", 4.0);
-  CObservationComment remark;
-  remark.text = "[recording]\nvehicle = another\n";
-  remark.timestamp = after(kStart, 3.0);
-  CObservationOdometry odometry;
-  odometry.sensorLabel = "WHEELS";
-  CObservationBearingRange bearing;
-  bearing.sensorLabel = "MARKERS";
-  bearing.timestamp = after(kStart, 3.0);
-  const ReadBack back = readRecording(writePlain({&ins, &other, &odometry, &remark, &bearing, &last}));
-  EXPECT_FALSE(back.loss);
-  ASSERT_EQ(back.samples.size(), 6U);
-  EXPECT_TRUE(std::holds_alternative<InsSample>(back.samples[0].reading));
-  EXPECT_EQ(back.samples[1].label, "XSENS");
-  EXPECT_EQ(as<UnknownSample>(back.samples[1]).mrpt_class, "mrpt::obs::CObservationIMU");
-  EXPECT_EQ(as<UnknownSample>(back.samples[2]).mrpt_class, "mrpt::obs::CObservationOdometry");
-  EXPECT_EQ(back.samples[2].time, after(kStart, 2.0));
-  EXPECT_EQ(as<UnknownSample>(back.samples[3]).mrpt_class, "mrpt::obs::CObservationComment");
-  EXPECT_EQ(back.samples[4].label, "MARKERS");
-  EXPECT_TRUE(std::holds_alternative<DvlSample>(back.samples[5].reading));
-}
-
-TEST(Rawlog, BadAttitudeIsNan) {
-  CObservationIMU ins = imuLabelled("INS");
-  for (const auto field : {IMU_ORI_QUAT_X, IMU_ORI_QUAT_Y, IMU_ORI_QUAT_Z, IMU_ORI_QUAT_W})
-    ins.set(field, 0.0);
-  const ReadBack back = readRecording(writePlain({&ins}));
-  const auto& sample = as<InsSample>(back.samples.at(0));
-  ASSERT_TRUE(sample.R_odom_ins);
-  EXPECT_TRUE(sample.R_odom_ins->hasNaN());
-}
-
-// ---- loss ----
-
-class RawlogLoss : public testing::Test {
- protected:
-  void SetUp() override {
-    folder = scratchFolder();
-    Random random(6);
-    samples = randomSamples(3000, random);  // 30 s
-    writeRecording(folder / "gzip.rawlog", samples);
-    gzip = readTextFile(folder / "gzip.rawlog");
-    plain = inflated(folder / "gzip.rawlog");
-    writeTextFile(folder / "plain.rawlog", plain);
-    all = fingerprints(readRecording(folder / "plain.rawlog").samples);
-  }
-  ReadBack read(const std::string& bytes) {
-    writeTextFile(folder / "damaged.rawlog", bytes);
-    return readRecording(folder / "damaged.rawlog");
-  }
-  void expectPrefix(const ReadBack& back, std::size_t at_least, std::size_t at_most) {
-    EXPECT_GE(back.samples.size(), at_least);
-    EXPECT_LE(back.samples.size(), at_most);
-    for (std::size_t i = 0; i < back.samples.size(); ++i)
-      ASSERT_EQ(fingerprint(back.samples[i]), all[i]) << i;
-  }
-
-  fs::path folder;
-  std::vector<Sample> samples;
-  std::vector<std::string> all;
-  std::string gzip, plain;
-};
-
-TEST_F(RawlogLoss, PlainAndGzipAreTheSame) {
-  EXPECT_EQ(all.size(), 3000U);
-  EXPECT_EQ(fingerprints(readRecording(folder / "gzip.rawlog").samples), all);
-  EXPECT_GT(plain.size(), std::size_t{1} << 20);  // more than one of the writer's blocks
-}
-
-TEST_F(RawlogLoss, PlainCutWithinAnEntry) {
-  const auto last = plain.rfind("mrpt::obs::CObservation") - 1;
-  const ReadBack back = read(plain.substr(0, last + 100));
-  expectPrefix(back, 2999, 2999);
-  ASSERT_TRUE(back.loss);
-  EXPECT_EQ(back.loss->at_byte, last);
-  EXPECT_EQ(back.loss->lost_bytes, 100U);
-  EXPECT_TRUE(back.loss->estimated);
-  EXPECT_LT(back.loss->lost_seconds, 0.1);
-  EXPECT_EQ(back.loss->reason, "the data end inside an entry");
-}
-
-TEST_F(RawlogLoss, PlainDamageKnowsTheSecondsLost) {
-  const auto at = plain.find("mrpt::obs::CObservationIMU", plain.size() / 3) - 1;
-  std::string bytes = plain;
-  bytes[at + 5] = '\xff';
-  const ReadBack back = read(bytes);
-  expectPrefix(back, 900, 1100);
-  ASSERT_TRUE(back.loss);
-  EXPECT_EQ(back.loss->at_byte, at);
-  EXPECT_EQ(back.loss->lost_bytes, plain.size() - at);
-  EXPECT_FALSE(back.loss->estimated);
-  EXPECT_NEAR(back.loss->lost_seconds, secondsBetween(back.samples.back().time, samples.back().time), 1e-9);
-  EXPECT_NE(describe(*back.loss).find("are lost"), std::string::npos);
-}
-
-TEST_F(RawlogLoss, GzipCut) {
-  const ReadBack back = read(gzip.substr(0, gzip.size() / 2));
-  expectPrefix(back, 1300, 1700);
-  ASSERT_TRUE(back.loss);
-  EXPECT_EQ(back.loss->at_byte + back.loss->lost_bytes, gzip.size() / 2);
-  EXPECT_GT(back.loss->lost_bytes, 0U);
-  EXPECT_LT(back.loss->lost_bytes, 2000U);  // a part of one entry
-  EXPECT_NE(back.loss->reason.find("cut short"), std::string::npos);
-}
-
-TEST_F(RawlogLoss, GzipDamageHandsOnNothingWrong) {
-  std::string bytes = gzip;
-  bytes[gzip.size() / 2] = static_cast<char>(bytes[gzip.size() / 2] ^ 0x10);
-  const ReadBack back = read(bytes);
-  expectPrefix(back, 800, 1600);  // up to the end of the block before: 256 KiB are some 500 entries
-  ASSERT_TRUE(back.loss);
-  EXPECT_TRUE(back.loss->estimated);
-  EXPECT_LE(back.loss->at_byte, gzip.size() / 2);
-  const double lost_s = secondsBetween(back.samples.back().time, samples.back().time);
-  EXPECT_NEAR(back.loss->lost_seconds, lost_s, 0.1 * lost_s);  // the entries are much alike
-}
-
-TEST_F(RawlogLoss, GzipChecksum) {
-  // One member, as MRPT writes it: all entries come, the checksum shows that some may be wrong.
-  const auto file = folder / "one.rawlog";
-  const gzFile out = gzopen(file.c_str(), "wb6");
-  gzwrite(out, plain.data(), static_cast<unsigned>(plain.size()));
-  gzclose(out);
-  std::string bytes = readTextFile(file);
-  EXPECT_FALSE(read(bytes).loss);
-  bytes[bytes.size() - 6] ^= 1;
-  const ReadBack back = read(bytes);
-  expectPrefix(back, 3000, 3000);
-  ASSERT_TRUE(back.loss);
-  EXPECT_NE(back.loss->reason.find("incorrect data check"), std::string::npos);
-  EXPECT_GT(back.loss->lost_bytes, 0U);
-}
-
-TEST_F(RawlogLoss, TrailingBytes) {
-  for (const std::string& whole : {gzip, plain}) {
-    const ReadBack back = read(whole + "trailing");
-    expectPrefix(back, 3000, 3000);
-    ASSERT_TRUE(back.loss);
-    EXPECT_EQ(back.loss->at_byte, whole.size());
-    EXPECT_EQ(back.loss->lost_bytes, 8U);
-  }
-}
-
-// ---- recordings made by others ----
-
-TEST(Rawlog, SharedSamplesAreReadWhole) {
-  FATHOM_NEEDS_SHARED("data/sample");
-  int recordings = 0;
-  for (const auto& entry : fs::directory_iterator(sharedData("data/sample"))) {
-    SCOPED_TRACE(entry.path());
-    std::map<std::string, int> counts;
-    const ReadBack back = readRecording(entry.path() / "recording.rawlog");
-    for (const Sample& sample : back.samples) ++counts[sample.label];
-    // As `rawlog-edit --info` counts them.
-    const std::map<std::string, int> expected{
-        {"CAMERA", 60}, {"DEPTH", 900}, {"DVL", 900}, {"DVL_BEAMS", 900}, {"INS", 18001}};
-    EXPECT_EQ(counts, expected);
-    EXPECT_FALSE(back.loss);
-    ++recordings;
-  }
-  EXPECT_GT(recordings, 0);
-}
-
 // ---- memory ----
-
-std::size_t peakMemoryKilobytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;) {
-    if (word != "VmHWM:") continue;
-    std::size_t kilobytes = 0;
-    status >> kilobytes;
-    return kilobytes;
-  }
-  return 0;
-}
 
 TEST(Rawlog, MemoryDoesNotGrowWithLength) {
 #ifdef FATHOM_SANITIZE
   GTEST_SKIP() << "the address sanitizer keeps freed memory";
 #endif
   const auto file = scratchFolder() / "long.rawlog";
-  const std::size_t before_kb = peakMemoryKilobytes();
-  ASSERT_GT(before_kb, 0U);
+  const double before_mb = peakMegabytes();
+  ASSERT_GT(before_mb, 0);
   constexpr int kEntries = 30 * 60 * 100;  // 30 min at 100 Hz: 80 MB of objects
   {
     Random random(7);
@@ -544,7 +256,7 @@ TEST(Rawlog, MemoryDoesNotGrowWithLength) {
   while (reader.next()) ++entries;
   EXPECT_EQ(entries, kEntries + 1);
   EXPECT_FALSE(reader.loss());
-  EXPECT_LT(peakMemoryKilobytes() - before_kb, 16'000U);  // blocks and buffers: a few MB
+  EXPECT_LT(peakMegabytes() - before_mb, 15.6);  // blocks and buffers: a few MB
 }
 
 }  // namespace
