@@ -106,7 +106,7 @@ bool Course::estimateNominal() {
   diagnosis_.noise = nominal.noise;
   if (!nominal.failure.empty()) return insufficient(nominal.failure);
   final_ = nominal.fit;
-  fits_.beginWith(std::move(nominal.fit), std::move(nominal.options), std::move(nominal.noise));
+  fits_.beginWith(std::move(nominal.fit), std::move(nominal.options), nominal.noise);
   return true;
 }
 

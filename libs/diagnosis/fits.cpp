@@ -34,10 +34,10 @@ double leastOfContenders(double largest) {
   return largest - kContenderMargin - kContenderShare * std::abs(largest);
 }
 
-void Fits::beginWith(Refit nominal, BatchOptions base, NoiseModel noise) {
+void Fits::beginWith(Refit nominal, BatchOptions base, const NoiseModel& noise) {
   nominal_ = std::move(nominal);
   base_ = std::move(base);
-  noise_ = std::move(noise);
+  noise_ = noise;
   fitted_.clear();
 }
 

@@ -19,7 +19,7 @@ class Fits {
   Fits(const BatchData& data, int segments) : data_(data), segments_(segments) {}
 
   /// Under another noise: what was fitted is forgotten. `base`: the nominal fit's options, with that noise.
-  void beginWith(Refit nominal, BatchOptions base, NoiseModel noise);
+  void beginWith(Refit nominal, BatchOptions base, const NoiseModel& noise);
 
   const BatchData& data() const { return data_; }
   const Refit& nominal() const { return nominal_; }

@@ -18,6 +18,8 @@ namespace {
 
 using Kind = UnknownBlock::Kind;
 
+constexpr double kSettled_s = 1e-5;  // latencies that change by less stay as they are
+
 /// Lets all costs compute at once, each for itself, before Ceres adds them up one after the other: the sums
 /// do not depend on the number of threads.
 class Preparation : public ceres::EvaluationCallback {
@@ -97,6 +99,17 @@ double latencyChange(const EffectParameters<double>& a, const EffectParameters<d
       change_s = std::max(change_s, std::abs(*a.template of<Effect>() - *b.template of<Effect>()));
   });
   return change_s;
+}
+
+/// Has the path's knots where the INS's readings begin and end (BatchData::knot_s), whatever its latency:
+/// what of their noise a path can follow depends on where its knots are. Else two explanations that differ by
+/// a shift of the INS alone would be told apart by noise. A latency for a part of the recording leaves them.
+void keepKnotsOnInsClock(const BatchData& data, BatchState& state) {
+  if (!state.path.isSpline()) return;
+  const double first_s = validityOffset<Sensor::ins>(state.effects, data.first_s),
+               last_s = validityOffset<Sensor::ins>(state.effects, data.last_s),
+               begin_s = gridBegin_s(data) + (first_s == last_s ? first_s : 0.0);
+  if (std::abs(begin_s - state.path.begin_s) > kSettled_s) state.path = state.path.begunAt(begin_s);
 }
 
 /// Covariances at the estimate, of what shares rows.
@@ -264,10 +277,10 @@ BatchEstimate reestimate(const BatchData& data, const BatchEstimate& from, const
 }
 
 BatchEstimate minimumFrom(const BatchData& data, const BatchEstimate& from, const BatchOptions& options) {
-  constexpr double kSettled_s = 1e-5;
   BatchEstimate estimate;
   estimate.state = from.state;
   takeOver(options.calibration, options.problem.estimate & from.state.effects.on, estimate.state.effects);
+  keepKnotsOnInsClock(data, estimate.state);
   estimate.path_prior = options.problem.path_prior ? options.problem.path_prior : from.path_prior;
   estimate.options = std::make_shared<const BatchOptions>(options);
   const std::bitset<kEffectCount> changed = changedEffects(from, estimate, options);
@@ -292,7 +305,9 @@ BatchEstimate minimumFrom(const BatchData& data, const BatchEstimate& from, cons
                            (!data.patches.empty() && !poses_stay && estimate.rounds == 0);
     const bool has_gained = summary.initial_cost - summary.final_cost >= options.cost_tolerance;
     settled = !has_moved || (estimate.rounds > 0 && !has_gained);
-    if (!settled) problem = problemAt(data, estimate, options);
+    if (settled) break;
+    keepKnotsOnInsClock(data, estimate.state);
+    problem = problemAt(data, estimate, options);
   }
   estimate.succeeded = true;
   estimate.failure.clear();

@@ -14,6 +14,10 @@ std::vector<std::size_t> continuousScalars(std::size_t effect) {
   return list;
 }
 
+double gridBegin_s(const BatchData& data) {
+  return std::floor(data.first_s / data.knot_s + 1e-6) * data.knot_s;
+}
+
 BatchState startState(const BatchData& data, const std::vector<double>& times_s,
                       const std::vector<Pose>& T_odom_robot, const EffectParameters<double>& effects,
                       double bias_interval_s) {
@@ -32,7 +36,7 @@ BatchState startState(const BatchData& data, const std::vector<double>& times_s,
     }
     return state;
   }
-  const double begin_s = std::floor(data.first_s / data.knot_s + 1e-6) * data.knot_s;
+  const double begin_s = gridBegin_s(data);
   state.path = PosePath::splineNear(times_s, T_odom_robot, begin_s, data.last_s, data.knot_s);
   if (data.vehicle.ins && !(data.gyro.empty() && data.force.empty())) {
     state.bias_interval_s = bias_interval_s;

@@ -43,6 +43,9 @@ struct BatchState {
 /// An effect's continuous scalars, by their place in EffectParameters::values: those that are estimated.
 std::vector<std::size_t> continuousScalars(std::size_t effect);
 
+/// Of the knot interval in which the recording begins: from when to when the INS is averaged, by its stamps.
+double gridBegin_s(const BatchData& data);
+
 /// The first state of a problem: a spline near a path, or a pose an image. Images without one are left out.
 BatchState startState(const BatchData& data, const std::vector<double>& times_s,
                       const std::vector<Pose>& T_odom_robot, const EffectParameters<double>& effects,

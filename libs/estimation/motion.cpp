@@ -70,6 +70,13 @@ PosePath PosePath::splineNear(std::span<const double> times_s, std::span<const P
   return path;
 }
 
+PosePath PosePath::begunAt(double other_begin_s) const {
+  std::vector<double> times_s;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    times_s.push_back(begin_s + (static_cast<double>(i) - 1.0) * knot_s);
+  return splineNear(times_s, poses, other_begin_s, other_begin_s + end_s() - begin_s, knot_s);
+}
+
 Motion motionOf(const PosePath& path, const MotionNode& node) {
   const auto poses = posesOf(path, node);
   Motion motion;

@@ -54,6 +54,8 @@ struct PosePath {
   /// Of a spline. Beyond its ends the outermost segments go on.
   MotionNode nodeAt(double t_s) const;
   double end_s() const { return begin_s + knot_s * static_cast<double>(poses.size() - 3); }
+  /// A spline's motion, nearly, with as many control poses from another time on: they are on the polygon.
+  PosePath begunAt(double other_begin_s) const;
 
   /// A spline over [begin, end] near poses at increasing times: its control poses are on the polygon.
   static PosePath splineNear(std::span<const double> times_s, std::span<const Pose> T_odom_robot,

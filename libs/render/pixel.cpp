@@ -13,7 +13,7 @@ PixelSampler::PixelSampler(int side) {
   for (int i = 0; i < side; ++i)
     for (int j = 0; j < side; ++j) {
       column_.push_back(place(i, j));
-      row_.push_back(place(j, i));
+      row_.push_back(place(j, side - 1 - i));
     }
   column_.push_back(0);
   row_.push_back(0);

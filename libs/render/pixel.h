@@ -34,8 +34,9 @@ struct TriangleInPixel {
 /// Makes a pixel that several triangles share.
 class PixelSampler {
  public:
-  /// `side`² samples on a sheared grid: along an axis of the image no two coincide, so that edges along the
-  /// axes come out as finely as any others.
+  /// `side`² samples on a turned grid: along an axis of the image no two coincide, so that edges along the
+  /// axes come out as finely as any others, and offsets along the two axes have no covariance, so that edges
+  /// aslant are as sharp one way as the other.
   explicit PixelSampler(int side);
 
   /// Radiance: the mean over the samples, each triangle's light taken in the middle of its samples. Range: at

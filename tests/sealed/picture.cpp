@@ -10,15 +10,7 @@ namespace fathom::sealed {
 namespace {
 
 constexpr float kEndless_m = 1000;
-constexpr int kFewestSamples = 16, kMostSamples = 64;  // of a pixel with an edge in it; powers of two
-constexpr double kSamplesPerPixelMoved = 2;
-
-/// Digits of the index mirrored at the point (van der Corput): even in every part of [0, 1).
-double mirrored(int index, int base) {
-  double value = 0, digit = 1.0 / base;
-  for (; index > 0; index /= base, digit /= base) value += digit * (index % base);
-  return value;
-}
+constexpr unsigned kSamples = 64, kTurnedRound = 0b010101;  // of a pixel with an edge in it
 
 /// Where in the pixel, and when in the exposure.
 struct PixelSample {
@@ -26,12 +18,18 @@ struct PixelSample {
   double time_share;  ///< of the exposure, -0.5 to 0.5
 };
 
-/// Hammersley's points: each coordinate by itself is even, too, so that an upright edge is as smooth as any.
-std::vector<PixelSample> samplesOfPixel(int count) {
+/// Hammersley's points, every other digit of the second coordinate turned round, and moments apart from
+/// either: each by itself is even, and no two go together (correlations below 0.004), else edges would be
+/// smeared aslant, moved with the robot, or blurred by less than the shutter's time.
+std::vector<PixelSample> samplesOfPixel() {
+  const auto place = [](unsigned cell) { return (cell % kSamples + 0.5) / kSamples - 0.5; };
   std::vector<PixelSample> samples;
-  for (int i = 0; i < count; ++i)
-    samples.push_back(
-        {{(i + 0.5) / count - 0.5, mirrored(i, 2) + 0.5 / count - 0.5}, mirrored(i + 1, 3) - 0.5});
+  for (unsigned i = 0; i < kSamples; ++i) {
+    unsigned mirrored = 0;
+    for (unsigned digit = 1; digit < kSamples; digit *= 2)
+      mirrored = 2 * mirrored + ((i ^ kTurnedRound) & digit ? 1 : 0);
+    samples.push_back({{place(i), place(mirrored)}, place(5 * i + 12)});
+  }
   return samples;
 }
 
@@ -159,9 +157,7 @@ cv::Mat1b Tracer::edges(double movement_px) const {
 
 void Tracer::refineEdges() {
   const double moved_px = movement_px();
-  int count = kFewestSamples;
-  while (count < kMostSamples && count < kSamplesPerPixelMoved * moved_px) count *= 2;
-  const auto samples = samplesOfPixel(count);
+  const auto samples = samplesOfPixel();
   const cv::Mat1b edge = edges(moved_px);
   for (int row = 0; row < edge.rows; ++row) {
     std::vector<Pose> poses;
@@ -172,7 +168,7 @@ void Tracer::refineEdges() {
       Light mean;
       Sighted seen;
       for (std::size_t i = 0; i < samples.size(); ++i)
-        mean.add(lightAlong(Vector2d(column, row) + samples[i].offset_px, poses[i], seen), 1.0 / count);
+        mean.add(lightAlong(Vector2d(column, row) + samples[i].offset_px, poses[i], seen), 1.0 / kSamples);
       put(row, column, mean);
     }
   }

@@ -294,6 +294,30 @@ TEST(RenderEdges, LieRightAlongTheImagesAxesToo) {
   }
 }
 
+// A square on its corner: what its edges smear is the pixel's own width, rising or falling. Samples whose
+// offsets along the axes went together, as i + j side and j + i side do, gave one pair 1.5 times the other's.
+TEST(RenderEdges, AreAsSharpRisingAsFalling) {
+  CameraModel camera;
+  camera.width_px = camera.height_px = 120;
+  camera.fx_px = camera.fy_px = 100;
+  camera.cx_px = camera.cy_px = 59.5;
+  for (const int supersampling : {4, 5, 8}) {
+    Renderer renderer(camera, Renderer::Options{supersampling});
+    renderer.setScene(posed(rectangle(0.613, 0.613, Eigen::Vector3f::Ones()),
+                            {expSO3<double>(Vector3d(0, 0, std::acos(-1.0) / 4)), Vector3d(0, 0, 1)}));
+    const View view = renderer.render({}, {});
+    double rising = 0, falling = 0;
+    for (int v = 0; v < 120; ++v)
+      for (int u = 0; u < 120; ++u) {
+        const auto covered = static_cast<double>(view.radiance.at<cv::Vec3f>(v, u)[0]);
+        ((u < 60) == (v < 60) ? rising : falling) += covered * (1 - covered);
+      }
+    EXPECT_GT(rising, 5);
+    // One edge crosses pixels in as many ways as it is long, some 43: each sum is right to a few percent.
+    EXPECT_NEAR(rising / falling, 1, 0.05) << supersampling;
+  }
+}
+
 TEST(RenderEdges, MarkerAMillimetreBeforeTheFaceHidesItFromAfar) {
   Renderer renderer(rovCamera());
   for (const double distance_m : {0.5, 2.0, 10.0, 30.0}) {
