@@ -108,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // An INS that is late by so much, or everything else that is early: the same, but for the origin of time.
 // What the path follows of noise is to be the same too, else one is told from the other by chance: with knots
-// that stayed where they were the costs differed by 2 to 9. What is left are the ends, and where both
+// that stayed where they were the costs differed by up to 2.2. What is left are the ends, and where both
 // iterations stop.
 TEST(BatchEstimate, DoesNotTellOneShiftOfTimeFromTheSame) {
   for (const int seed : {1, 2, 3}) {
