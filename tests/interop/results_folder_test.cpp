@@ -154,7 +154,7 @@ INSTANTIATE_TEST_SUITE_P(Of, TwoAtOnce,
                                          writingCommand("sil"), writingCommand("diagnose")),
                          nameOfCommand);
 
-// One recording's images never come into another's.
+// One recording's images never come into another's. On a busy machine one may end before the other begins.
 TEST(TwoSeedsAtOnce, GiveTheRecordingOfOne) {
   inputFolder();
   const fs::path results = scratchFolder() / "results";
@@ -169,7 +169,7 @@ TEST(TwoSeedsAtOnce, GiveTheRecordingOfOne) {
     both += "(" + commandLine(command, results) + ") & ";
   }
   const auto result = runShell(both + "wait");
-  EXPECT_NE(result.err.find("another run"), std::string::npos) << result.err;
+  EXPECT_TRUE(result.err.empty() || result.err.find("another run") != std::string::npos) << result.err;
   const auto files = contentsOf(results);
   EXPECT_TRUE(files == alone[0] || files == alone[1]) << namesIn(files);
 }
