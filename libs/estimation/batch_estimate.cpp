@@ -305,7 +305,7 @@ BatchEstimate minimumFrom(const BatchData& data, const BatchEstimate& from, cons
                            (!data.patches.empty() && !poses_stay && estimate.rounds == 0);
     const bool has_gained = summary.initial_cost - summary.final_cost >= options.cost_tolerance;
     settled = !has_moved || (estimate.rounds > 0 && !has_gained);
-    if (settled) break;
+    if (settled || estimate.rounds + 1 == options.max_rounds) continue;
     keepKnotsOnInsClock(data, estimate.state);
     problem = problemAt(data, estimate, options);
   }

@@ -154,7 +154,8 @@ INSTANTIATE_TEST_SUITE_P(Of, TwoAtOnce,
                                          writingCommand("sil"), writingCommand("diagnose")),
                          nameOfCommand);
 
-// One recording's images never come into another's. On a busy machine one may end before the other begins.
+// One recording's images never come into another's. On a busy machine one may end before the other begins:
+// they are started until they meet.
 TEST(TwoSeedsAtOnce, GiveTheRecordingOfOne) {
   inputFolder();
   const fs::path results = scratchFolder() / "results";
@@ -168,10 +169,14 @@ TEST(TwoSeedsAtOnce, GiveTheRecordingOfOne) {
     fs::remove_all(results);
     both += "(" + commandLine(command, results) + ") & ";
   }
-  const auto result = runShell(both + "wait");
-  EXPECT_TRUE(result.err.empty() || result.err.find("another run") != std::string::npos) << result.err;
-  const auto files = contentsOf(results);
-  EXPECT_TRUE(files == alone[0] || files == alone[1]) << namesIn(files);
+  std::string err;
+  for (int times = 0; times < 10 && err.empty(); ++times) {
+    fs::remove_all(results);
+    err = runShell(both + "wait").err;
+    const auto files = contentsOf(results);
+    EXPECT_TRUE(files == alone[0] || files == alone[1]) << namesIn(files);
+  }
+  EXPECT_NE(err.find("another run"), std::string::npos) << err;
 }
 
 TEST(Claims, EndWithTheirRun) {

@@ -305,7 +305,7 @@ TEST(RenderEdges, AreAsSharpRisingAsFalling) {
   for (const int supersampling : {4, 5, 8}) {
     Renderer renderer(camera, Renderer::Options{supersampling});
     renderer.setScene(posed(rectangle(0.613, 0.613, Eigen::Vector3f::Ones()),
-                            {expSO3<double>(Vector3d(0, 0, std::acos(-1.0) / 4)), Vector3d(0, 0, 1)}));
+                            {expSO3<double>(Vector3d(0, 0, radians(45))), Vector3d(0, 0, 1)}));
     const View view = renderer.render({}, {});
     double rising = 0, falling = 0;
     for (int v = 0; v < 120; ++v)
