@@ -1,6 +1,6 @@
-// Every reader that panel_map, rawlog, bag and sources tests do not damage: files of tests/fuzz/corpus and of
-// config/, damaged anywhere. A reader takes them or throws one Error of one line; nothing else, in memory
-// that the file's own size justifies. FATHOM_FUZZ_SECONDS makes each reader's run as long as that.
+// Every reader: files of tests/fuzz/corpus and of config/, damaged anywhere. A reader takes them or throws
+// one Error of one line; nothing else, in memory that the file's own size justifies. FATHOM_FUZZ_SECONDS
+// makes each reader's run as long as that (tests/fuzz/readers-for-long runs all of them).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,6 +16,10 @@
 #include "landmarks/board_corners.h"
 #include "landmarks/given_corners.h"
 #include "landmarks/tie_points.h"
+#include "panel/mesh.h"
+#include "panel/panel_map.h"
+#include "recording/import_bag.h"
+#include "recording/rawlog.h"
 #include "recording/topic_map.h"
 #include "recording/tum.h"
 #include "sensors/camera_files.h"
@@ -25,6 +29,7 @@
 #include "sources/degradation.h"
 #include "support/damaged_text.h"
 #include "support/memory.h"
+#include "support/panels.h"
 #include "support/shared_data.h"
 #include "support/shipped.h"
 #include "support/stopwatch.h"
@@ -38,6 +43,7 @@ struct Reader {
   std::string name;
   std::vector<fs::path> corpus;
   std::function<void(const fs::path&)> read;
+  std::vector<fs::path> beside = {};  ///< what it refers to
 };
 std::ostream& operator<<(std::ostream& out, const Reader& reader) { return out << reader.name; }
 
@@ -50,9 +56,40 @@ std::function<void(const fs::path&)> reading(const Read& read) {
   return [read](const fs::path& file) { static_cast<void>(read(file)); };
 }
 
+/// To its end; what was lost of it is an error here.
+void readRawlog(const fs::path& file) {
+  RawlogReader reader(file);
+  while (reader.next()) continue;
+  if (const auto& loss = reader.loss())
+    throw Error(file.string(), "byte " + std::to_string(loss->at_byte), loss->reason);
+}
+
+void readBag(const fs::path& file) {
+  BagTopic imu;
+  imu.topic = "/imu";
+  imu.as = TopicRole::ins;
+  TopicMap map;
+  map.topics = {imu};
+  streamBag(file, map, [](Sample&&) {});
+}
+
+/// By the mesh that refers to it.
+void readMaterials(const fs::path& file) {
+  fs::rename(file, file.parent_path() / "board.mtl");
+  readMesh(file.parent_path() / "board.obj");
+}
+
 std::vector<Reader> readers() {
   const Checkerboard board{3, 2, 0.03};
   return {
+      {"rawlog", {corpus("every_kind.rawlog"), corpus("plain.rawlog")}, readRawlog},
+      {"bag", {corpus("plain.bag"), corpus("bz2.bag"), corpus("lz4.bag")}, readBag},
+      {"map", {corpus("board.yaml")}, reading(readPanelMap), {corpus("board.obj"), corpus("board.mtl")}},
+      {"mesh",
+       {corpus("board.obj")},
+       reading([](const fs::path& file) { return readMesh(file); }),
+       {corpus("board.mtl")}},
+      {"materials", {corpus("board.mtl")}, readMaterials, {corpus("board.obj")}},
       {"image",
        {corpus("gray.png"), corpus("colour.png"), corpus("colour.jpg"), corpus("colour.bmp")},
        reading([](const fs::path& file) { return readImage(file); })},
@@ -91,10 +128,14 @@ std::string damagedBytes(std::string bytes, Random& random) {
 
 class ReadersFuzz : public testing::TestWithParam<Reader> {
  protected:
+  void SetUp() override {
+    for (const fs::path& file : GetParam().beside) fs::copy_file(file, folder_ / file.filename());
+  }
+
   /// What is complained of; empty: it was read.
   std::string complaintAbout(const std::string& bytes, const std::string& ending) const {
     const fs::path file = folder_ / ("damaged" + ending);
-    writeTextFile(file, bytes);
+    test::writeNew(file, bytes);
     try {
       GetParam().read(file);
     } catch (const Error& error) {
@@ -134,6 +175,7 @@ TEST_P(ReadersFuzz, DamageIsAnErrorOrNone) {
       FAIL() << "run " << runs << ", " << peakMegabytes() - before_mb << " MB, " << folder_ / "culprit";
     }
   }
+  std::cout << runs << " damaged files, " << refused << " refused\n";
   EXPECT_GT(refused, runs / 20);
   EXPECT_LT(refused, runs);
 }
