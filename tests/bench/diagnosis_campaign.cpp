@@ -17,6 +17,7 @@
 #include "core/text.h"
 #include "report/table.h"
 #include "support/diagnosis_score.h"
+#include "support/flawed_runs.h"
 #include "support/stopwatch.h"
 
 namespace fathom {

@@ -12,8 +12,6 @@ struct ProofResults {
   std::vector<nlohmann::json> real;  ///< as answerTo() has them
 };
 
-/// One row a measure: what was asked, what was reached, of how many.
-Table measureTable(const std::vector<Scored>& all);
 /// Effects by size: how each was answered.
 Table effectTable(const std::vector<Scored>& all);
 /// Effects that were on for a part of the recording: how each was answered, and when it was said to be on.

@@ -15,6 +15,7 @@
 #include "effects/calibration.h"
 #include "gains.h"
 #include "plan.h"
+#include "proof_measures.h"
 #include "proof_report.h"
 #include "real_recordings.h"
 

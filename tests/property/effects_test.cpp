@@ -16,6 +16,7 @@
 #include "sensors/marker_blur.h"
 #include "sensors/models.h"
 #include "support/motions.h"
+#include "support/random_effects.h"
 #include "support/shared_data.h"
 #include "support/simulated.h"
 
@@ -25,35 +26,10 @@ namespace {
 
 constexpr std::size_t kScalars = kEffectOffsets[kEffectCount];
 using EffectJet = ceres::Jet<double, static_cast<int>(kScalars)>;
-
-constexpr double kNow_s = 20;
-constexpr int kMarkers[] = {3, 14};
-
-/// One effect, its continuous parameters one prior sigma large, its marker one of kMarkers and its time past.
-void switchOn(const EffectInfo& effect, EffectParameters<double>& parameters) {
-  parameters.on.set(effect.index);
-  std::size_t i = effect.first_scalar;
-  for (const Parameter& p : effect.parameters)
-    for (int k = 0; k < p.size; ++k)
-      parameters.values[i++] = p.kind == ParameterKind::marker_id   ? kMarkers[0]
-                               : p.kind == ParameterKind::time      ? kNow_s / 2
-                               : p.kind == ParameterKind::peak_time ? kNow_s - 5
-                                                                    : p.prior_sigma;
-}
-
-/// All effects at once, a few prior sigmas large.
-EffectParameters<double> randomParameters(Random& random) {
-  EffectParameters<double> parameters;
-  for (const EffectInfo& effect : allEffects()) {
-    switchOn(effect, parameters);
-    std::size_t i = effect.first_scalar;
-    for (const Parameter& p : effect.parameters)
-      for (int k = 0; k < p.size; ++k, ++i)
-        if (p.kind == ParameterKind::continuous || p.kind == ParameterKind::log_width)
-          parameters.values[i] *= p.positive ? std::abs(random.normal()) : random.normal();
-  }
-  return parameters;
-}
+using test::kMarkersThere;
+using test::kNow_s;
+using test::randomEffects;
+using test::switchOn;
 
 /// Two markers, one of them in a corner of the image, of a panel aslant before the camera.
 template <class T, class Add>
@@ -65,7 +41,7 @@ void addPixels(const KinematicState<double>& where, const KinematicState<T>& sta
   const CameraModel camera{.k1 = -0.04, .k2 = -0.02, .p1 = 1e-3, .p2 = -1e-3, .k3 = 1e-3};
   const Pose T_odom_panel = Pose{where.R_odom_robot, where.position_odom} * T_robot_camera * T_camera_panel;
   const auto panel = nominalPlacement<T>(T_odom_panel, t_s);
-  for (const int id : kMarkers) {
+  for (const int id : kMarkersThere) {
     Marker marker{"tag36h11", id, 0.1, {}};
     marker.T_panel_marker = {rotationFromYawPitchRoll(0.03 * id, 0, 0), {0.05 * id - 0.2, 0.2, 0.01}};
     for (const Pose& eye : {Pose{}, T_left_right})
@@ -256,7 +232,7 @@ TEST(EffectRegistry, JetDerivativesEqualNumericOnes) {
   constexpr double h = 1e-3;
   for (int round = 0; round < 4; ++round) {
     const auto state = test::randomMotion(random);
-    const auto parameters = randomParameters(random);
+    const auto parameters = randomEffects(random);
     auto jets = parameters.at<EffectJet>(kNow_s);
     for (std::size_t i = 0; i < kScalars; ++i)
       jets.values[i] = EffectJet(parameters.values[i], static_cast<int>(i));
@@ -280,111 +256,6 @@ TEST(EffectRegistry, JetDerivativesEqualNumericOnes) {
       }
     }
   }
-}
-
-TEST(EffectRegistry, CalibrationFileRoundTripIsExact) {
-  Random random(4);
-  const auto file = test::scratchFolder() / "calibration.yaml";
-  for (int round = 0; round < 50; ++round) {
-    auto parameters = randomParameters(random);
-    for (std::size_t e = 0; e < kEffectCount; ++e) {
-      if (random.uniform() < 0.5) parameters.active_s[e] = {random.normal(), 2 + 100 * random.uniform()};
-      if (round == 0 || random.uniform() < 0.5) continue;
-      parameters.on.reset(e);
-      parameters.active_s[e] = {};
-      for (std::size_t i = kEffectOffsets[e]; i < kEffectOffsets[e + 1]; ++i) parameters.values[i] = 0;
-    }
-    writeTextFile(file, formatCalibration(parameters));
-    const auto back = readCalibration(file);
-    EXPECT_EQ(back.on, parameters.on);
-    for (std::size_t i = 0; i < kScalars; ++i)  // a square's root has lost its last digit
-      EXPECT_DOUBLE_EQ(asNamed(parameterOf(i), back.values[i]),
-                       asNamed(parameterOf(i), parameters.values[i]));
-    EXPECT_EQ(back.active_s, parameters.active_s);
-    EXPECT_EQ(formatCalibration(back), readTextFile(file));
-  }
-}
-
-TEST(EffectRegistry, NothingOnRoundTripsToo) {
-  const auto file = test::scratchFolder() / "calibration.yaml";
-  writeTextFile(file, formatCalibration({}));
-  EXPECT_TRUE(readCalibration(file).on.none());
-}
-
-Error errorOf(const std::string& text) {
-  const auto file = test::scratchFolder() / "calibration.yaml";
-  writeTextFile(file, text);
-  try {
-    readCalibration(file);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.file, file.string());
-    return error;
-  }
-  ADD_FAILURE() << "accepted: " << text;
-  return {"", "", ""};
-}
-
-/// An entry with every parameter zero but, where given, one spoilt.
-std::string entry(const EffectInfo& effect, const std::string& spoilt = "", const std::string& value = "") {
-  std::string text = "\n  - {id: " + std::string(effect.id);
-  for (const Parameter& p : effect.parameters)
-    text += ", " + std::string(p.name) + ": " + (p.name == spoilt ? value : p.size == 1 ? "0" : "[0, 0, 0]");
-  return text + "}";
-}
-
-TEST(EffectRegistry, BadCalibrationIsRefused) {
-  for (const EffectInfo& effect : allEffects()) {
-    EXPECT_EQ(errorOf("effects:" + entry(effect) + entry(effect)).where, "effects[1].id (line 3)");
-    EXPECT_EQ(errorOf("effects:\n  - {id: " + std::string(effect.id) + "}").where, "effects[0] (line 2)");
-    EXPECT_EQ(errorOf("effects:\n  - {id: " + std::string(effect.id) + "s}").where, "effects[0].id (line 2)");
-    for (const Parameter& p : effect.parameters) {
-      const std::string name(p.name), where = "effects[0]." + name + " (line 2)";
-      const std::string beyond = std::to_string(1.001 * p.limit), within = std::to_string(0.999 * p.limit);
-      const auto list = [&](const std::string& last) {
-        return p.size == 1 ? last : std::string("[0, 0, ").append(last).append("]");
-      };
-      EXPECT_EQ(errorOf("effects:" + entry(effect, name, list(beyond))).where, where);
-      EXPECT_EQ(errorOf("effects:" + entry(effect, name, list(std::to_string(-1.001 * p.limit)))).where,
-                where);
-      if (p.positive) {
-        EXPECT_EQ(errorOf("effects:" + entry(effect, name, list("-1e-6"))).where, where);
-      }
-      EXPECT_EQ(errorOf("effects:" + entry(effect, name, list(".nan"))).where, where);
-      EXPECT_EQ(errorOf("effects:" + entry(effect, name, list("1x"))).where, where);
-      EXPECT_EQ(errorOf("effects:" + entry(effect, name, "[0, 0]")).where, where);
-      EXPECT_EQ(errorOf("effects:" + entry(effect, name, p.size == 1 ? "[0, 0, 0]" : "0")).where, where);
-      const auto file = test::scratchFolder() / "good.yaml";
-      writeTextFile(file, "effects:" + entry(effect, name, list(within)));
-      EXPECT_NO_THROW(readCalibration(file)) << effect.id;
-    }
-  }
-  EXPECT_NE(errorOf("effects:\n  - {id: dvl-scales, scale_error: 0}").why.find("dvl-scale,"),
-            std::string::npos);
-  EXPECT_EQ(errorOf("effects:\n  - {id: dvl-scale, scale_error: 0, colour: 1}").where,
-            "effects[0].colour (line 2)");
-  EXPECT_EQ(errorOf("effect: []\n").why, "missing key `effects`");
-  for (const char* interval : {"[2, 1]", "[1, 1]", "[1]", "5", "[0, .inf]"})
-    EXPECT_EQ(
-        errorOf(std::string("effects:\n  - {id: dvl-scale, scale_error: 0, active_s: ") + interval + "}")
-            .where,
-        "effects[0].active_s (line 2)")
-        << interval;
-  for (const char* id : {"1.5", "-1"})
-    EXPECT_EQ(errorOf(std::string("effects:\n  - {id: marker-moved, offset_m: [0, 0, 0], rotation_deg: 0, "
-                                  "marker_id: ") +
-                      id + "}")
-                  .where,
-              "effects[0].marker_id (line 2)")
-        << id;
-}
-
-TEST(EffectRegistry, OptionalParametersMayBeLeftOut) {
-  const auto file = test::scratchFolder() / "calibration.yaml";
-  writeTextFile(file,
-                "effects:\n  - {id: flat-port-refraction, distance_m: 0.02, glass_m: 0.01, tilt_deg: 1}\n");
-  const auto effects = readCalibration(file);
-  EXPECT_EQ(effects.of<FlatPortRefraction>()[0], 0.02);
-  EXPECT_EQ(effects.of<FlatPortRefraction>()[4], 0);
 }
 
 TEST(EffectRegistry, IdsAreUniqueAndEntriesWhole) {

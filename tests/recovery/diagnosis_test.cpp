@@ -7,6 +7,7 @@
 
 #include "diagnosis/elsewhere.h"
 #include "support/diagnosis_score.h"
+#include "support/flawed_runs.h"
 
 // A small sample of tests/bench/diagnosis_campaign.cpp, which has the figures: one seed each, so that a
 // change for the worse shows. Seeds are the campaign's first; nobody chose them.

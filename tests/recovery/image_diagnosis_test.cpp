@@ -6,6 +6,7 @@
 
 #include "effects/drawn.h"
 #include "support/diagnosis_score.h"
+#include "support/flawed_runs.h"
 
 namespace fathom {
 namespace {

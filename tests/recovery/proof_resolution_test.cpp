@@ -3,7 +3,7 @@
 
 #include "effects/drawn.h"
 #include "proof/resolution.h"
-#include "support/diagnosis_runs.h"
+#include "support/flawed_runs.h"
 
 namespace fathom::proof {
 namespace {

@@ -2,8 +2,11 @@
 
 #include <rosbag/bag.h>
 
+#include "core/files.h"
 #include "recording/import_bag.h"
 #include "recording/ros_messages.h"
+#include "sensors/vehicle.h"
+#include "support/shared_data.h"
 
 /// ROS 1 bags made by the tests, with rosbag's own writer.
 namespace fathom::test {
@@ -47,6 +50,13 @@ inline TopicMap topicMap(std::vector<BagTopic> topics) {
   map.file = "topics.yaml";
   map.topics = std::move(topics);
   return map;
+}
+
+/// As the vehicle file says that is written beside the rawlog.
+inline Vehicle vehicleOf(const ImportedRecording& recording) {
+  const auto file = scratchFolder() / "vehicle.yaml";
+  writeTextFile(file, recording.vehicle_yaml);
+  return readVehicle(file);
 }
 
 }  // namespace fathom::test

@@ -9,7 +9,7 @@
 #include "support/hidden_effect.h"
 
 /// Recordings that hide something, for the diagnosis: an effect of a size in units of what the recording can
-/// resolve, nothing at all, something outside the catalogue, or what cannot be a recording.
+/// resolve, or nothing at all.
 namespace fathom::test {
 
 /// 1.2 to 3.4 m before the panel at x = 6 m, which stays in view: range, heading, roll, pitch and depth all
@@ -110,28 +110,5 @@ void correlateDvl(const BatchRun& run, std::vector<Sample>& samples, double corr
 /// tails (Student's t of 4), correlated DVL noise (0.6), the three together; of light, noise that goes with
 /// it, a thousandth.
 DiagnosisRun richNull(const BatchRun& nominal, std::uint64_t seed);
-
-// Outside the catalogue.
-
-/// A crease along the panel's y axis, and all beyond it turned about it.
-PanelMap folded(PanelMap panel, double angle_rad);
-
-/// DVL that reads v (1 + k |v|).
-void makeDvlQuadratic(std::vector<Sample>& samples, double k_s_m);
-
-/// Gyro that reads rate + G f.
-void makeGyroSensitive(std::vector<Sample>& samples, const Matrix3d& G);
-
-/// Four kinds in turn, each in three sizes.
-DiagnosisRun outsideCatalogue(const BatchRun& nominal, std::size_t number, std::uint64_t seed);
-
-/// The same of light, four kinds in turn: a dark blotch on the port, a response curve of another exponent
-/// for each colour, bubbles that pass before a few patches of every other image, a lens out of focus.
-DiagnosisRun outsideLight(const BatchRun& nominal, std::size_t number, std::uint64_t seed);
-
-// What nothing can be learnt from.
-
-/// No excitation, two samples, constant sensors, files that contradict each other.
-std::vector<DiagnosisRun> wrongInputs(const BatchRun& nominal);
 
 }  // namespace fathom::test

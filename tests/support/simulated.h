@@ -24,12 +24,29 @@ inline Vehicle slantedVehicle() {
   return vehicle;
 }
 
+inline constexpr double kSeaFloor_m = -7.0;
+
+/// The slanted vehicle above a sea floor, its sensors without noise.
+inline SimulationOptions noiseless() {
+  SimulationOptions options;
+  options.vehicle = slantedVehicle();
+  options.noise = false;
+  options.sea_floor_z_m = kSeaFloor_m;
+  return options;
+}
+
 using SamplesByLabel = std::map<std::string, std::vector<Sample>>;
 
 inline SamplesByLabel simulated(const SimulationOptions& options, const Trajectory& trajectory) {
   SamplesByLabel samples;
   simulateNavigation(options, trajectory, [&](const Sample& s) { samples[s.label].push_back(s); });
   return samples;
+}
+
+/// The i-th of a sensor.
+template <class R>
+const R& reading(const SamplesByLabel& samples, const char* label, std::size_t i) {
+  return std::get<R>(samples.at(label).at(i).reading);
 }
 
 /// All numbers of a reading, absent ones as NaN, for comparisons.

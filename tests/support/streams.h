@@ -30,6 +30,14 @@ class ListSource : public SampleSource {
   std::size_t given_ = 0;
 };
 
+/// A stage by what YAML says of it.
+inline DegradationStage stage(const std::string& text) {
+  const YamlFile yaml = YamlFile::parse("stages: [{" + text + "}]", "stage.yaml");
+  DegradationStage result = parseDegradationStage(yaml.root().maps("stages").front());
+  yaml.rejectUnknownKeys();
+  return result;
+}
+
 inline std::vector<Sample> drain(SampleSource& source) {
   std::vector<Sample> samples;
   while (auto sample = source.next()) samples.push_back(std::move(*sample));

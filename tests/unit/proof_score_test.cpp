@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "proof/advised.h"
+#include "proof/proof_measures.h"
 #include "proof/proof_report.h"
 #include "proof/real_recordings.h"
 #include "proof/score.h"

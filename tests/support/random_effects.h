@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cmath>
+
+#include "core/random.h"
+#include "effects/catalogue.h"
+
+/// Effects of any registry, switched on.
+namespace fathom::test {
+
+inline constexpr double kNow_s = 20;
+inline constexpr int kMarkersThere[] = {3, 14};
+
+/// One effect, its continuous parameters one prior sigma large, its marker one of kMarkersThere and its time
+/// past.
+inline void switchOn(const EffectInfo& effect, EffectParameters<double>& parameters) {
+  parameters.on.set(effect.index);
+  std::size_t i = effect.first_scalar;
+  for (const Parameter& p : effect.parameters)
+    for (int k = 0; k < p.size; ++k)
+      parameters.values[i++] = p.kind == ParameterKind::marker_id   ? kMarkersThere[0]
+                               : p.kind == ParameterKind::time      ? kNow_s / 2
+                               : p.kind == ParameterKind::peak_time ? kNow_s - 5
+                                                                    : p.prior_sigma;
+}
+
+/// All effects at once, a few prior sigmas large.
+inline EffectParameters<double> randomEffects(Random& random) {
+  EffectParameters<double> parameters;
+  for (const EffectInfo& effect : allEffects()) {
+    switchOn(effect, parameters);
+    std::size_t i = effect.first_scalar;
+    for (const Parameter& p : effect.parameters)
+      for (int k = 0; k < p.size; ++k, ++i)
+        if (p.kind == ParameterKind::continuous || p.kind == ParameterKind::log_width)
+          parameters.values[i] *= p.positive ? std::abs(random.normal()) : random.normal();
+  }
+  return parameters;
+}
+
+}  // namespace fathom::test
