@@ -165,7 +165,13 @@ std::vector<Candidate> Course::farContenders(const Screening& screening) const {
     const TestedCandidate*& own = nearest[tested.candidate.effect];
     if (own == nullptr || tested.support > own->support) own = &tested;
   }
-  for (const auto& [effect, tested] : nearest) contenders.push_back(tested->candidate);
+  for (const auto& [effect, tested] : nearest) {
+    contenders.push_back(tested->candidate);
+    if (tested->candidate.active_s == Interval{}) continue;
+    // What lasts may do too much to first order where it is largest: then a part of it seems to fit better.
+    contenders.push_back(tested->candidate);
+    contenders.back().active_s = {};
+  }
   return contenders;
 }
 
@@ -242,10 +248,13 @@ bool Course::isBelieved(const Refit& fit, const Looks& looks) {
 }
 
 bool Course::lastsLong(const Candidate& effect) const {
-  if (effect.time_s || effect.peak) return false;
+  if (effect.peak) return false;
+  const double least_s = kUnseenShare * (data_.last_s - data_.first_s);
+  if (effect.time_s)
+    return *effect.time_s - data_.first_s > least_s && data_.last_s - *effect.time_s > least_s;
   const double on_s =
       std::min(effect.active_s.to_s, data_.last_s) - std::max(effect.active_s.from_s, data_.first_s);
-  return on_s > kUnseenShare * (data_.last_s - data_.first_s);
+  return on_s > least_s;
 }
 
 /// An effect for a part of the recording can be made to fit any few images that are a little off: it must
@@ -258,9 +267,9 @@ bool Course::leaveOutUnconfirmed(const Refit& fit) {
   for (std::size_t i = 0; i < fit.effects.size(); ++i) {
     const Refit rest = fits_.without(fit, i);
     const double gain = rest.succeeded ? rest.cost - fit.cost : 0;
-    const bool shown = held.gain.expected_by_effect[i] >= kShownAtAll * gain
-                           ? held.gain.by_effect[i] > kConfirmed * gain
-                           : gain > kUnseen && lastsLong(fit.effects[i]);
+    const double expected = std::min(gain, held.gain.expected_by_effect[i]);
+    const bool shown = expected >= kShownAtAll * gain ? held.gain.by_effect[i] > kConfirmed * expected
+                                                      : gain > kUnseen && lastsLong(fit.effects[i]);
     if (!isPart(fit.effects[i]) || shown) continue;
     any = lasting_only_.insert(fit.effects[i].effect).second || any;
     diagnosis_.remarks.push_back(nameOf(fit.effects[i]) +

@@ -9,6 +9,7 @@
 #include "core/chi_square.h"
 #include "diagnosis/lasting_bias.h"
 #include "effects/catalogue.h"
+#include "estimation/wide_prior.h"
 
 namespace fathom {
 namespace {
@@ -24,23 +25,22 @@ Eigen::VectorXd priorsOf(const Refit& fit) {
   return sigma;
 }
 
-/// By how much less a prior with Cauchy's tails would hold against effects that are larger than anybody
-/// expects: a normal one excludes what is four of its sigmas off, a multivariate Cauchy distribution says
-/// (n + 1) / 2 ln(1 + u^2) instead of u^2 / 2. What is drawn for each image is as many sizes, none of them
-/// large.
-double tailRelief(const Refit& fit) {
-  const Eigen::VectorXd prior = priorsOf(fit);
-  std::map<std::size_t, std::pair<double, int>> sizes;  // by effect: u^2, n
-  for (std::size_t i = 0; i < fit.estimates.size(); ++i) {
-    if (fit.estimates[i].image >= 0) continue;
-    auto& [square, count] = sizes[fit.estimates[i].effect];
-    square += std::pow(fit.estimates[i].value / prior[static_cast<Eigen::Index>(i)], 2);
-    ++count;
+/// By how much more the effects' wide priors cost than the normal ones of the same slope, which are in the
+/// model.
+double tailCost(const Refit& fit) {
+  std::map<std::size_t, std::pair<double, double>> sizes;  // by effect: u^2, dimensions
+  for (const EffectEstimate& estimate : fit.estimates) {
+    if (estimate.image >= 0) continue;
+    auto& [square, dimensions] = sizes[estimate.effect];
+    square += std::pow(estimate.value / parameterOf(estimate.scalar).prior_sigma, 2);
+    ++dimensions;
   }
-  double relief = 0;
-  for (const auto& [effect, size] : sizes)
-    relief += std::max(0.0, 0.5 * size.first - 0.5 * (size.second + 1) * std::log1p(size.first));
-  return relief;
+  double cost = 0;
+  for (const auto& [effect, size] : sizes) {
+    const auto& [square, dimensions] = size;
+    cost += widePriorCost(square, dimensions) - 0.5 * widePriorWeight(square, dimensions) * square;
+  }
+  return cost;
 }
 
 /// One least-squares step with the noise as it is: readings of a sensor have some of it in common, which the
@@ -80,7 +80,7 @@ void finish(Refit& fit) {
       state.draws[{found.scalar, static_cast<std::size_t>(found.image)}] = found.value;
   }
   for (const EffectEstimate& spread : withSpreads(fit)) state.effects.values[spread.scalar] = spread.value;
-  fit.cost -= tailRelief(fit);
+  fit.cost += tailCost(fit);
   const Eigen::VectorXd precision = priorsOf(fit).array().square().inverse();
   fit.freedom = static_cast<double>(columns.size()) - precision.dot(fit.covariance.diagonal());
 }

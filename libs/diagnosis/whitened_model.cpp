@@ -92,8 +92,8 @@ double WhitenedModel::costOf(const Eigen::VectorXd& left) const {
   for (Eigen::Index i = 0; i < left.size(); ++i) {
     // Huber's loss of a reading whose weight on its square s is w = a / sqrt(s): 2 a sqrt(s) - a^2 = w s (2 -
     // w).
-    const bool is_row = i < std::ssize(linear_.rows);
-    const double w = is_row ? linear_.rows[static_cast<std::size_t>(i)].robust_weight : 1;
+    const RowInfo* row = i < std::ssize(linear_.rows) ? &linear_.rows[static_cast<std::size_t>(i)] : nullptr;
+    const double w = row != nullptr && row->channel != BatchChannel::prior ? row->robust_weight : 1;
     cost += 0.5 * (2 - w) * left[i] * left[i];
   }
   return cost;

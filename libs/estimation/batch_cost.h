@@ -46,6 +46,7 @@ class BatchCost : public ceres::CostFunction {
  public:
   RowSource source;
   double robust_threshold = 0.0;  ///< on |r|; 0: none
+  bool is_wide_prior = false;     ///< see wide_prior.h
   std::vector<std::size_t> blocks;
 
   /// Derivative: by the coordinates of its blocks, one behind the other; needs the motions' derivatives.

@@ -11,6 +11,7 @@
 #include "estimation/linearization.h"
 #include "estimation/selected_inverse.h"
 #include "estimation/sparse.h"
+#include "estimation/wide_prior.h"
 #include "sensors/models.h"
 
 namespace fathom {
@@ -63,6 +64,11 @@ class Watch : public ceres::IterationCallback {
   const BatchOptions& options_;
 };
 
+ceres::LossFunction* lossOf(const BatchCost& cost) {
+  if (cost.is_wide_prior) return new WidePriorLoss(cost.num_residuals());
+  return cost.robust_threshold > 0 ? new ceres::HuberLoss(cost.robust_threshold) : nullptr;
+}
+
 ceres::Solver::Summary solve(const BatchProblem& problem, const std::vector<BatchCost*>& costs,
                              const BatchOptions& options, Eigen::VectorXd& x) {
   Preparation preparation(problem, costs, x);
@@ -73,9 +79,7 @@ ceres::Solver::Summary solve(const BatchProblem& problem, const std::vector<Batc
   for (BatchCost* cost : costs) {
     std::vector<double*> parameters;
     for (const std::size_t b : cost->blocks) parameters.push_back(x.data() + problem.blocks()[b].column);
-    ceres_problem.AddResidualBlock(
-        cost, cost->robust_threshold > 0 ? new ceres::HuberLoss(cost->robust_threshold) : nullptr,
-        parameters);
+    ceres_problem.AddResidualBlock(cost, lossOf(*cost), parameters);
   }
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
@@ -213,10 +217,11 @@ void addResiduals(BatchEstimate& estimate, const BatchProblem& problem, const Li
     const RowInfo& row = weighted.rows[static_cast<std::size_t>(i)];
     ChannelResidual& channel = estimate.residuals[row.channel];
     ++channel.rows;
-    if (row.robust_weight < 1.0) ++channel.down_weighted;
+    const bool is_outlier = row.robust_weight < 1.0 && row.channel != BatchChannel::prior;
+    if (is_outlier) ++channel.down_weighted;
     channel.rms += weighted.residual[i] * weighted.residual[i];
     channel.expected_rms += 1.0 - leverages[i];
-    if (row.component == 0 && row.robust_weight < 1.0)
+    if (row.component == 0 && is_outlier)
       estimate.down_weighted.push_back({problem.costs()[row.reading]->source, row.robust_weight});
   }
   for (auto& [name, channel] : estimate.residuals) {

@@ -50,7 +50,7 @@ PriorRows effectPrior(const UnknownBlock& block, const EffectParameters<double>&
     precision[i] = 1.0 / parameterOf(s).prior_sigma;
     value[i++] = reference.values[s];
   }
-  return {precision.cwiseProduct(value), precision.asDiagonal().toDenseMatrix()};
+  return {precision.cwiseProduct(value), precision.asDiagonal().toDenseMatrix(), true};
 }
 
 }  // namespace

@@ -14,6 +14,7 @@ namespace fathom {
 struct PriorRows {
   Eigen::VectorXd value;
   Eigen::MatrixXd slope;
+  bool is_wide = false;  ///< not normal, but as in wide_prior.h
 };
 
 /// Of what is constant; nothing of poses and biases. estimate: effects whose continuous parameters are

@@ -213,9 +213,11 @@ void BatchProblem::addBiasPriors() {
 
 void BatchProblem::addPriorsOfConstants() {
   for (std::size_t b = 0; b < unknowns_.blocks().size(); ++b)
-    if (const auto prior = priorOf(unknowns_.blocks()[b], data_, unknowns_, options_.estimate))
+    if (const auto prior = priorOf(unknowns_.blocks()[b], data_, unknowns_, options_.estimate)) {
       costs_.push_back(
           std::make_unique<LinearCost>(unknowns_.blocks(), std::vector{b}, prior->value, prior->slope));
+      costs_.back()->is_wide_prior = prior->is_wide;
+    }
 }
 
 }  // namespace fathom

@@ -11,20 +11,33 @@
 
 #include "core/text.h"
 #include "effects/catalogue.h"
+#include "estimation/wide_prior.h"
 
 namespace fathom {
 namespace {
 
+/// By what the sigmas of an effect's prior are to be multiplied where it is estimated to be larger than that.
+double priorWidthOf(const BatchProblem& problem, const EffectInfo& effect) {
+  if (!problem.estimates(effect.index)) return 1;
+  double square = 0, dimensions = 0;
+  for (const std::size_t scalar : continuousScalars(effect.index)) {
+    square += std::pow(problem.reference().effects.values[scalar] / parameterOf(scalar).prior_sigma, 2);
+    ++dimensions;
+  }
+  return 1 / std::sqrt(widePriorWeight(square, dimensions));
+}
+
 std::vector<EffectColumn> effectColumnsOf(const BatchProblem& problem) {
   std::vector<EffectColumn> columns;
   for (const EffectInfo& effect : allEffects()) {
+    const double width = priorWidthOf(problem, effect);
     std::size_t scalar = effect.first_scalar;
     for (const Parameter& p : effect.parameters)
       for (int i = 0; i < p.size; ++i, ++scalar) {
         if (!isDifferentiated(p.kind)) continue;
         const std::string axis = p.size > 1 ? print("[%d]", i) : "";
         columns.push_back({effect.index, scalar, std::string(effect.id) + "." + std::string(p.name) + axis,
-                           p.prior_sigma, problem.estimates(effect.index),
+                           width * p.prior_sigma, problem.estimates(effect.index),
                            problem.reference().effects.on[effect.index]});
       }
   }
@@ -207,7 +220,8 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
     }
     RowInfo info = commonInfo(data, problem, cost.source);
     info.reading = i;
-    info.robust_weight = huberWeight(r.norm(), cost.robust_threshold);
+    info.robust_weight = cost.is_wide_prior ? widePriorWeight(r.squaredNorm(), static_cast<double>(r.size()))
+                                            : huberWeight(r.norm(), cost.robust_threshold);
     info.robust_threshold = cost.robust_threshold;
     const Eigen::VectorXd raw = cost.raw(r);
     const Eigen::VectorXd sigma = rawSigmas(cost, r.size());

@@ -19,7 +19,7 @@ struct RowInfo {
   int track = -1;               ///< index in Linearization::tracks; -1: a prior
   double raw = 0;               ///< reading - prediction in the reading's unit
   double per_unit = 0;          ///< residual by raw: one over the sigma
-  double robust_weight = 1;     ///< Huber's weight of its reading, on the squared residual
+  double robust_weight = 1;     ///< of its reading, on the squared residual: Huber's, a wide prior's
   double robust_threshold = 0;  ///< on the norm of its reading's residual; 0: none
 
   // The motion of the robot then.
@@ -55,7 +55,7 @@ struct EffectColumn {
   std::size_t effect = 0;  ///< in the registry
   std::size_t scalar = 0;  ///< in EffectParameters::values
   std::string name;        ///< "dvl-lever-arm.offset_m[0]"
-  double prior_sigma = 0;
+  double prior_sigma = 0;  ///< of a normal prior with the wide one's slope at the estimate (wide_prior.h)
   bool estimated = false;  ///< its block is among the nuisances too
   bool on = false;         ///< at the estimate, so that a peak is where it is
 };

@@ -29,6 +29,14 @@ const test::Excitation& excitation() {
   return excitation;
 }
 
+/// An effect of one parameter, to within four sigma.
+template <class Effect>
+void expectFound(const FoundEffect& found, double value) {
+  ASSERT_EQ(found.candidate.effect, kEffectIndex<Effect>) << nameOf(found.candidate);
+  EXPECT_NEAR(found.estimates.at(0).value, value, 4 * found.estimates.at(0).sigma);
+  EXPECT_GT(found.sqrt_lambda, 10);
+}
+
 // Independent of the linearization that sizes are set by: what the estimate without the effect cannot fit,
 // against that with it. A tenth for the second order, and for what priors and the spline leave of nothing.
 TEST(DiagnosisRuns, SizeIsTheLikelihoodThatAnEffectIsWorth) {
@@ -155,9 +163,38 @@ TEST(Diagnosis, NamesOneLatencyThoughItIsFarBeyondWhatIsUsual) {
   run.vehicle.camera.reset();
   run.effects.add<DvlLatency>({-0.9});
   const Diagnosis diagnosis = diagnose(run.input());
-  EXPECT_FALSE(diagnosis.effects.empty()) << diagnosis.why;
+  ASSERT_FALSE(diagnosis.effects.empty()) << diagnosis.why;
   for (const FoundEffect& found : diagnosis.effects)
     EXPECT_GE(found.sqrt_lambda, 5) << nameOf(found.candidate) << ": " << diagnosis.why;
+  expectFound<DvlLatency>(diagnosis.effects[0], -0.9);
+  EXPECT_EQ(diagnosis.effects[0].candidate.active_s, Interval{});
+}
+
+// A normal prior pulls what is 15 of its sigmas large to half of it, and what it then leaves is
+// "unexplained".
+TEST(Diagnosis, FindsSizesFarBeyondWhatIsUsual) {
+  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  test::BatchRun run(40.0, test::pathOf(40.0, [](double t) {
+                       Pose station = test::richPose(0);
+                       station.position += 0.15 * Vector3d(std::sin(0.3 * t), std::sin(0.4 * t), 0);
+                       return station;
+                     }));
+  run.seed = 4;
+  run.effects.add<DvlScale>({0.3});
+  const Diagnosis diagnosis = diagnose(run.input());
+  ASSERT_EQ(diagnosis.effects.size(), 1U) << diagnosis.why;
+  expectFound<DvlScale>(diagnosis.effects[0], 0.3);
+}
+
+// The robot's path follows the panel on stretches that are held out, so that little of a step shows there.
+TEST(Diagnosis, NamesAStepThatHeldOutStretchesHardlyShow) {
+  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  test::BatchRun run = test::richRun(5);
+  run.effects.add<PanelMoved>({42.5, 0.0095, -0.0013, 0.0005, 0.091, 0.129, 0.056});
+  const Diagnosis diagnosis = diagnose(run.input());
+  ASSERT_EQ(diagnosis.effects.size(), 1U) << diagnosis.why;
+  EXPECT_EQ(allEffects()[diagnosis.effects[0].candidate.effect].id, "panel-moved") << diagnosis.why;
+  EXPECT_NEAR(diagnosis.effects[0].candidate.time_s.value(), 42.5, 1);
 }
 
 TEST(Diagnosis, IsJudgedOnAnotherManoeuvre) {
