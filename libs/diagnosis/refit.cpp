@@ -25,8 +25,9 @@ Eigen::VectorXd priorsOf(const Refit& fit) {
   return sigma;
 }
 
-/// By how much more the effects' wide priors cost than the normal ones of the same slope, which are in the
-/// model.
+/// By how much more effects cost that are larger than anybody expects than by the normal priors that are in
+/// the model: with Cauchy's tails less, (n + 1) / 2 ln(1 + u^2) instead of u^2 / 2, but where they are in the
+/// estimate.
 double tailCost(const Refit& fit) {
   std::map<std::size_t, std::pair<double, double>> sizes;  // by effect: u^2, dimensions
   for (const EffectEstimate& estimate : fit.estimates) {
@@ -38,7 +39,9 @@ double tailCost(const Refit& fit) {
   double cost = 0;
   for (const auto& [effect, size] : sizes) {
     const auto& [square, dimensions] = size;
-    cost += widePriorCost(square, dimensions) - 0.5 * widePriorWeight(square, dimensions) * square;
+    cost += hasWidePrior(effect)
+                ? widePriorCost(square, dimensions) - 0.5 * widePriorWeight(square, dimensions) * square
+                : std::min(0.0, 0.5 * (dimensions + 1) * std::log1p(square) - 0.5 * square);
   }
   return cost;
 }

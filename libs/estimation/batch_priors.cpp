@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "effects/catalogue.h"
+#include "estimation/wide_prior.h"
 
 namespace fathom {
 namespace {
@@ -50,7 +51,7 @@ PriorRows effectPrior(const UnknownBlock& block, const EffectParameters<double>&
     precision[i] = 1.0 / parameterOf(s).prior_sigma;
     value[i++] = reference.values[s];
   }
-  return {precision.cwiseProduct(value), precision.asDiagonal().toDenseMatrix(), true};
+  return {precision.cwiseProduct(value), precision.asDiagonal().toDenseMatrix(), hasWidePrior(block.index)};
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace {
 
 /// By what the sigmas of an effect's prior are to be multiplied where it is estimated to be larger than that.
 double priorWidthOf(const BatchProblem& problem, const EffectInfo& effect) {
-  if (!problem.estimates(effect.index)) return 1;
+  if (!problem.estimates(effect.index) || !hasWidePrior(effect.index)) return 1;
   double square = 0, dimensions = 0;
   for (const std::size_t scalar : continuousScalars(effect.index)) {
     square += std::pow(problem.reference().effects.values[scalar] / parameterOf(scalar).prior_sigma, 2);

@@ -1,8 +1,17 @@
 #include "estimation/wide_prior.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "effects/catalogue.h"
+
 namespace fathom {
+
+bool hasWidePrior(std::size_t effect) {
+  const auto& parameters = allEffects()[effect].parameters;
+  return std::count_if(parameters.begin(), parameters.end(),
+                       [](const Parameter& parameter) { return isDifferentiated(parameter.kind); }) == 1;
+}
 
 double widePriorWeight(double square, double dimensions) {
   return square <= dimensions ? 1 : (dimensions + 1) / (1 + square);
