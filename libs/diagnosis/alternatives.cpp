@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kSameSupport = 2.7;  // half of the 5.4 by which the right one loses once in a hundred
 constexpr std::size_t kRivals = 4;
+constexpr double kVanished = 2;  // sqrt(lambda) of what would never have been named
 
 /// Of the candidates to first order, that of an effect which comes nearest; nothing where there is none.
 std::optional<std::size_t> nearestOf(std::size_t effect, const std::vector<TestedCandidate>& candidates) {
@@ -64,6 +65,9 @@ InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits,
     Refit rival = fits.of(rest, effects);
     if (!rival.succeeded || !isBeyondBias(rival, rest, other)) continue;
     const double difference = fits.worth(rival) - fits.worth(fit);
+    // Where readings contradict each other an effect may be but a way to another minimum, and nothing left of
+    // it.
+    if (sqrtLambda(rival, other.effect) < kVanished) continue;
     if (difference > 0) {
       found.better = std::move(rival);
       return found;

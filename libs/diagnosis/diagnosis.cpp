@@ -25,8 +25,6 @@ constexpr double kLessNoise = 0.9;  // times the noise taken before: less than c
 // than a few images: that share of the recording.
 constexpr double kConfirmed = 0.3, kShownAtAll = 0.1, kUnseen = 50, kUnseenShare = 0.25;
 
-constexpr double kVanished = 2;  // sqrt(lambda) of what would never have been named
-
 /// To compare what a camera by itself shows: its noise and the markers' scatter, multiplied.
 double cameraNoise(const NoiseModel& noise) {
   double product = noise.markers.largest_m() > 0 ? noise.markers.rms_m() : 1;
@@ -77,7 +75,6 @@ class Course {
   bool isBelieved(const Refit& fit, const Looks& looks);
   bool leaveOutUnconfirmed(const Refit& fit);
   void accept(Refit better);
-  void leaveOutVanished();
   bool lastsLong(const Candidate& effect) const;
   bool takeNoise(const NoiseModel& shown);
   bool takeLeastNoise();
@@ -214,17 +211,6 @@ void Course::attribute() {
     accept(std::move(better));
   }
   lookForAlternatives();
-  leaveOutVanished();
-}
-
-/// What is left of a single effect may be nothing, where readings contradict each other and it was but a way
-/// to another minimum.
-void Course::leaveOutVanished() {
-  if (final_.effects.size() != 1 || sqrtLambda(final_, final_.effects.front().effect) >= kVanished) return;
-  diagnosis_.remarks.push_back("Of " + nameOf(final_.effects.front()) + " nothing is left in the best fit");
-  diagnosis_.alternatives.clear();
-  confidence_.clear();
-  final_ = fits_.nominal();
 }
 
 /// Other effects in each one's place that are as good; one that is better takes it.

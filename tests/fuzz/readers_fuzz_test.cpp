@@ -18,7 +18,6 @@
 #include "landmarks/tie_points.h"
 #include "panel/mesh.h"
 #include "panel/panel_map.h"
-#include "recording/import_bag.h"
 #include "recording/rawlog.h"
 #include "recording/topic_map.h"
 #include "recording/tum.h"
@@ -27,6 +26,7 @@
 #include "sensors/water.h"
 #include "simulation/read_trajectory.h"
 #include "sources/degradation.h"
+#include "support/bags.h"
 #include "support/damaged_text.h"
 #include "support/memory.h"
 #include "support/panels.h"
@@ -65,12 +65,7 @@ void readRawlog(const fs::path& file) {
 }
 
 void readBag(const fs::path& file) {
-  BagTopic imu;
-  imu.topic = "/imu";
-  imu.as = TopicRole::ins;
-  TopicMap map;
-  map.topics = {imu};
-  streamBag(file, map, [](Sample&&) {});
+  streamBag(file, test::topicMap({test::bagTopic("/imu", TopicRole::ins)}), [](Sample&&) {});
 }
 
 /// By the mesh that refers to it.
