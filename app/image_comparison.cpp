@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "effects/drawn.h"
+#include "sensors/exposure_time.h"
 #include "sil/pair_maker.h"
 #include "similarity/measures.h"
 
@@ -151,7 +152,8 @@ std::vector<ComparedImage> compareImages(const BatchRecording& recording, const 
   const BatchData& data = recording.input.data;
   if (data.patches.empty() || !diagnosis.before.succeeded) return {};
   const Simulated before(recording, diagnosis.before, known);
-  const EffectParameters<double>& found = diagnosis.after.state.effects;
+  const double stated_s = data.vehicle.camera ? data.vehicle.camera->exposure_s : 0;
+  const EffectParameters<double> found = wholeOf(diagnosis.after.state.effects, stated_s);
   std::optional<Simulated> after;
   if (found.on != known.on) after.emplace(recording, diagnosis.after, found);
   std::vector<ComparedImage> compared;

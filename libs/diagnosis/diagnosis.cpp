@@ -12,6 +12,7 @@
 #include "diagnosis/fits.h"
 #include "diagnosis/nominal.h"
 #include "diagnosis/verdict.h"
+#include "sensors/exposure_time.h"
 
 namespace fathom {
 namespace {
@@ -80,8 +81,10 @@ class Course {
   bool takeLeastNoise();
   /// Its fits are quick.
   bool isCameraAlone() const { return !data_.hasMotion(); }
+  double statedExposure_s() const { return data_.vehicle.camera ? data_.vehicle.camera->exposure_s : 0; }
   HeldOutResult heldOut(const Refit& fit, bool yardsticks) const;
   void lookForAlternatives();
+  EffectEstimate whole(EffectEstimate estimate) const;
   FoundEffect describe(std::size_t effect);
 
   const BatchData& data_;
@@ -102,7 +105,8 @@ bool Course::insufficient(const std::string& why) {
 }
 
 bool Course::estimateNominal() {
-  NominalFit nominal = nominalFit(data_, start_, options_.calibration, options_.seed);
+  NominalFit nominal =
+      nominalFit(data_, start_, beyondStated(options_.calibration, statedExposure_s()), options_.seed);
   diagnosis_.noise = nominal.noise;
   if (!nominal.failure.empty()) return insufficient(nominal.failure);
   final_ = nominal.fit;
@@ -195,6 +199,8 @@ void Course::attribute() {
     }
     if (round == 0) {
       diagnosis_.tested = screening.candidates();
+      for (TestedCandidate& tested : diagnosis_.tested)
+        for (EffectEstimate& one : tested.one_step) one = whole(one);
       std::stable_sort(
           diagnosis_.tested.begin(), diagnosis_.tested.end(),
           [](const TestedCandidate& a, const TestedCandidate& b) { return a.support > b.support; });
@@ -331,7 +337,13 @@ void Course::report() {
   diagnosis_.before_options = fits_.nominal().options;
   diagnosis_.after = described(data_, final_.estimate, final_.options);
   diagnosis_.after_options = final_.options;
-  diagnosis_.calibration = final_.estimate.state.effects;
+  diagnosis_.calibration = wholeOf(final_.estimate.state.effects, statedExposure_s());
+}
+
+/// As reports have it.
+EffectEstimate Course::whole(EffectEstimate estimate) const {
+  estimate.value = wholeOf(estimate.scalar, estimate.value, statedExposure_s());
+  return estimate;
 }
 
 FoundEffect Course::describe(std::size_t effect) {
@@ -341,7 +353,7 @@ FoundEffect Course::describe(std::size_t effect) {
   for (const EffectEstimate& estimate : final_.estimates)
     scalars += estimate.effect == found.candidate.effect;
   for (const EffectEstimate& estimate : withSpreads(final_))
-    if (estimate.effect == found.candidate.effect) found.estimates.push_back(estimate);
+    if (estimate.effect == found.candidate.effect) found.estimates.push_back(whole(estimate));
   if (found.candidate.peak)
     found.candidate.peak = peakOf(final_.estimate.state.effects, found.candidate.effect);
   found.sqrt_lambda = sqrtLambda(final_, found.candidate.effect);

@@ -59,7 +59,8 @@ struct Diagnosis {
   std::vector<FoundEffect> nearest;  ///< unexplained: effects that come near, but fail a test
   std::vector<Alternatives> alternatives;
   HeldOutResult heldout;                       ///< empty where no effect was found
-  EffectParameters<double> calibration;        ///< with all effects found: `simulate` and `localize` take it
+  EffectParameters<double> calibration;        ///< with all effects found: `simulate` and `localize` take it;
+                                               ///< wholeOf() what the estimates below have
   BatchEstimate before, after;                 ///< the nominal model's estimate, and the final one's
   BatchOptions before_options, after_options;  ///< with which they were made: for problemAt()
   std::vector<std::string> remarks;

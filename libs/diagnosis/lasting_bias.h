@@ -9,7 +9,7 @@ namespace fathom {
 /// others nothing is known.
 constexpr double lastingBias(BatchChannel channel) {
   if (channel == BatchChannel::markers) return 0.003;
-  return channel == BatchChannel::edges ? 0.01 : 0;
+  return channel == BatchChannel::edges ? 0.001 : 0;
 }
 
 }  // namespace fathom

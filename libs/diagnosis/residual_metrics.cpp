@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "diagnosis/covariate.h"
+
 namespace fathom {
 
 std::string metricOf(BatchChannel channel) {

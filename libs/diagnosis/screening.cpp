@@ -13,6 +13,7 @@
 #include "core/chi_square.h"
 #include "core/median.h"
 #include "core/random.h"
+#include "diagnosis/finer_edges.h"
 #include "effects/drawn.h"
 
 namespace fathom {
@@ -21,7 +22,8 @@ namespace {
 constexpr double kLeastKept = 1e-4;  // of a direction's length: less is rounding
 constexpr double kForAPart = 2.0;    // ln of the odds for an effect that lasts
 constexpr int kAlarmDraws = 100;
-constexpr std::size_t kKeptSets = 60;  // of a size, to which another effect is added
+constexpr std::size_t kFinerTried = 4;  // parts with finer edges, of each family
+constexpr std::size_t kKeptSets = 60;   // of a size, to which another effect is added
 
 }  // namespace
 
@@ -59,28 +61,25 @@ Screening::Screening(const WhitenedModel& model, int segments, const std::set<st
   std::vector<Eigen::Index> sizes;
   for (const Family& family : families_) sizes.push_back(family.size * family.segments);
   reduced_ = model.nuisances().reduce(columns_, model.residual(), sizes);
+  std::vector<std::optional<TestedCandidate>> parts;  // the best of each family
   for (std::size_t family = 0; family < families_.size(); ++family) {
-    const std::vector<Run> all = runsOf(family);
-    std::optional<std::size_t> best;
-    std::vector<TestedCandidate> tested;
-    for (const Run& run : all) {
-      const Test one{run, informationOf(run), candidateOf(run).isForGood()};
-      tested.push_back(test(one));
-      if (one.information.rank > 0) all_.push_back(one);
+    std::optional<TestedCandidate>& part = parts.emplace_back();
+    for (const Run& run : runsOf(family)) {
+      const Candidate candidate = candidateOf(run);
+      const Moments moments{gramOf(run), scoreOf(run, reduced_.score), normsOf(run)};
+      const Information information(moments.gram, moments.norms);
+      TestedCandidate one = test(family, candidate, moments, information);
+      if (one.dof == 0) continue;
+      all_.push_back({run, information, candidate.isForGood()});
+      if (candidate.isForGood())
+        add(family, std::move(one), 0);
+      else if (!part || one.support > part->support)
+        part = std::move(one);
     }
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const bool for_good = tested[i].candidate.isForGood();
-      if (!for_good && tested[i].dof > 0 && (!best || tested[i].support > tested[*best].support)) best = i;
-      if (!for_good || tested[i].dof == 0) continue;
-      tested_.push_back(tested[i]);
-      runs_.push_back(all[i]);
-      log_prior_.push_back(0);
-    }
-    if (!best) continue;
-    tested_.push_back(tested[*best]);
-    runs_.push_back(all[*best]);
-    log_prior_.push_back(logPriorOf(tested[*best].candidate, segments));
   }
+  takeFinerEdges(segments, parts);
+  for (std::size_t family = 0; family < families_.size(); ++family)
+    if (parts[family]) add(family, *parts[family], logPriorOf(parts[family]->candidate, segments));
   // One of the markers is one of many, too.
   std::map<std::size_t, double> markers;
   for (const TestedCandidate& t : tested_)
@@ -92,26 +91,68 @@ Screening::Screening(const WhitenedModel& model, int segments, const std::set<st
   combine();
 }
 
-void Screening::combine() {
-  std::vector<Eigen::Triplet<double>> sums;
-  Eigen::Index width = 0;
-  for (const Run& run : runs_) {
-    const Family& family = families_[run.family];
-    place_.push_back(width);
-    for (int segment = run.from; segment < run.to; ++segment)
-      for (Eigen::Index k = 0; k < family.size; ++k)
-        sums.emplace_back(static_cast<int>(family.first + segment * family.size + k),
-                          static_cast<int>(width + k), 1.0);
-    width += family.size;
+void Screening::add(std::size_t family, TestedCandidate tested, double log_prior) {
+  tested_.push_back(std::move(tested));
+  family_of_.push_back(family);
+  log_prior_.push_back(log_prior);
+}
+
+/// Parts with edges between the segments', where one is better by more than for having looked at so many.
+void Screening::takeFinerEdges(int segments, std::vector<std::optional<TestedCandidate>>& parts) {
+  const FinerEdges edges(model_, {first_s_, first_s_ + segments * segment_s_}, segments);
+  std::vector<std::vector<FinerEdges::Part>> best(families_.size());
+  tbb::parallel_for(std::size_t{0}, families_.size(), [&](std::size_t family) {
+    if (!parts[family] || families_[family].has_peak) return;
+    const Eigen::MatrixXd scores = edges.scoresUpTo(families_[family].candidate);
+    for (const Test& test : all_)
+      if (test.run.family == family && !test.is_lasting)
+        best[family].push_back(edges.best(scores, test.information.inverse, test.run.from, test.run.to));
+    std::stable_sort(best[family].begin(), best[family].end(),
+                     [](const auto& a, const auto& b) { return a.statistic > b.statistic; });
+    if (best[family].size() > kFinerTried) best[family].resize(kFinerTried);
+  });
+  std::vector<Candidate> candidates;
+  std::vector<std::size_t> family_of;
+  for (std::size_t family = 0; family < families_.size(); ++family)
+    for (const FinerEdges::Part& part : best[family]) {
+      candidates.push_back(candidateOf(
+          families_[family], part.from > 0 ? edges.timeOf(part.from) : -Interval::kForever_s,
+          part.to < segments * edges.perSegment() ? edges.timeOf(part.to) : Interval::kForever_s));
+      family_of.push_back(family);
+    }
+  std::vector<Eigen::Index> sizes;
+  for (const std::size_t family : family_of) sizes.push_back(families_[family].size);
+  const Reduced reduced = model_.nuisances().reduce(model_.whitened(columnsOf(model_.linear(), candidates)),
+                                                    model_.residual(), sizes);
+  Eigen::Index first = 0;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Eigen::Index size = sizes[i];
+    const Moments moments{reduced.gram.block(first, first, size, size), reduced.score.segment(first, size),
+                          reduced.norms.segment(first, size)};
+    first += size;
+    TestedCandidate finer =
+        test(family_of[i], candidates[i], moments, Information(moments.gram, moments.norms));
+    const double looked = std::log(edges.perSegment()) * (families_[family_of[i]].is_step ? 1 : 2);
+    finer.log_p = std::min(0.0, finer.log_p + looked);
+    finer.support -= looked;
+    if (finer.dof > 0 && finer.support > parts[family_of[i]]->support) parts[family_of[i]] = std::move(finer);
   }
-  Eigen::SparseMatrix<double> sum(columns_.cols(), width);
-  sum.setFromTriplets(sums.begin(), sums.end());
-  combined_ = model_.nuisances().reduce(columns_ * sum, model_.residual());
+}
+
+void Screening::combine() {
+  std::vector<Candidate> candidates;
+  Eigen::Index width = 0;
+  for (std::size_t i = 0; i < tested_.size(); ++i) {
+    candidates.push_back(tested_[i].candidate);
+    place_.push_back(width);
+    width += families_[family_of_[i]].size;
+  }
+  combined_ = model_.reduce(candidates);
 }
 
 Eigen::MatrixXd Screening::gramOf(std::size_t a, std::size_t b) const {
-  return combined_.gram.block(place_[a], place_[b], families_[runs_[a].family].size,
-                              families_[runs_[b].family].size);
+  return combined_.gram.block(place_[a], place_[b], families_[family_of_[a]].size,
+                              families_[family_of_[b]].size);
 }
 
 void Screening::layOut(const Linearization& linear, int segments, const std::set<std::size_t>& lasting_only) {
@@ -184,18 +225,22 @@ std::vector<Screening::Run> Screening::runsOf(std::size_t family) const {
 
 Candidate Screening::candidateOf(const Run& run) const {
   const Family& family = families_[run.family];
+  return candidateOf(family, run.from > 0 ? first_s_ + run.from * segment_s_ : -Interval::kForever_s,
+                     run.to < family.segments ? first_s_ + run.to * segment_s_ : Interval::kForever_s);
+}
+
+Candidate Screening::candidateOf(const Family& family, double from_s, double to_s) const {
   Candidate candidate = family.candidate;
-  const double from_s = first_s_ + run.from * segment_s_, to_s = first_s_ + run.to * segment_s_;
-  if (family.is_step) {
+  if (family.is_step)
     candidate.time_s = from_s;
-    return candidate;
-  }
-  if (family.has_peak) {  // as much, and as high
+  else if (!family.has_peak)
+    candidate.active_s = {from_s, to_s};
+  else {  // as much, and as high
+    const double last_s = first_s_ + family.segments * segment_s_;
+    from_s = std::max(from_s, first_s_);
+    to_s = std::min(to_s, last_s);
     candidate.peak = {0.5 * (from_s + to_s), (to_s - from_s) / std::sqrt(2 * std::numbers::pi)};
-    return candidate;
   }
-  if (run.from > 0) candidate.active_s.from_s = from_s;
-  if (run.to < family.segments) candidate.active_s.to_s = to_s;
   return candidate;
 }
 
@@ -224,21 +269,16 @@ Eigen::VectorXd Screening::normsOf(const Run& run) const {
   return squares.cwiseSqrt();
 }
 
-Information Screening::informationOf(const Run& run) const { return Information(gramOf(run), normsOf(run)); }
-
-TestedCandidate Screening::test(const Test& test) const {
-  const Run& run = test.run;
-  const Information& information = test.information;
-  const Family& family = families_[run.family];
-  const Eigen::MatrixXd A = gramOf(run);
-  const Eigen::VectorXd g = scoreOf(run, reduced_.score);
+TestedCandidate Screening::test(std::size_t of_family, const Candidate& candidate, const Moments& moments,
+                                const Information& information) const {
+  const Family& family = families_[of_family];
   TestedCandidate tested;
-  tested.candidate = candidateOf(run);
+  tested.candidate = candidate;
   tested.dof = information.rank;
   if (tested.dof == 0) return tested;
-  tested.kept = std::sqrt(std::max(0.0, A.trace()) / normsOf(run).squaredNorm());
+  tested.kept = std::sqrt(std::max(0.0, moments.gram.trace()) / moments.norms.squaredNorm());
   // The residual is reading - prediction to first order in -C: what lowers it is -value.
-  const Eigen::VectorXd value = -information.inverse * g;
+  const Eigen::VectorXd value = -information.inverse * moments.score;
   bool is_possible = true;
   for (Eigen::Index k = 0; k < family.size; ++k) {
     const std::size_t scalar = family.scalars[static_cast<std::size_t>(k)];
@@ -247,29 +287,29 @@ TestedCandidate Screening::test(const Test& test) const {
     is_possible = is_possible && canBeFound(scalar, value[k]);
   }
   if (!is_possible) return tested;
-  tested.statistic = g.dot(information.inverse * g);
+  tested.statistic = moments.score.dot(information.inverse * moments.score);
   tested.log_p = chiSquareLogTail(tested.dof, tested.statistic);
-  tested.support = fathom::support(A, g, family.prior_sigma);
+  tested.support = fathom::support(moments.gram, moments.score, family.prior_sigma);
   return tested;
 }
 
 double Screening::supportOf(const std::vector<std::size_t>& members) const {
   Eigen::Index size = 0;
-  for (const std::size_t m : members) size += families_[runs_[m].family].size;
+  for (const std::size_t m : members) size += families_[family_of_[m]].size;
   Eigen::MatrixXd A(size, size);
   Eigen::VectorXd g(size), sigma(size);
   double prior = 0;
   Eigen::Index row = 0;
   for (const std::size_t a : members) {
-    const Eigen::Index rows = families_[runs_[a].family].size;
+    const Eigen::Index rows = families_[family_of_[a]].size;
     Eigen::Index column = 0;
     for (const std::size_t b : members) {
-      const Eigen::Index columns = families_[runs_[b].family].size;
+      const Eigen::Index columns = families_[family_of_[b]].size;
       A.block(row, column, rows, columns) = gramOf(a, b);
       column += columns;
     }
     g.segment(row, rows) = combined_.score.segment(place_[a], rows);
-    sigma.segment(row, rows) = families_[runs_[a].family].prior_sigma;
+    sigma.segment(row, rows) = families_[family_of_[a]].prior_sigma;
     prior += log_prior_[a];
     row += rows;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -86,6 +87,12 @@ class Screening {
     int from = 0, to = 0;  ///< the first, and the one behind the last
   };
 
+  /// Of a candidate's columns.
+  struct Moments {
+    Eigen::MatrixXd gram;
+    Eigen::VectorXd score, norms;
+  };
+
   struct Test {
     Run run;
     Information information;
@@ -95,14 +102,17 @@ class Screening {
   void layOut(const Linearization& linear, int segments, const std::set<std::size_t>& lasting_only);
   Eigen::SparseMatrix<double> columns(const Linearization& linear) const;
   Eigen::VectorXd normsOf(const Run& run) const;
-  Information informationOf(const Run& run) const;
   std::vector<Run> runsOf(std::size_t family) const;
   Candidate candidateOf(const Run& run) const;
+  Candidate candidateOf(const Family& family, double from_s, double to_s) const;
   Eigen::MatrixXd gramOf(const Run& run) const;
   Eigen::MatrixXd gramOf(std::size_t a, std::size_t b) const;
+  void add(std::size_t family, TestedCandidate tested, double log_prior);
+  void takeFinerEdges(int segments, std::vector<std::optional<TestedCandidate>>& parts);
   void combine();
   Eigen::VectorXd scoreOf(const Run& run, const Eigen::VectorXd& score) const;
-  TestedCandidate test(const Test& test) const;
+  TestedCandidate test(std::size_t of_family, const Candidate& candidate, const Moments& moments,
+                       const Information& information) const;
   double supportOf(const std::vector<std::size_t>& members) const;
 
   const WhitenedModel& model_;
@@ -114,8 +124,8 @@ class Screening {
   std::vector<Eigen::Index> place_;  // of the tested ones' columns there
   std::vector<Test> all_;            // that were tried
   std::vector<TestedCandidate> tested_;
-  std::vector<Run> runs_;          // of the tested ones
-  std::vector<double> log_prior_;  // of the tested ones: an interval is one of many
+  std::vector<std::size_t> family_of_;  // of the tested ones
+  std::vector<double> log_prior_;       // of the tested ones: an interval is one of many
 };
 
 /// -ln of the probability that parameters of no effect raise the likelihood so much: information A, score g.

@@ -83,6 +83,10 @@ Eigen::SparseMatrix<double> WhitenedModel::whitened(const Eigen::SparseMatrix<do
   return all;
 }
 
+Eigen::VectorXd WhitenedModel::scoreShares() const {
+  return W_.transpose() * nuisances_.project(residual_).col(0).head(W_.rows());
+}
+
 Reduced WhitenedModel::reduce(const std::vector<Candidate>& candidates) const {
   return reduce(columnsOf(linear_, candidates));
 }

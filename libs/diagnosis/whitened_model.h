@@ -22,6 +22,8 @@ class WhitenedModel {
   /// What is left of changes of the readings where the unknowns make up for them as well as they can: over
   /// the linearization's rows, in units of each reading's own sigma, as the changes are.
   Eigen::VectorXd remaining(const Eigen::VectorXd& changes) const;
+  /// What each reading's derivative by anything is multiplied by in that one's score.
+  Eigen::VectorXd scoreShares() const;
   Reduced reduce(const std::vector<Candidate>& candidates) const;
   Reduced reduce(const Eigen::SparseMatrix<double>& columns) const {
     return nuisances_.reduce(whitened(columns), residual_);

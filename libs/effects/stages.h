@@ -149,7 +149,7 @@ struct ResponseCurve {
 };
 
 /// For how long the shutter is open, squared, about the time at which the image is valid: what moves
-/// meanwhile is smeared along its way. Zero: the base model's.
+/// meanwhile is smeared along its way. The base model's is what the vehicle file states.
 template <class T>
 struct ExposureTime {
   T squared_s2 = T(0);

@@ -101,7 +101,7 @@ std::vector<MarkerBlur> markerEdges(const PosedImage& posed, const CleanPair& pa
   const PanelMap& panel = panels[posed.panel];
   const Pose T_camera_panel = posed.T_odom_camera().inverse() * panel.T_odom_panel;
   const Light light{radianceOf(pair.recorded, sheet), pair.clean.radiance,
-                    blurred(pair.clean.radiance, posed.camera.lens, kBlurs.front()),
+                    bentLight(pair.clean.radiance, posed.camera.lens, kBends.front()),
                     radianceOf((1 << sheet.bits) - 1, sheet)};
   const cv::Mat well_on_panel = wellOnPanel(pair.panel_mask);
   int place = 0;
@@ -127,6 +127,7 @@ std::vector<MarkerBlur> markerEdges(const PosedImage& posed, const CleanPair& pa
     seen.pixel = posed.camera.projector.project(Vector3d(T_camera_panel * seen.point_panel));
     seen.camera = posed.camera.lens;
     seen.T_robot_camera = posed.T_robot_camera;
+    seen.exposure_s = nominal.exposure_s;
     seen.variance_px2 = blur->variance_px2;
     const double doubt_px2 = kRendering_px2 + kModel * blur->variance_px2.norm();
     seen.covariance_px4 = blur->covariance_px4 + doubt_px2 * doubt_px2 * Matrix3d::Identity();

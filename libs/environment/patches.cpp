@@ -27,7 +27,7 @@ struct Sums {
   Eigen::Matrix2d pixel_squares = Eigen::Matrix2d::Zero();
   Vector3d albedo = Vector3d::Zero(), radiance = Vector3d::Zero(), squares = Vector3d::Zero();
   Vector3d largest = Vector3d::Zero();
-  std::array<Vector3d, kBlurs.size()> around{Vector3d::Zero(), Vector3d::Zero()};
+  std::array<Vector3d, kBends.size()> around{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
 
   void add(const Vector2d& where, const cv::Vec3f& light, const cv::Vec3f& surface, double z, double range) {
     ++pixels;
@@ -85,7 +85,7 @@ Patch patchFrom(const Sums& sums, const CameraSheet& sheet, PatchSet& set) {
   patch.image_radius = std::sqrt(std::max(0.0, sums.radius_squared / n));
   patch.response_gamma = sheet.response_gamma;
   patch.albedo = sums.albedo / n;
-  for (std::size_t i = 0; i < kBlurs.size(); ++i) patch.albedo_around[i] = sums.around[i] / n;
+  for (std::size_t i = 0; i < kBends.size(); ++i) patch.albedo_around[i] = sums.around[i] / n;
   patch.radiance = sums.radiance / n;
   const double full = radianceOf((1 << sheet.bits) - 1, sheet);
   bool saturated = false, dark = false;
@@ -144,9 +144,10 @@ cv::Mat flatInterior(const View& clean, const cv::Mat& mask, const PatchOptions&
 
 cv::Mat knownAround(const View& clean, const CameraModel& camera) {
   constexpr double kKnown = 0.99;
+  constexpr int kKnownBends = 2;
   cv::Mat hit;
   cv::Mat(clean.range_m < std::numeric_limits<float>::infinity()).convertTo(hit, CV_32F, 1.0 / 255);
-  return cv::Mat(blurred(hit, camera, kBlurs.back()) > kKnown) & cv::Mat(hit > 0);
+  return cv::Mat(bentLight(hit, camera, kKnownBends) > kKnown) & cv::Mat(hit > 0);
 }
 
 std::array<Vector3d, 4> placesAround(const Patch& patch, const CameraModel& camera,
@@ -183,8 +184,8 @@ PatchSet patchesOf(const cv::Mat& image, const View& clean, const cv::Mat& mask,
   }
   const cv::Mat light = radianceOf(image, sheet), usable = flatInterior(clean, mask, options);
   std::vector<cv::Mat> soft;
-  for (const double blur : kBlurs)
-    if (options.around) soft.push_back(blurred(clean.radiance, sheet.model, blur));
+  for (const int bends : kBends)
+    if (options.around) soft.push_back(bentLight(clean.radiance, sheet.model, bends));
   std::map<int, Sums> by_label;
   for (int v = 0; v < image.rows; ++v)
     for (int u = 0; u < image.cols; ++u) {

@@ -156,16 +156,17 @@ cv::Mat ImageModel::light(const cv::Mat& radiance, const cv::Mat& range_m, doubl
 cv::Mat ImageModel::lightWithEffects(const cv::Mat& radiance, const cv::Mat& range_m, double t_s) const {
   cv::Mat result(radiance.size(), CV_32FC3);
   const bool bends = effects_.isActive(kEffectIndex<ForwardScatter>, t_s);
-  std::array<cv::Mat, kBlurs.size()> soft;
-  for (std::size_t i = 0; i < kBlurs.size(); ++i)
-    soft[i] = bends ? blurred(radiance, sheet_.model, kBlurs[i]) : radiance;
+  std::array<cv::Mat, kBends.size()> soft;
+  for (std::size_t i = 0; i < kBends.size(); ++i)
+    soft[i] = bends ? bentLight(radiance, sheet_.model, kBends[i]) : radiance;
   const auto at = [](const cv::Mat& image, int v, int u) {
     const auto& colour = image.at<cv::Vec3f>(v, u);
     return Vector3d(colour[0], colour[1], colour[2]);
   };
   for (int v = 0; v < radiance.rows; ++v)
     for (int u = 0; u < radiance.cols; ++u) {
-      const SceneRadiance<double> scene(at(radiance, v, u), {at(soft[0], v, u), at(soft[1], v, u)});
+      SceneRadiance<double> scene(at(radiance, v, u));
+      for (std::size_t i = 0; i < kBends.size(); ++i) scene.around[i] = at(soft[i], v, u);
       const double range = range_m.at<float>(v, u);
       const Vector3d light =
           predictLight<double>(scene, range * z_per_range_.at<float>(v, u), range, water_, effects_, t_s);

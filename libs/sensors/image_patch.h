@@ -20,7 +20,7 @@ struct PatchSurface {
   double t_s = 0;                      ///< the image's stamp, since the recording's first entry
   Vector3d albedo = Vector3d::Zero();  ///< of what is there, with its shading, under full ambient light
   /// The same blurred, as forward scattering mixes it.
-  std::array<Vector3d, kBlurs.size()> albedo_around{Vector3d::Zero(), Vector3d::Zero()};
+  std::array<Vector3d, kBends.size()> albedo_around{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
   double image_radius = 0;    ///< see PixelResponse
   double response_gamma = 1;  ///< by which its radiance was made of the image's numbers
 };
@@ -100,7 +100,7 @@ Vector3<T> predictPatchLight(const PatchSurface& patch, const T& z_m, const T& r
   const Vector3<T> irradiance =
       shining.daylight * water.template tail<3>() + shining.lamps * under_lamps.irradiance;
   SceneRadiance<T> scene(patch.albedo.cast<T>().cwiseProduct(irradiance));
-  for (std::size_t i = 0; i < kBlurs.size(); ++i)
+  for (std::size_t i = 0; i < kBends.size(); ++i)
     scene.around[i] = patch.albedo_around[i].cast<T>().cwiseProduct(irradiance);
   return predictLight<T>(scene, z_m, range_m, column, effects, t_s) + shining.lamps * under_lamps.in_water;
 }

@@ -21,6 +21,7 @@ struct MarkerBlur {
   Pose T_robot_camera;  ///< nominal mounting of this very eye
   Vector3d variance_px2 = Vector3d::Zero();
   Matrix3d covariance_px4 = Matrix3d::Identity();  ///< of that
+  double exposure_s = 0;                           ///< the vehicle file's
 };
 
 /// Velocity in the image (px/s) of what is at a point in the camera's frame, seen by a camera that moves so,
@@ -53,7 +54,7 @@ Vector3<T> predictBlur(const KinematicState<T>& state, const PanelPlacement<T>& 
       (state.R_odom_robot.transpose() * (point_odom - state.position_odom) - mount.position_robot);
   const Vector2<T> velocity_px_s =
       imageVelocity<T>(marker.camera, point_camera, moving.velocity_camera, moving.angular_velocity_camera);
-  ExposureTime<T> exposure;
+  ExposureTime<T> exposure{T(marker.exposure_s * marker.exposure_s)};
   applyEffects(effects, t_s, exposure);
   const T variance_px2 = exposure.squared_s2 / 12.0 * velocity_px_s.squaredNorm();
   const T q = variance_px2 / (variance_px2 + kEdgeSmoothing_px * kEdgeSmoothing_px);

@@ -12,6 +12,7 @@
 
 #include "effects/drawn.h"
 #include "render/scene.h"
+#include "sensors/exposure_time.h"
 #include "sensors/fingerprints.h"
 #include "sensors/image_model.h"
 #include "sensors/lamp_glow.h"
@@ -27,6 +28,7 @@ constexpr double kSameRange_m = 1e-3;                            // of a panel, 
 constexpr std::uint64_t kFlakesStream = std::uint64_t{1} << 61;  // of random numbers: far from all others
 
 // Of what moves while the shutter is open.
+constexpr double kUnseen_px = 0.03;  // an edge's blur of less than 1e-4 px²
 constexpr double kStepsPerPixel = 2;
 constexpr int kMostSteps = 64;
 constexpr int kGrid_px = 16;  // at which its way in the image is looked at
@@ -200,12 +202,9 @@ cv::Mat CameraStudio::throughWater(const Environment& environment, const CameraS
 
 /// The mean over the time for which the shutter is open.
 cv::Mat CameraStudio::lightMeanwhile(const CameraShot& shot, const View& view) const {
-  ExposureTime<double> exposure;
-  applyEffects(effectsOn(shot), shot.t_s, exposure);
-  const double open_s = std::sqrt(exposure.squared_s2);
-  const double way_px =
-      open_s > 0 ? longestWay_px(view, eyeOf(shot.camera.lens).model.rays(), shot.camera, open_s) : 0;
-  if (way_px == 0) return throughWater(world_.environment, shot, view);
+  const double open_s = exposureOf(effectsOn(shot), shot.t_s, sheet_.exposure_s);
+  const double way_px = longestWay_px(view, eyeOf(shot.camera.lens).model.rays(), shot.camera, open_s);
+  if (way_px < kUnseen_px) return throughWater(world_.environment, shot, view);
   const int steps = std::clamp(static_cast<int>(std::ceil(kStepsPerPixel * way_px)), 2, kMostSteps);
   // So far apart that so few steps scatter by as much as all times between.
   const double spread_s = open_s / std::sqrt(1 - 1.0 / (steps * steps));

@@ -2,6 +2,7 @@
 
 #include "diagnosis/nominal.h"
 #include "effects/drawn.h"
+#include "sensors/exposure_time.h"
 
 namespace fathom::proof {
 namespace {
@@ -70,9 +71,10 @@ std::optional<Gains> gainsOf(const ProofCase& proof_case, const BatchInput& reco
   if (!lasts(truth)) return {};
   const NominalFit nominal = nominalFit(judge.data, judge.start, {}, 1);
   if (!nominal.failure.empty()) return {};
+  const double exposure_s = judge.data.vehicle.camera ? judge.data.vehicle.camera->exposure_s : 0;
   Gains gains;
-  gains.truth = gainOn(judge, nominal, truth);
-  gains.stated = gainOn(judge, nominal, stated);
+  gains.truth = gainOn(judge, nominal, beyondStated(truth, exposure_s));
+  gains.stated = gainOn(judge, nominal, beyondStated(stated, exposure_s));
   gains.runner_up = gainOn(judge, nominal, runnerUpOf(proof_case, recording));
   for (const nlohmann::json& elsewhere : answer.value("elsewhere", nlohmann::json::array()))
     gains.black_box = elsewhere.at("log_likelihood_gain").at("black_box");

@@ -83,7 +83,7 @@ class Planner {
   }
 
   void hide(const Hidden& hidden, const PlannedDive& dive, ProofCase& c) {
-    c.generator["effects"].push_back(generatorEffect(hidden));
+    c.generator["effects"].push_back(generatorEffect(hidden, dive));
     c.effects.push_back(describedEffect(hidden, *dive.resolution));
   }
 
@@ -221,7 +221,7 @@ class Planner {
         const Decoy& decoy = all[k * all.size() / count];
         ProofCase& c = add(ProofCase::Kind::decoy, print("decoy-%zu-%zu", i, k), dives_[i]);
         c.stratum = kSize;
-        c.generator["effects"].push_back(generatorEffect(decoy.hidden));
+        c.generator["effects"].push_back(generatorEffect(decoy.hidden, dives_[i]));
         c.effects.push_back(decoy.described);
       }
     }

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "batch_recording.h"
+#include "sensors/exposure_time.h"
 
 namespace fathom::proof {
 namespace fs = std::filesystem;
@@ -17,14 +18,15 @@ bool isMade(std::string_view effect, std::string_view parameter) {
 }
 
 /// By the names that `fathom effects` documents; "marker_id", "time_s" among them.
-nlohmann::json parametersOf(const Hidden& hidden) {
+nlohmann::json parametersOf(const Hidden& hidden, double stated_exposure_s) {
   const EffectInfo& effect = allEffects()[hidden.candidate.effect];
   nlohmann::json json = nlohmann::json::object();
   std::size_t scalar = effect.first_scalar;
   for (const Parameter& parameter : effect.parameters) {
     nlohmann::json values = nlohmann::json::array();
     for (int i = 0; i < parameter.size; ++i, ++scalar)
-      values.push_back(asNamed(parameter, hidden.effects.values[scalar]));
+      values.push_back(
+          asNamed(parameter, wholeOf(scalar, hidden.effects.values[scalar], stated_exposure_s)));
     if (parameter.kind == ParameterKind::marker_id) values = {static_cast<int>(values[0].get<double>())};
     if (isMade(effect.id, parameter.name))
       json[std::string(parameter.name)] = parameter.size == 1 ? values[0] : values;
@@ -89,12 +91,12 @@ std::optional<Hidden> ofSize(const Hidden& hidden, const PlannedDive& dive, doub
   return test::isWithinLimits(sized.effects) ? std::optional(sized) : std::nullopt;
 }
 
-nlohmann::json generatorEffect(const Hidden& hidden) {
+nlohmann::json generatorEffect(const Hidden& hidden, const PlannedDive& dive) {
   const auto& [from_s, to_s] = hidden.candidate.active_s;
   nlohmann::json active = nullptr;
   if (!(hidden.candidate.active_s == Interval{})) active = {from_s, to_s};
   return {{"id", allEffects()[hidden.candidate.effect].id},
-          {"parameters", parametersOf(hidden)},
+          {"parameters", parametersOf(hidden, dive.resolution->exposure_s())},
           {"active_s", active}};
 }
 

@@ -41,7 +41,7 @@ Hidden madeEffect(const EffectInfo& effect, const PlannedDive& dive, Random& ran
 std::optional<Hidden> ofSize(const Hidden& hidden, const PlannedDive& dive, double sqrt_lambda);
 
 /// For the generator.
-nlohmann::json generatorEffect(const Hidden& hidden);
+nlohmann::json generatorEffect(const Hidden& hidden, const PlannedDive& dive);
 /// For the scorer. `tempts`: which rivals count as runners-up.
 ProofCase::Effect describedEffect(
     const Hidden& hidden, const Resolution& resolution,

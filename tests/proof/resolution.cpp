@@ -48,6 +48,7 @@ Resolution::Resolution(const BatchInput& null) {
   noise_ = nominal.noise;
   options_ = nominal.options;
   model_ = nominal.fit.model;
+  if (null.data.vehicle.camera) exposure_s_ = null.data.vehicle.camera->exposure_s;
   span_ = {null.data.first_s, null.data.last_s};
   const std::set<int> ids = markersOf(model_->linear());
   marker_ids_.assign(ids.begin(), ids.end());

@@ -44,6 +44,8 @@ class Resolution {
   const NoiseModel& noise() const { return noise_; }
   const std::vector<int>& markerIds() const { return marker_ids_; }
   Interval span() const { return span_; }
+  /// The vehicle file's.
+  double exposure_s() const { return exposure_s_; }
 
  private:
   NoiseModel noise_;
@@ -52,6 +54,7 @@ class Resolution {
   std::vector<Candidate> candidates_;  // all that the dive can show
   std::vector<int> marker_ids_;
   Interval span_;
+  double exposure_s_ = 0;
 };
 
 }  // namespace fathom::proof

@@ -197,6 +197,21 @@ TEST(Diagnosis, NamesAStepThatHeldOutStretchesHardlyShow) {
   EXPECT_NEAR(diagnosis.effects[0].candidate.time_s.value(), 42.5, 1);
 }
 
+// The path follows another focal length, but neither may jump: only the images next to its edges tell of it,
+// and edges that are off by one of these nothing.
+TEST(Diagnosis, FindsAPartThatShowsAtItsEdgesAlone) {
+  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  test::BatchRun run = test::richRun(6);
+  run.effects.add<FocalScale>({0.003});
+  run.effects.active_s[kEffectIndex<FocalScale>] = {31.3, 64.9};
+  const Diagnosis diagnosis = diagnose(run.input());
+  ASSERT_EQ(diagnosis.effects.size(), 1U) << diagnosis.why;
+  const Candidate& found = diagnosis.effects[0].candidate;
+  EXPECT_EQ(allEffects()[found.effect].id, "focal-scale") << diagnosis.why;
+  EXPECT_NEAR(found.active_s.from_s, 31.3, 0.6);
+  EXPECT_NEAR(found.active_s.to_s, 64.9, 0.6);
+}
+
 TEST(Diagnosis, IsJudgedOnAnotherManoeuvre) {
   if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   test::BatchRun found = test::richRun(2, 8.0), same(8.0), other(8.0);

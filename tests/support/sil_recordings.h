@@ -84,14 +84,21 @@ inline DetectionSettings silDetection() {
   return settings;
 }
 
-/// With each image's pose replaced by the recording's truth.
+/// With each image's pose and motion, of a recording by simulateForSil(), replaced by the truth.
 inline PosedImages atTruth(PosedImages images, const std::filesystem::path& rawlog) {
   std::map<Time, Pose> truth;
+  const Time time_zero = RawlogReader(rawlog).next()->time;
   RawlogReader reader(rawlog);
   while (const auto sample = reader.next())
     if (sample->label == labels::kTruth)
       truth[sample->time] = Pose::fromMrpt(std::get<PoseSample>(sample->reading).T_odom_robot.mean);
-  for (PosedImage& posed : images.posed) posed.T_odom_robot.pose = truth.at(posed.time);
+  const Trajectory path = readTrajectory(rawlog.parent_path() / "trajectory.yaml");
+  for (PosedImage& posed : images.posed) {
+    posed.T_odom_robot.pose = truth.at(posed.time);
+    posed.camera.projector = movingWith(
+        path.at(kSilBegin_s + secondsBetween(time_zero, posed.time)),
+        cameraMounting(posed.T_robot_camera, EffectParameters<double>{}, posed.t_s), posed.camera.projector);
+  }
   return images;
 }
 

@@ -6,6 +6,7 @@
 
 #include "effects/catalogue.h"
 #include "effects/drawn.h"
+#include "sensors/exposure_time.h"
 #include "sensors/image_patch.h"
 #include "sensors/marine_snow.h"
 #include "sensors/marker_blur.h"
@@ -130,7 +131,9 @@ TEST_P(EdgesWithEffect, AreAsSoftAsPredicted) {
     const auto panel = nominalPlacement<double>(world.panels[blur.panel].T_odom_panel, blur.t_s);
     const KinematicState<double> state = path.at(test::kSilBegin_s + blur.t_s);
     const auto squareWith = [&](const EffectParameters<double>& these) {
-      const Vector3d off = blur.variance_px2 - predictBlur(state, panel, blur, 0.0, these, blur.t_s);
+      const Vector3d off =
+          blur.variance_px2 -
+          predictBlur(state, panel, blur, 0.0, beyondStated(these, blur.exposure_s), blur.t_s);
       return off.dot(blur.covariance_px4.ldlt().solve(off)) / 3;
     };
     error += squareWith(effects);
