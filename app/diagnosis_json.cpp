@@ -125,6 +125,7 @@ Json effectsJson(const std::vector<FoundEffect>& effects, const DiagnosisStory& 
 Json adviceJson(const Advice& advice) {
   if (advice.manoeuvre.empty()) return nullptr;
   return {{"manoeuvre", advice.manoeuvre},
+          {"minutes", advice.minutes},
           {"from_s", advice.from_s},
           {"separation", advice.separation},
           {"separation_now", advice.separation_now}};

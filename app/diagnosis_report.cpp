@@ -95,12 +95,16 @@ void addAlternatives(const DiagnosisStory& story, HtmlReport& report) {
                             i < set.alignment.size() ? fixed(set.alignment[i], 3) : "-",
                             std::string(allEffects()[set.candidates[i].effect].text.told_apart)});
     report.table(table, "Support: against the first's. Alignment: 1 is the same to this recording.");
-    if (!set.advice.manoeuvre.empty())
+    if (set.advice.manoeuvre.empty())
+      report.paragraph(print(
+          "No manoeuvre that fathom knows would tell the first from the one most like it in %d minutes.",
+          Advice::kMostMinutes));
+    else
       report.paragraph(print(
           "A manoeuvre that tells the first from the one most like it: %s, from where the robot was at "
           "%.1f s. A minute of it makes them differ by %.1f times what can be resolved; in this "
           "recording they differ by %.1f.",
-          set.advice.manoeuvre.c_str(), set.advice.from_s, set.advice.separation, set.advice.separation_now));
+          textOf(set.advice).c_str(), set.advice.from_s, set.advice.separation, set.advice.separation_now));
   }
 }
 

@@ -92,7 +92,7 @@ void judgeExplained(Diagnosis& diagnosis) {
     for (std::size_t i = 1; i < set.candidates.size(); ++i)
       diagnosis.why += (i > 1 ? ", " : " ") + nameOf(set.candidates[i]);
     diagnosis.why += ". This recording cannot choose among them.";
-    if (!set.advice.manoeuvre.empty()) diagnosis.why += " To tell them apart: " + set.advice.manoeuvre + ".";
+    if (!set.advice.manoeuvre.empty()) diagnosis.why += " To tell them apart: " + textOf(set.advice) + ".";
   }
 }
 

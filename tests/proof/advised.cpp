@@ -11,7 +11,7 @@ namespace fathom::proof {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kRest_s = 4, kManoeuvre_s = 60, kAfterwards_s = 1, kPathRate_hz = 20;
+constexpr double kRest_s = 4, kAfterwards_s = 1, kPathRate_hz = 20;
 
 const Manoeuvre& manoeuvreCalled(const std::string& text) {
   const auto found = std::find_if(manoeuvres().begin(), manoeuvres().end(),
@@ -36,7 +36,9 @@ std::optional<Advised> adviceIn(const Scored& scored, const nlohmann::json& answ
   if (!is_set || hidden.size() != 1 || isTimed(hidden[0])) return {};
   for (const nlohmann::json& set : answer.at("diagnosis").at("alternatives"))
     if (const nlohmann::json& advice = set.at("advice"); !advice.is_null())
-      return Advised{.manoeuvre = advice.at("manoeuvre"), .from_s = advice.at("from_s")};
+      return Advised{.manoeuvre = advice.at("manoeuvre"),
+                     .minutes = advice.at("minutes"),
+                     .from_s = advice.at("from_s")};
   return {};
 }
 
@@ -46,17 +48,17 @@ nlohmann::json advisedCase(const ProofCase& proof_case, const Advised& advised, 
   const Time start = RawlogReader(recording / "recording.rawlog").next()->time;
   const Pose station = stationAt(poseAt(readTum(answer / "trajectory.tum"), after(start, advised.from_s)));
   std::vector<StampedPose> poses;
-  constexpr double kDuration_s = kRest_s + kManoeuvre_s;
-  for (int i = 0; i <= (kDuration_s + kAfterwards_s) * kPathRate_hz; ++i) {
+  const double manoeuvre_s = advised.minutes * Manoeuvre::kDuration_s, duration_s = kRest_s + manoeuvre_s;
+  for (int i = 0; i <= (duration_s + kAfterwards_s) * kPathRate_hz; ++i) {
     const double t_s = i / kPathRate_hz;
     poses.push_back({fromUnixSeconds(t_s),
-                     station * manoeuvre.T_station_robot(std::clamp(t_s - kRest_s, 0.0, kManoeuvre_s))});
+                     station * manoeuvre.T_station_robot(std::clamp(t_s - kRest_s, 0.0, manoeuvre_s))});
   }
   writeTum(path, poses);
   nlohmann::json other = proof_case.generator;
   other["dive"]["manoeuvre"] = "given";
   other["dive"]["path"] = path.filename().string();
-  other["dive"]["duration_s"] = kDuration_s;
+  other["dive"]["duration_s"] = duration_s;
   other["seed"] = other["seed"].get<std::uint64_t>() + 2;
   return other;
 }

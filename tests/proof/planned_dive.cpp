@@ -25,8 +25,7 @@ nlohmann::json parametersOf(const Hidden& hidden, double stated_exposure_s) {
   for (const Parameter& parameter : effect.parameters) {
     nlohmann::json values = nlohmann::json::array();
     for (int i = 0; i < parameter.size; ++i, ++scalar)
-      values.push_back(
-          asNamed(parameter, wholeOf(scalar, hidden.effects.values[scalar], stated_exposure_s)));
+      values.push_back(asNamed(parameter, wholeOf(scalar, hidden.effects.values[scalar], stated_exposure_s)));
     if (parameter.kind == ParameterKind::marker_id) values = {static_cast<int>(values[0].get<double>())};
     if (isMade(effect.id, parameter.name))
       json[std::string(parameter.name)] = parameter.size == 1 ? values[0] : values;

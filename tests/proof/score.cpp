@@ -196,16 +196,13 @@ std::optional<Gains> gainsIn(const Json& g) {
 
 Json toJson(const std::optional<Advised>& a) {
   if (!a) return nullptr;
-  return {{"manoeuvre", a->manoeuvre},
-          {"from_s", a->from_s},
-          {"outcome", nameOf(a->outcome)},
-          {"stated", a->stated},
-          {"failure", a->failure}};
+  return {{"manoeuvre", a->manoeuvre},     {"minutes", a->minutes}, {"from_s", a->from_s},
+          {"outcome", nameOf(a->outcome)}, {"stated", a->stated},   {"failure", a->failure}};
 }
 std::optional<Advised> advisedIn(const Json& a) {
   if (a.is_null()) return {};
-  return Advised{a.at("manoeuvre"), a.at("from_s"), outcomeOf(a.at("outcome")), a.at("stated"),
-                 a.at("failure")};
+  return Advised{a.at("manoeuvre"),          a.at("minutes"), a.at("from_s"),
+                 outcomeOf(a.at("outcome")), a.at("stated"),  a.at("failure")};
 }
 
 }  // namespace

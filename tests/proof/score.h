@@ -46,6 +46,7 @@ struct OwnStretches {
 /// What became of a set on the dive that the answer advises.
 struct Advised {
   std::string manoeuvre;
+  int minutes = 1;
   double from_s = 0;  ///< of the first recording: where the manoeuvre begins
   Outcome outcome = Outcome::failed;
   std::vector<std::string> stated;

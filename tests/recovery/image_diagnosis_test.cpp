@@ -135,8 +135,9 @@ TEST(ImageDiagnosis, TheAdvisedManoeuvreTellsASetApart) {
                                     [&](const Manoeuvre& m) { return m.text == advice.manoeuvre; });
   ASSERT_NE(advised, manoeuvres().end());
   const Pose station = stationAt(dive.run.truth(advice.from_s));
-  test::BatchRun again(60, test::pathOf(60, [&](double t_s) {
-                         return station * advised->T_station_robot(std::clamp(t_s - 4.0, 0.0, 60.0));
+  const double duration_s = advice.minutes * Manoeuvre::kDuration_s;
+  test::BatchRun again(duration_s, test::pathOf(duration_s, [&](double t_s) {
+                         return station * advised->T_station_robot(std::clamp(t_s - 4.0, 0.0, duration_s));
                        }));
   again.pixels = true;
   again.effects = dive.run.effects;

@@ -130,7 +130,7 @@ DiagnosisStory explainedStory() {
   d.alternatives = {{.candidates = {d.effects[0].candidate, {kEffectIndex<MarkerSize>, {}, {}, {}, {}}},
                      .support = {0, -1},
                      .alignment = {1, 0.99},
-                     .advice = {"turn on the spot", 31, 7, 0.5}}};
+                     .advice = {"turn on the spot", 3, 31, 7, 0.5}}};
   TestedCandidate tested;
   tested.candidate = d.effects[0].candidate;
   tested.statistic = 620;
@@ -233,6 +233,7 @@ TEST(DiagnosisReport, SetsThatCannotBeToldApart) {
   EXPECT_EQ(sets[0]["support"], nlohmann::json({0.0, -1.0}));
   EXPECT_EQ(sets[0]["alignment"], nlohmann::json({1.0, 0.99}));
   EXPECT_EQ(sets[0]["advice"]["manoeuvre"], "turn on the spot");
+  EXPECT_EQ(sets[0]["advice"]["minutes"], 3);
   EXPECT_EQ(sets[0]["advice"]["from_s"], 31.0);
   EXPECT_EQ(sets[0]["advice"]["separation"], 7.0);
 }

@@ -173,7 +173,8 @@ TEST(ProofScore, KnowsWhetherWhatTemptsIsInTheSet) {
 /// The set that a gyro bias was not told from, and what would tell.
 Json advisedAnswer() {
   Json set = answer("explained", {found("gyro-bias")}, {"gyro-bias", "earth-rotation"});
-  set["diagnosis"]["alternatives"][0]["advice"] = {{"manoeuvre", "hold station"}, {"from_s", 12.5}};
+  set["diagnosis"]["alternatives"][0]["advice"] = {
+      {"manoeuvre", "hold station"}, {"minutes", 2}, {"from_s", 12.5}};
   return set;
 }
 
@@ -184,6 +185,7 @@ TEST(ProofScore, ASetWithTheTruthThatLastsIsDrivenAgain) {
   const std::optional<Advised> advised = adviceFor(hiddenBias());
   ASSERT_TRUE(advised);
   EXPECT_EQ(advised->manoeuvre, "hold station");
+  EXPECT_EQ(advised->minutes, 2);
   EXPECT_EQ(advised->from_s, 12.5);
   EXPECT_FALSE(adviceFor(hiddenFor(nullptr)));  // that was wrong
   ProofCase timed = hiddenBias();
@@ -202,7 +204,7 @@ TEST(ProofScore, IsReadAsItWasWritten) {
   scored.parameters_off = 0.05;
   scored.gains = Gains{10, 9, 3, 1};
   scored.onset_off_s = 0.5;
-  scored.advised = Advised{"hold station", 12.5, Outcome::right, {"gyro-bias"}, ""};
+  scored.advised = Advised{"hold station", 2, 12.5, Outcome::right, {"gyro-bias"}, ""};
   EXPECT_EQ(toJson(scoredOf(toJson(scored))).dump(), toJson(scored).dump());
 }
 
