@@ -6,8 +6,8 @@
 namespace fathom {
 namespace {
 
-constexpr double kEdge_s = 1.0 / 3;  // images come more often only where two edges between them do no harm
-constexpr int kMostPerSegment = 32;
+constexpr double kEdge_s = 1.0 / 3;  // as often as images usually come
+constexpr int kMostPerSegment = 32;  // of a long recording, whose parts are long
 
 }  // namespace
 

@@ -8,9 +8,9 @@
 namespace fathom {
 
 /// Edges of parts of the recording between those that a screening tries. Where the poses follow an effect it
-/// shows at its edges alone, and an edge that is off by an image shows nothing of it. To which side an edge
-/// goes is told by the score, which each reading has a share in; the information is taken for that of the
-/// part without the shift.
+/// shows at its edges alone, and an edge that is off by an image shows nothing of it. Scores of all edges are
+/// sums over the readings and cost nothing; the information, which does, is taken for that of the part whose
+/// edges are the screening's own. So what seems best has to be tested again as it is.
 class FinerEdges {
  public:
   /// `segments` of the span are what edges are tried at already. The model must outlive it.
