@@ -15,6 +15,7 @@ constexpr int kCorrelationRounds = 5, kPartRounds = 3;
 constexpr std::size_t kFewestRows = 30;  // fewer show no noise of their own
 constexpr double kClearSigmas = 4;       // from which on a correlation is more than chance
 constexpr double kLargestCorrelation = 0.95;
+constexpr double kCounted = 0.1;         // of Poisson's variance: where there are no specks there is less
 constexpr double kLeastOfStated = 0.01;  // of the variance of light: a mean of rounded numbers is no better
 
 /// Sums over a channel of squares and of neighbours' products.
@@ -182,19 +183,26 @@ NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint
     for (std::size_t c = 0; c < rows.size(); ++c) {
       ChannelNoise& channel = noise.channels[c];
       channel.rows = rows[c].rows.size();
-      // Numbers of specks scatter by Poisson's law, and where there are none they do not.
-      if (channel.rows < kFewestRows || static_cast<BatchChannel>(c) == BatchChannel::specks) continue;
+      if (channel.rows < kFewestRows) continue;
       const Moments seen = momentsOf(saturated->left, rows[c]), expected = meanMoments(simulated, rows[c]);
       const double difference = seen.correlation() - expected.correlation();
+      const bool counts_specks = static_cast<BatchChannel>(c) == BatchChannel::specks;
       if (round == 0)
         is_correlated[c] = rows[c].pairs.size() >= kFewestRows &&
-                           std::abs(difference) > kClearSigmas / std::sqrt(static_cast<double>(channel.rows));
-      channel.scale =
-          assumed.channels[c].independentScale() * std::sqrt(seen.square / std::max(expected.square, 1e-12));
+                           (counts_specks ? seen.square > kCounted * expected.square
+                                          : std::abs(difference) >
+                                                kClearSigmas / std::sqrt(static_cast<double>(channel.rows)));
       channel.correlation = correlation[c];
-      channel.freedom = expected.square;
+      // Numbers of specks scatter by Poisson's law, and where there are none they do not. But the same flakes
+      // are seen in several images, in how many is told by how alike the numbers are.
+      if (!counts_specks) {
+        channel.scale = assumed.channels[c].independentScale() *
+                        std::sqrt(seen.square / std::max(expected.square, 1e-12));
+        channel.freedom = expected.square;
+      }
       if (is_correlated[c])
-        correlation[c] = std::clamp(correlation[c] + difference, -0.5, kLargestCorrelation);
+        correlation[c] =
+            std::clamp(correlation[c] + difference, counts_specks ? 0.0 : -0.5, kLargestCorrelation);
     }
     if (std::none_of(is_correlated.begin(), is_correlated.end(), [](bool is) { return is; })) break;
   }

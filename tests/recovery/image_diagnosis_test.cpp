@@ -148,6 +148,28 @@ TEST(ImageDiagnosis, TheAdvisedManoeuvreTellsASetApart) {
   EXPECT_GT(sure.effects[0].confidence, unsure.effects[0].confidence);
 }
 
+// A number that three images have in common is one, not three.
+TEST(ImageDiagnosis, FlakesThatAreSeenAgainTellLess) {
+#ifdef FATHOM_SANITIZE
+  GTEST_SKIP() << "a minute under sanitizers: HiddenImageEffect takes the same way there";
+#endif
+  const test::DiagnosisRun dive =
+      test::effectOfSize(test::lightDive(), lightExcitation(), *findEffect("marine-snow"), 24.0, 1);
+  BatchInput input = dive.input();
+  const auto sigma = [&] {
+    const Diagnosis diagnosis = diagnose(input);
+    for (const FoundEffect& found : diagnosis.effects)
+      if (allEffects()[found.candidate.effect].id == "marine-snow") return found.estimates[0].sigma;
+    return 0.0;
+  };
+  const double of_fresh_ones = sigma();
+  for (std::size_t i = 0; i < input.data.specks.size(); ++i)
+    input.data.specks[i].counted = input.data.specks[i - i % 3].counted;
+  EXPECT_GT(of_fresh_ones, 0);
+  // The root of three, but for what an autoregression makes of it and chance: some hundred flakes.
+  EXPECT_GT(sigma(), 1.4 * of_fresh_ones);
+}
+
 /// What this run's images were given of what is drawn for each: by how much it scatters about its mean.
 double spreadGiven(const test::BatchRun& run, const EffectInfo& effect,
                    const std::vector<ImagePatch>& patches) {
