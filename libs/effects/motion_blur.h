@@ -14,7 +14,8 @@ struct MotionBlur {
   static constexpr std::string_view id = "motion-blur";
   static constexpr EffectText text{
       .channel = EffectChannel::image,
-      .title = "The shutter is open for longer than the vehicle file states: what moves is smeared along its way",
+      .title =
+          "The shutter is open for longer than the vehicle file states: what moves is smeared along its way",
       .equation =
           "light = mean of the light along w exposure_s, w the pixel's velocity; an edge's\n"
           "blur, a covariance, is w w^T exposure_s^2 / 12, exposure_s instead of the\n"

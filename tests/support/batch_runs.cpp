@@ -165,9 +165,10 @@ std::vector<ImagePatch> BatchRun::patchesOfMarkers() const {
         patch.albedo.setConstant(white ? panel.white_albedo : panel.black_albedo);
         // Nearer ones are larger, so that less comes from beside them.
         const double share = 0.1 * point.z(), other = white ? panel.black_albedo : panel.white_albedo;
-        patch.albedo_around = {
-            Vector3d((1 - share) * patch.albedo + Vector3d::Constant(share * other)),
-            Vector3d((1 - 1.5 * share) * patch.albedo + Vector3d::Constant(1.5 * share * other))};
+        const auto mixed = [&](double so_much) {
+          return Vector3d((1 - so_much) * patch.albedo + Vector3d::Constant(so_much * other));
+        };
+        patch.albedo_around = {mixed(share), mixed(1.5 * share), mixed(2 * share)};
         patch.radiance = readingOf(patch, random);
         patches.push_back(patch);
       }

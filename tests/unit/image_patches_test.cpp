@@ -131,9 +131,8 @@ TEST_P(EdgesWithEffect, AreAsSoftAsPredicted) {
     const auto panel = nominalPlacement<double>(world.panels[blur.panel].T_odom_panel, blur.t_s);
     const KinematicState<double> state = path.at(test::kSilBegin_s + blur.t_s);
     const auto squareWith = [&](const EffectParameters<double>& these) {
-      const Vector3d off =
-          blur.variance_px2 -
-          predictBlur(state, panel, blur, 0.0, beyondStated(these, blur.exposure_s), blur.t_s);
+      const Vector3d off = blur.variance_px2 - predictBlur(state, panel, blur, 0.0,
+                                                           beyondStated(these, blur.exposure_s), blur.t_s);
       return off.dot(blur.covariance_px4.ldlt().solve(off)) / 3;
     };
     error += squareWith(effects);
