@@ -95,6 +95,7 @@ void addAlternatives(const DiagnosisStory& story, HtmlReport& report) {
                             i < set.alignment.size() ? fixed(set.alignment[i], 3) : "-",
                             std::string(allEffects()[set.candidates[i].effect].text.told_apart)});
     report.table(table, "Support: against the first's. Alignment: 1 is the same to this recording.");
+    if (set.advice.separation == 0) continue;  // nothing could be driven
     if (set.advice.manoeuvre.empty())
       report.paragraph(print(
           "No manoeuvre that fathom knows would tell the first from the one most like it in %d minutes.",

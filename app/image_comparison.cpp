@@ -152,8 +152,8 @@ std::vector<ComparedImage> compareImages(const BatchRecording& recording, const 
   const BatchData& data = recording.input.data;
   if (data.patches.empty() || !diagnosis.before.succeeded) return {};
   const Simulated before(recording, diagnosis.before, known);
-  const double stated_s = data.vehicle.camera ? data.vehicle.camera->exposure_s : 0;
-  const EffectParameters<double> found = wholeOf(diagnosis.after.state.effects, stated_s);
+  const EffectParameters<double> found =
+      wholeOf(diagnosis.after.state.effects, statedExposure_s(data.vehicle));
   std::optional<Simulated> after;
   if (found.on != known.on) after.emplace(recording, diagnosis.after, found);
   std::vector<ComparedImage> compared;

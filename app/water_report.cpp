@@ -77,7 +77,7 @@ Patch patchAhead(double z_m, double albedo, const Patch& other) {
   patch.image_radius = 0;
   patch.z_m = patch.range_m = z_m;
   patch.albedo = Vector3d::Constant(albedo);
-  patch.albedo_around.fill(patch.albedo);
+  patch.albedo_around.colwise() = patch.albedo;
   patch.on_robot.around_robot.fill(T_robot_camera * Vector3d(0, 0, z_m));
   patch.on_robot.normal_robot = -T_robot_camera.rotation.col(2);
   return patch;

@@ -81,7 +81,6 @@ class Course {
   bool takeLeastNoise();
   /// Its fits are quick.
   bool isCameraAlone() const { return !data_.hasMotion(); }
-  double statedExposure_s() const { return data_.vehicle.camera ? data_.vehicle.camera->exposure_s : 0; }
   HeldOutResult heldOut(const Refit& fit, bool yardsticks) const;
   void lookForAlternatives();
   EffectEstimate whole(EffectEstimate estimate) const;
@@ -105,8 +104,8 @@ bool Course::insufficient(const std::string& why) {
 }
 
 bool Course::estimateNominal() {
-  NominalFit nominal =
-      nominalFit(data_, start_, beyondStated(options_.calibration, statedExposure_s()), options_.seed);
+  NominalFit nominal = nominalFit(
+      data_, start_, beyondStated(options_.calibration, statedExposure_s(data_.vehicle)), options_.seed);
   diagnosis_.noise = nominal.noise;
   if (!nominal.failure.empty()) return insufficient(nominal.failure);
   final_ = nominal.fit;
@@ -337,12 +336,12 @@ void Course::report() {
   diagnosis_.before_options = fits_.nominal().options;
   diagnosis_.after = described(data_, final_.estimate, final_.options);
   diagnosis_.after_options = final_.options;
-  diagnosis_.calibration = wholeOf(final_.estimate.state.effects, statedExposure_s());
+  diagnosis_.calibration = wholeOf(final_.estimate.state.effects, statedExposure_s(data_.vehicle));
 }
 
 /// As reports have it.
 EffectEstimate Course::whole(EffectEstimate estimate) const {
-  estimate.value = wholeOf(estimate.scalar, estimate.value, statedExposure_s());
+  estimate.value = wholeOf(estimate.scalar, estimate.value, statedExposure_s(data_.vehicle));
   return estimate;
 }
 

@@ -13,16 +13,11 @@ constexpr double kBetter = 5.0;  // ln p, for having looked at so many intervals
 
 /// -ln p of each.
 std::vector<double> evidences(const WhitenedModel& model, const std::vector<Candidate>& candidates) {
-  const Reduced reduced = model.reduce(candidates);
+  const std::vector<Reduced> reduced = model.reduceEach(candidates);
   std::vector<double> evidences;
-  Eigen::Index first = 0;
-  for (const Candidate& candidate : candidates) {
-    const Eigen::VectorXd prior = priorSigmas(model.linear(), {candidate});
-    const Eigen::Index size = prior.size();
+  for (std::size_t i = 0; i < candidates.size(); ++i)
     evidences.push_back(
-        support(reduced.gram.block(first, first, size, size), reduced.score.segment(first, size), prior));
-    first += size;
-  }
+        support(reduced[i].gram, reduced[i].score, priorSigmas(model.linear(), {candidates[i]})));
   return evidences;
 }
 

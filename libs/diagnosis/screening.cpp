@@ -66,9 +66,9 @@ Screening::Screening(const WhitenedModel& model, int segments, const std::set<st
     std::optional<TestedCandidate>& part = parts.emplace_back();
     for (const Run& run : runsOf(family)) {
       const Candidate candidate = candidateOf(run);
-      const Moments moments{gramOf(run), scoreOf(run, reduced_.score), normsOf(run)};
-      const Information information(moments.gram, moments.norms);
-      TestedCandidate one = test(family, candidate, moments, information);
+      const Reduced reduced{gramOf(run), scoreOf(run, reduced_.score), normsOf(run)};
+      const Information information(reduced.gram, reduced.norms);
+      TestedCandidate one = test(family, candidate, reduced, information);
       if (one.dof == 0) continue;
       all_.push_back({run, information, candidate.isForGood()});
       if (candidate.isForGood())
@@ -120,18 +120,10 @@ void Screening::takeFinerEdges(int segments, std::vector<std::optional<TestedCan
           part.to < segments * edges.perSegment() ? edges.timeOf(part.to) : Interval::kForever_s));
       family_of.push_back(family);
     }
-  std::vector<Eigen::Index> sizes;
-  for (const std::size_t family : family_of) sizes.push_back(families_[family].size);
-  const Reduced reduced = model_.nuisances().reduce(model_.whitened(columnsOf(model_.linear(), candidates)),
-                                                    model_.residual(), sizes);
-  Eigen::Index first = 0;
+  const std::vector<Reduced> reduced = model_.reduceEach(candidates);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const Eigen::Index size = sizes[i];
-    const Moments moments{reduced.gram.block(first, first, size, size), reduced.score.segment(first, size),
-                          reduced.norms.segment(first, size)};
-    first += size;
     TestedCandidate finer =
-        test(family_of[i], candidates[i], moments, Information(moments.gram, moments.norms));
+        test(family_of[i], candidates[i], reduced[i], Information(reduced[i].gram, reduced[i].norms));
     const double looked = std::log(edges.perSegment()) * (families_[family_of[i]].is_step ? 1 : 2);
     finer.log_p = std::min(0.0, finer.log_p + looked);
     finer.support -= looked;
@@ -269,16 +261,16 @@ Eigen::VectorXd Screening::normsOf(const Run& run) const {
   return squares.cwiseSqrt();
 }
 
-TestedCandidate Screening::test(std::size_t of_family, const Candidate& candidate, const Moments& moments,
+TestedCandidate Screening::test(std::size_t of_family, const Candidate& candidate, const Reduced& reduced,
                                 const Information& information) const {
   const Family& family = families_[of_family];
   TestedCandidate tested;
   tested.candidate = candidate;
   tested.dof = information.rank;
   if (tested.dof == 0) return tested;
-  tested.kept = std::sqrt(std::max(0.0, moments.gram.trace()) / moments.norms.squaredNorm());
+  tested.kept = std::sqrt(std::max(0.0, reduced.gram.trace()) / reduced.norms.squaredNorm());
   // The residual is reading - prediction to first order in -C: what lowers it is -value.
-  const Eigen::VectorXd value = -information.inverse * moments.score;
+  const Eigen::VectorXd value = -information.inverse * reduced.score;
   bool is_possible = true;
   for (Eigen::Index k = 0; k < family.size; ++k) {
     const std::size_t scalar = family.scalars[static_cast<std::size_t>(k)];
@@ -287,9 +279,9 @@ TestedCandidate Screening::test(std::size_t of_family, const Candidate& candidat
     is_possible = is_possible && canBeFound(scalar, value[k]);
   }
   if (!is_possible) return tested;
-  tested.statistic = moments.score.dot(information.inverse * moments.score);
+  tested.statistic = reduced.score.dot(information.inverse * reduced.score);
   tested.log_p = chiSquareLogTail(tested.dof, tested.statistic);
-  tested.support = fathom::support(moments.gram, moments.score, family.prior_sigma);
+  tested.support = fathom::support(reduced.gram, reduced.score, family.prior_sigma);
   return tested;
 }
 

@@ -87,12 +87,6 @@ class Screening {
     int from = 0, to = 0;  ///< the first, and the one behind the last
   };
 
-  /// Of a candidate's columns.
-  struct Moments {
-    Eigen::MatrixXd gram;
-    Eigen::VectorXd score, norms;
-  };
-
   struct Test {
     Run run;
     Information information;
@@ -111,7 +105,7 @@ class Screening {
   void takeFinerEdges(int segments, std::vector<std::optional<TestedCandidate>>& parts);
   void combine();
   Eigen::VectorXd scoreOf(const Run& run, const Eigen::VectorXd& score) const;
-  TestedCandidate test(std::size_t of_family, const Candidate& candidate, const Moments& moments,
+  TestedCandidate test(std::size_t of_family, const Candidate& candidate, const Reduced& reduced,
                        const Information& information) const;
   double supportOf(const std::vector<std::size_t>& members) const;
 

@@ -91,6 +91,21 @@ Reduced WhitenedModel::reduce(const std::vector<Candidate>& candidates) const {
   return reduce(columnsOf(linear_, candidates));
 }
 
+std::vector<Reduced> WhitenedModel::reduceEach(const std::vector<Candidate>& candidates) const {
+  std::vector<Eigen::Index> sizes;
+  for (const Candidate& candidate : candidates)
+    sizes.push_back(std::ssize(columnsOf(linear_, candidate.effect)));
+  const Reduced all = nuisances_.reduce(whitened(columnsOf(linear_, candidates)), residual_, sizes);
+  std::vector<Reduced> each;
+  Eigen::Index first = 0;
+  for (const Eigen::Index size : sizes) {
+    each.push_back({all.gram.block(first, first, size, size), all.score.segment(first, size),
+                    all.norms.segment(first, size)});
+    first += size;
+  }
+  return each;
+}
+
 double WhitenedModel::costOf(const Eigen::VectorXd& left) const {
   double cost = 0;
   for (Eigen::Index i = 0; i < left.size(); ++i) {

@@ -27,7 +27,7 @@ struct Sums {
   Eigen::Matrix2d pixel_squares = Eigen::Matrix2d::Zero();
   Vector3d albedo = Vector3d::Zero(), radiance = Vector3d::Zero(), squares = Vector3d::Zero();
   Vector3d largest = Vector3d::Zero();
-  std::array<Vector3d, kBends.size()> around{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
+  Surroundings<double> around = Surroundings<double>::Zero();
 
   void add(const Vector2d& where, const cv::Vec3f& light, const cv::Vec3f& surface, double z, double range) {
     ++pixels;
@@ -46,7 +46,7 @@ struct Sums {
     }
   }
   void addAround(std::size_t blur, const cv::Vec3f& surface) {
-    around[blur] += Vector3d(surface[0], surface[1], surface[2]);
+    around.col(static_cast<Eigen::Index>(blur)) += Vector3d(surface[0], surface[1], surface[2]);
   }
 };
 
@@ -85,7 +85,7 @@ Patch patchFrom(const Sums& sums, const CameraSheet& sheet, PatchSet& set) {
   patch.image_radius = std::sqrt(std::max(0.0, sums.radius_squared / n));
   patch.response_gamma = sheet.response_gamma;
   patch.albedo = sums.albedo / n;
-  for (std::size_t i = 0; i < kBends.size(); ++i) patch.albedo_around[i] = sums.around[i] / n;
+  patch.albedo_around = sums.around / n;
   patch.radiance = sums.radiance / n;
   const double full = radianceOf((1 << sheet.bits) - 1, sheet);
   bool saturated = false, dark = false;

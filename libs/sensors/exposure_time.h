@@ -1,20 +1,25 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
 #include "effects/registry.h"
+#include "sensors/vehicle.h"
 
 /// The vehicle file states an exposure, and `motion-blur` another one that counts instead. Models add up, so
 /// inside of a fit the effect's parameter is what its square is beyond the stated one's; calibrations,
 /// simulations and reports have the whole.
 namespace fathom {
 
-/// For how long the shutter is open, in an image t_s after the recording's first entry, by a calibration that
-/// has the whole.
-inline double exposureOf(const EffectParameters<double>& whole, double t_s, double stated_s) {
-  constexpr std::size_t kBlur = kEffectIndex<MotionBlur>;
-  return whole.isActive(kBlur, t_s) ? std::sqrt(std::max(0.0, *whole.of<MotionBlur>())) : stated_s;
+/// 0 without a camera.
+inline double statedExposure_s(const Vehicle& vehicle) {
+  return vehicle.camera ? vehicle.camera->exposure_s : 0;
+}
+
+/// For how long the shutter is open in an image t_s after the recording's first entry, with effects as a fit
+/// has them.
+template <class T>
+ExposureTime<T> exposureTime(const EffectParameters<T>& beyond, double t_s, double stated_s) {
+  ExposureTime<T> exposure{T(stated_s * stated_s)};
+  applyEffects(beyond, t_s, exposure);
+  return exposure;
 }
 
 /// A calibration that has the whole, as a fit takes it.

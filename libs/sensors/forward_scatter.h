@@ -21,15 +21,20 @@ inline constexpr double kBend_rad = 0.035;  ///< standard deviation a bend, of e
 /// So many bends are blurs that are made; of others in between they are interpolated.
 inline constexpr std::array kBends{1, 2, 4};
 
-/// Radiance of a point of the scene, and around it with each of the blurs.
+/// What is around a point, with each of the blurs: colours x blurs.
+template <class T>
+using Surroundings = Eigen::Matrix<T, 3, static_cast<int>(kBends.size())>;
+
+/// Radiance of a point of the scene, and around it.
 template <class T>
 struct SceneRadiance {
   Vector3<T> own;
-  std::array<Vector3<T>, kBends.size()> around;
+  Surroundings<T> around;
 
   /// Of what is like its surroundings.
-  SceneRadiance(const Vector3<T>& radiance) : own(radiance) { around.fill(radiance); }  // NOLINT
-  SceneRadiance(const Vector3<T>& radiance, const std::array<Vector3<T>, kBends.size()>& blurred)
+  SceneRadiance(const Vector3<T>& radiance)  // NOLINT
+      : own(radiance), around(radiance.rowwise().replicate(kBends.size())) {}
+  SceneRadiance(const Vector3<T>& radiance, const Surroundings<T>& blurred)
       : own(radiance), around(blurred) {}
 
   /// Of one colour, where light has been bent n times in the mean; to a percent up to n = 2. By Poisson's
@@ -38,8 +43,8 @@ struct SceneRadiance {
     const T once = 1.0 - n / 2.0 + n * n / 12.0 * (1.0 - n * n / 60.0);
     const T beyond_two = n / 3.0 + n * n / 18.0;
     const double slope = 1.0 / (kBends[2] - kBends[1]);
-    const T several = around[1][colour] + slope * beyond_two * (around[2][colour] - around[1][colour]);
-    return once * around[0][colour] + (1.0 - once) * several;
+    const T several = around(colour, 1) + slope * beyond_two * (around(colour, 2) - around(colour, 1));
+    return once * around(colour, 0) + (1.0 - once) * several;
   }
 };
 

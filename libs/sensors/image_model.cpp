@@ -166,7 +166,8 @@ cv::Mat ImageModel::lightWithEffects(const cv::Mat& radiance, const cv::Mat& ran
   for (int v = 0; v < radiance.rows; ++v)
     for (int u = 0; u < radiance.cols; ++u) {
       SceneRadiance<double> scene(at(radiance, v, u));
-      for (std::size_t i = 0; i < kBends.size(); ++i) scene.around[i] = at(soft[i], v, u);
+      for (std::size_t i = 0; i < kBends.size(); ++i)
+        scene.around.col(static_cast<Eigen::Index>(i)) = at(soft[i], v, u);
       const double range = range_m.at<float>(v, u);
       const Vector3d light =
           predictLight<double>(scene, range * z_per_range_.at<float>(v, u), range, water_, effects_, t_s);

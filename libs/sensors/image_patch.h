@@ -20,7 +20,7 @@ struct PatchSurface {
   double t_s = 0;                      ///< the image's stamp, since the recording's first entry
   Vector3d albedo = Vector3d::Zero();  ///< of what is there, with its shading, under full ambient light
   /// The same blurred, as forward scattering mixes it.
-  std::array<Vector3d, kBends.size()> albedo_around{Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
+  Surroundings<double> albedo_around = Surroundings<double>::Zero();
   double image_radius = 0;    ///< see PixelResponse
   double response_gamma = 1;  ///< by which its radiance was made of the image's numbers
 };
@@ -99,9 +99,8 @@ Vector3<T> predictPatchLight(const PatchSurface& patch, const T& z_m, const T& r
   applyEffects(effects, t_s, shining);
   const Vector3<T> irradiance =
       shining.daylight * water.template tail<3>() + shining.lamps * under_lamps.irradiance;
-  SceneRadiance<T> scene(patch.albedo.cast<T>().cwiseProduct(irradiance));
-  for (std::size_t i = 0; i < kBends.size(); ++i)
-    scene.around[i] = patch.albedo_around[i].cast<T>().cwiseProduct(irradiance);
+  const SceneRadiance<T> scene(irradiance.asDiagonal() * patch.albedo.cast<T>(),
+                               irradiance.asDiagonal() * patch.albedo_around.cast<T>());
   return predictLight<T>(scene, z_m, range_m, column, effects, t_s) + shining.lamps * under_lamps.in_water;
 }
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "sensors/camera_geometry.h"
+#include "sensors/exposure_time.h"
 
 /// How much softer a marker's edges are in an image than rendered.
 namespace fathom {
@@ -54,8 +55,7 @@ Vector3<T> predictBlur(const KinematicState<T>& state, const PanelPlacement<T>& 
       (state.R_odom_robot.transpose() * (point_odom - state.position_odom) - mount.position_robot);
   const Vector2<T> velocity_px_s =
       imageVelocity<T>(marker.camera, point_camera, moving.velocity_camera, moving.angular_velocity_camera);
-  ExposureTime<T> exposure{T(marker.exposure_s * marker.exposure_s)};
-  applyEffects(effects, t_s, exposure);
+  const ExposureTime<T> exposure = exposureTime(effects, t_s, marker.exposure_s);
   const T variance_px2 = exposure.squared_s2 / 12.0 * velocity_px_s.squaredNorm();
   const T q = variance_px2 / (variance_px2 + kEdgeSmoothing_px * kEdgeSmoothing_px);
   const T wider = 1.0 + 0.15 * q + 0.2 * q * q * q;

@@ -202,7 +202,10 @@ cv::Mat CameraStudio::throughWater(const Environment& environment, const CameraS
 
 /// The mean over the time for which the shutter is open.
 cv::Mat CameraStudio::lightMeanwhile(const CameraShot& shot, const View& view) const {
-  const double open_s = exposureOf(effectsOn(shot), shot.t_s, sheet_.exposure_s);
+  const double stated_s = sheet_.exposure_s;
+  const double squared_s2 =
+      exposureTime(beyondStated(effectsOn(shot), stated_s), shot.t_s, stated_s).squared_s2;
+  const double open_s = std::sqrt(std::max(0.0, squared_s2));
   const double way_px = longestWay_px(view, eyeOf(shot.camera.lens).model.rays(), shot.camera, open_s);
   if (way_px < kUnseen_px) return throughWater(world_.environment, shot, view);
   const int steps = std::clamp(static_cast<int>(std::ceil(kStepsPerPixel * way_px)), 2, kMostSteps);

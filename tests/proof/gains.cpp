@@ -71,7 +71,7 @@ std::optional<Gains> gainsOf(const ProofCase& proof_case, const BatchInput& reco
   if (!lasts(truth)) return {};
   const NominalFit nominal = nominalFit(judge.data, judge.start, {}, 1);
   if (!nominal.failure.empty()) return {};
-  const double exposure_s = judge.data.vehicle.camera ? judge.data.vehicle.camera->exposure_s : 0;
+  const double exposure_s = statedExposure_s(judge.data.vehicle);
   Gains gains;
   gains.truth = gainOn(judge, nominal, beyondStated(truth, exposure_s));
   gains.stated = gainOn(judge, nominal, beyondStated(stated, exposure_s));

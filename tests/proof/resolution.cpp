@@ -7,6 +7,7 @@
 #include "diagnosis/nominal.h"
 #include "diagnosis/screening.h"
 #include "effects/drawn.h"
+#include "sensors/exposure_time.h"
 
 namespace fathom::proof {
 namespace {
@@ -48,7 +49,7 @@ Resolution::Resolution(const BatchInput& null) {
   noise_ = nominal.noise;
   options_ = nominal.options;
   model_ = nominal.fit.model;
-  if (null.data.vehicle.camera) exposure_s_ = null.data.vehicle.camera->exposure_s;
+  exposure_s_ = statedExposure_s(null.data.vehicle);
   span_ = {null.data.first_s, null.data.last_s};
   const std::set<int> ids = markersOf(model_->linear());
   marker_ids_.assign(ids.begin(), ids.end());

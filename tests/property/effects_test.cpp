@@ -69,7 +69,7 @@ void addPatches(const KinematicState<double>& where, const KinematicState<T>& st
   for (const double albedo : {0.05, 0.8})
     for (const double radius : {0.1, 0.6}) {
       patch.albedo = Vector3d(albedo, 0.9 * albedo, 0.8 * albedo);
-      patch.albedo_around = {Vector3d(0.4, 0.3, 0.2), Vector3d(0.3, 0.3, 0.3), Vector3d(0.25, 0.3, 0.35)};
+      patch.albedo_around << Vector3d(0.4, 0.3, 0.2), Vector3d(0.3, 0.3, 0.3), Vector3d(0.25, 0.3, 0.35);
       patch.image_radius = radius;
       patch.point_panel = {radius, 0.2, 0.01};
       patch.around_panel.fill(patch.point_panel + Vector3d(0.02, 0.01, 0));

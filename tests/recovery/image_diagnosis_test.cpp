@@ -130,6 +130,7 @@ TEST(ImageDiagnosis, TheAdvisedManoeuvreTellsASetApart) {
   ASSERT_NE(advice.manoeuvre, "");
   EXPECT_LT(unsure.effects[0].confidence, 0.95);  // a rival within 2.7 leaves less than 1 / (1 + e^-2.7)
   EXPECT_GT(advice.separation, advice.separation_now);
+  EXPECT_GE(advice.separation * std::sqrt(advice.minutes), 5);  // s² / 2 - 1.96 s is half of what decides
 
   const auto advised = std::find_if(manoeuvres().begin(), manoeuvres().end(),
                                     [&](const Manoeuvre& m) { return m.text == advice.manoeuvre; });

@@ -168,7 +168,7 @@ std::vector<ImagePatch> BatchRun::patchesOfMarkers() const {
         const auto mixed = [&](double so_much) {
           return Vector3d((1 - so_much) * patch.albedo + Vector3d::Constant(so_much * other));
         };
-        patch.albedo_around = {mixed(share), mixed(1.5 * share), mixed(2 * share)};
+        patch.albedo_around << mixed(share), mixed(1.5 * share), mixed(2 * share);
         patch.radiance = readingOf(patch, random);
         patches.push_back(patch);
       }

@@ -24,6 +24,7 @@ struct SilRecordingOptions {
   double yaw_deg = 1;  ///< 180: the panel is behind
   bool stereo = false;
   EffectParameters<double> effects{};
+  double exposure_s = 0.004;  ///< the vehicle file's
 };
 
 /// Of the shipped vehicle with a camera of half the size, and without its INS, which has nothing to say here.
@@ -68,6 +69,7 @@ inline RecordingFiles simulateForSil(const std::filesystem::path& folder,
   options.duration_s = wanted.images - 0.5;
   options.noise = wanted.noise;
   options.effects = wanted.effects;
+  options.vehicle.camera->exposure_s = wanted.exposure_s;
   if (wanted.stereo) options.vehicle.camera->T_left_right = Pose{Matrix3d::Identity(), {0.1, 0, 0}};
   return simulateBeforePanel(folder, silTrajectory(wanted.yaw_deg), kSilWater, options);
 }
@@ -87,16 +89,18 @@ inline DetectionSettings silDetection() {
 /// With each image's pose and motion, of a recording by simulateForSil(), replaced by the truth.
 inline PosedImages atTruth(PosedImages images, const std::filesystem::path& rawlog) {
   std::map<Time, Pose> truth;
-  const Time time_zero = RawlogReader(rawlog).next()->time;
+  std::optional<Time> time_zero;
   RawlogReader reader(rawlog);
-  while (const auto sample = reader.next())
+  while (const auto sample = reader.next()) {
+    if (!time_zero) time_zero = sample->time;
     if (sample->label == labels::kTruth)
       truth[sample->time] = Pose::fromMrpt(std::get<PoseSample>(sample->reading).T_odom_robot.mean);
+  }
   const Trajectory path = readTrajectory(rawlog.parent_path() / "trajectory.yaml");
   for (PosedImage& posed : images.posed) {
     posed.T_odom_robot.pose = truth.at(posed.time);
     posed.camera.projector = movingWith(
-        path.at(kSilBegin_s + secondsBetween(time_zero, posed.time)),
+        path.at(kSilBegin_s + secondsBetween(*time_zero, posed.time)),
         cameraMounting(posed.T_robot_camera, EffectParameters<double>{}, posed.t_s), posed.camera.projector);
   }
   return images;

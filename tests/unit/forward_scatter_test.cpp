@@ -64,8 +64,8 @@ TEST(ForwardScatter, LightBentSeveralTimesIsNormal) {
 
 // Were each surrounding as bright as it has bends: the mean number of what is bent at all.
 TEST(ForwardScatter, BendsAreAsManyAsPoissonsLawHas) {
-  const auto bright = [](double value) { return Vector3d::Constant(value).eval(); };
-  const SceneRadiance<double> scene(bright(0), {bright(1), bright(2), bright(4)});
+  const Surroundings<double> bright = Vector3d::Ones() * Eigen::RowVector3d(1, 2, 4);
+  const SceneRadiance<double> scene(Vector3d::Zero(), bright);
   for (const double n : {1e-9, 0.1, 0.5, 1.0, 2.0})
     EXPECT_NEAR(scene.bent(0, n), n / -std::expm1(-n), 0.01 * n / -std::expm1(-n)) << n;
 }

@@ -35,11 +35,14 @@ struct Seen {
 
 /// Images of the shipped panel, cut by the nominal model at the true poses. With the sensor's noise: without,
 /// all of a patch is rounded alike.
-Seen seenWith(const EffectParameters<double>& effects) {
-  const auto recording = test::simulateForSil(test::scratchFolder(), {.images = 3, .effects = effects});
+Seen seenWith(const EffectParameters<double>& effects, double exposure_s = 0.004) {
+  const auto recording = test::simulateForSil(test::scratchFolder(),
+                                              {.images = 3, .effects = effects, .exposure_s = exposure_s});
   const PosedImages images = test::atTruth(
       posedImages(recording.rawlog, readPanelMaps(test::kDexrovMap), test::silDetection()), recording.rawlog);
-  const PairMaker maker(test::silWorld(), {}, test::silDetection());
+  SilWorld world = test::silWorld();
+  world.vehicle.camera->exposure_s = exposure_s;
+  const PairMaker maker(world, {}, test::silDetection());
   const Time time_zero = RawlogReader(recording.rawlog).next()->time;
   ImagePatches found = imagePatches(images.posed, maker, time_zero);
   return {std::move(found.patches), std::move(found.blurs), std::move(found.specks), images.posed};
@@ -114,6 +117,21 @@ std::string nameOfTest(const testing::TestParamInfo<std::size_t>& info) {
 }
 INSTANTIATE_TEST_SUITE_P(ImagePatches, PatchesWithEffect, testing::ValuesIn(effectsInPatches()), nameOfTest);
 
+/// Mean square of how far edges are from as soft as predicted with these effects, in units of their sigmas.
+double softnessError(const Seen& seen, const EffectParameters<double>& effects) {
+  const SilWorld world = test::silWorld();
+  const Trajectory path = test::silPath();
+  double sum = 0;
+  for (const MarkerBlur& blur : seen.blurs) {
+    const auto panel = nominalPlacement<double>(world.panels[blur.panel].T_odom_panel, blur.t_s);
+    const KinematicState<double> state = path.at(test::kSilBegin_s + blur.t_s);
+    const Vector3d off = blur.variance_px2 - predictBlur(state, panel, blur, 0.0,
+                                                         beyondStated(effects, blur.exposure_s), blur.t_s);
+    sum += off.dot(blur.covariance_px4.ldlt().solve(off)) / 3;
+  }
+  return sum / static_cast<double>(seen.blurs.size());
+}
+
 class EdgesWithEffect : public testing::TestWithParam<std::size_t> {};
 
 // Whatever else is done to light, edges are as soft as rendered, but for what smears them: by so many of
@@ -122,29 +140,23 @@ TEST_P(EdgesWithEffect, AreAsSoftAsPredicted) {
   const EffectInfo& effect = allEffects()[GetParam()];
   EffectParameters<double> effects = withOnly(effect);
   if (showsInEdges(effect.index)) effects.values[effect.first_scalar] = 0.1 * 0.1;
-  const SilWorld world = test::silWorld();
   const Seen seen = seenWith(effects);
   ASSERT_GT(seen.blurs.size(), 15U);
-  const Trajectory path = test::silPath();
-  double error = 0, change = 0;
-  for (const MarkerBlur& blur : seen.blurs) {
-    const auto panel = nominalPlacement<double>(world.panels[blur.panel].T_odom_panel, blur.t_s);
-    const KinematicState<double> state = path.at(test::kSilBegin_s + blur.t_s);
-    const auto squareWith = [&](const EffectParameters<double>& these) {
-      const Vector3d off = blur.variance_px2 - predictBlur(state, panel, blur, 0.0,
-                                                           beyondStated(these, blur.exposure_s), blur.t_s);
-      return off.dot(blur.covariance_px4.ldlt().solve(off)) / 3;
-    };
-    error += squareWith(effects);
-    change += squareWith({});
-  }
-  const auto count = static_cast<double>(seen.blurs.size());
-  EXPECT_LT(error / count, 2) << effect.id;
+  EXPECT_LT(softnessError(seen, effects), 2) << effect.id;
   if (showsInEdges(effect.index)) {
-    EXPECT_GT(change / count, 10) << effect.id;
+    EXPECT_GT(softnessError(seen, {}), 10) << effect.id;
   }
 }
 INSTANTIATE_TEST_SUITE_P(ImagePatches, EdgesWithEffect, testing::ValuesIn(lightEffects()), nameOfTest);
+
+// The nominal model smears what moves by the exposure that the vehicle file states.
+TEST(ImagePatches, EdgesAreAsSoftAsTheStatedExposureMakesThem) {
+  Seen seen = seenWith({}, 0.1);
+  ASSERT_GT(seen.blurs.size(), 15U);
+  EXPECT_LT(softnessError(seen, {}), 2);
+  for (MarkerBlur& blur : seen.blurs) blur.exposure_s = 0;
+  EXPECT_GT(softnessError(seen, {}), 10);
+}
 
 class SpecksWithEffect : public testing::TestWithParam<std::size_t> {};
 
