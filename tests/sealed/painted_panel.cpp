@@ -62,7 +62,7 @@ PaintedPanel::PaintedPanel(const TruePanel& panel, const Paint& paint, double t_
   addBody(triangles);
   for (std::size_t i = 0; i < panel.map().markers.size(); ++i) addMarker(i, t_s, triangles);
   for (const Triangle& t : triangles) normals_.push_back((t[1] - t[0]).cross(t[2] - t[0]).normalized());
-  tree_ = TriangleTree(std::move(triangles));
+  tree_ = TriangleTree(triangles);
 }
 
 void PaintedPanel::addBody(std::vector<Triangle>& triangles) {

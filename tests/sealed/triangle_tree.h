@@ -18,22 +18,26 @@ class TriangleTree {
     double u = 0, v = 0;  ///< barycentric: point = (1 - u - v) t[0] + u t[1] + v t[2]
   };
 
-  explicit TriangleTree(std::vector<Triangle> triangles);
+  explicit TriangleTree(const std::vector<Triangle>& triangles);
 
   std::optional<Hit> first(const Vector3d& origin, const Vector3d& direction) const;
 
  private:
   struct Node {
     Eigen::AlignedBox3d box;
-    std::size_t begin, end;  ///< of its triangles in order_
+    std::size_t begin, end;  ///< of its triangles in sides_
     std::size_t right;       ///< second child; the first one is the next node. Zero: a leaf
   };
-  void build(std::size_t begin, std::size_t end);
+  /// Of a triangle: one corner, and from there to the others.
+  struct Sides {
+    Vector3d corner, first, second;
+    std::size_t triangle;
+  };
+  void build(const std::vector<Triangle>& triangles, std::size_t begin, std::size_t end);
   void meet(const Node& leaf, const Vector3d& origin, const Vector3d& direction,
             std::optional<Hit>& best) const;
 
-  std::vector<Triangle> triangles_;
-  std::vector<std::size_t> order_;
+  std::vector<Sides> sides_;  ///< as the leaves have them, one after the other
   std::vector<Node> nodes_;
 };
 
