@@ -18,7 +18,6 @@ namespace fathom {
 namespace {
 
 constexpr double kBodyCell_m = 0.25;  // pieces that the panel's body is cut into
-constexpr double kFlat_m = 0.001;     // to so much is a panel flat, and its rendering right
 constexpr double kHandleMargin = 1.2;
 constexpr std::size_t kFewestPieces = 30;
 
@@ -31,13 +30,18 @@ class Places {
       T_marker_panel_.push_back(marker.T_panel_marker.inverse());
       for (const Vector3d& corner : marker.corners_panel()) reach(corner, high);
     }
-    for (const auto& vertex : panel.body.vertices) reach(vertex.position.cast<double>(), high);
+    for (const auto& vertex : panel.body.vertices) {
+      reach(vertex.position.cast<double>(), high);
+      const cv::Vec3f albedo(vertex.albedo[0], vertex.albedo[1], vertex.albedo[2]);
+      if (std::find(paints_.begin(), paints_.end(), albedo) == paints_.end()) paints_.push_back(albedo);
+    }
     for (int axis = 0; axis < 2; ++axis)
       cells_[axis] = static_cast<int>(std::floor((high[axis] - low_[axis]) / kBodyCell_m)) + 1;
   }
 
   int end() const {
-    return first_ + kOfMarker * static_cast<int>(panel_.markers.size()) + cells_[0] * cells_[1];
+    return first_ + kOfMarker * static_cast<int>(panel_.markers.size()) +
+           cells_[0] * cells_[1] * static_cast<int>(paints_.size());
   }
 
   static constexpr int kOfMarker = 2;  // black, white
@@ -49,7 +53,7 @@ class Places {
   }
 
   /// Of a point of the panel; -1 where a handle may be, whose state is not known.
-  int at(const Vector3d& point_panel, double albedo) const {
+  int at(const Vector3d& point_panel, const cv::Vec3f& albedo) const {
     for (const Handle& handle : panel_.handles) {
       const double reach_m = kHandleMargin * std::max(handle.radius_m, handle.length_m);
       if ((point_panel - handle.position_panel).head<2>().norm() < reach_m) return -1;
@@ -57,14 +61,16 @@ class Places {
     for (std::size_t i = 0; i < panel_.markers.size(); ++i) {
       const Vector3d point = T_marker_panel_[i] * point_panel;
       if (point.head<2>().cwiseAbs().maxCoeff() > 0.5 * panel_.markers[i].size_m) continue;
-      const bool white = albedo > 0.5 * (panel_.white_albedo + panel_.black_albedo);
+      const bool white =
+          (albedo[0] + albedo[1] + albedo[2]) / 3 > 0.5 * (panel_.white_albedo + panel_.black_albedo);
       return first_ + kOfMarker * static_cast<int>(i) + (white ? 1 : 0);
     }
     const auto cell = [&](int axis) {
       return std::clamp(static_cast<int>(std::floor((point_panel[axis] - low_[axis]) / kBodyCell_m)), 0,
                         cells_[axis] - 1);
     };
-    return first_ + kOfMarker * static_cast<int>(panel_.markers.size()) + cell(1) * cells_[0] + cell(0);
+    return first_ + kOfMarker * static_cast<int>(panel_.markers.size()) +
+           (cell(1) * cells_[0] + cell(0)) * static_cast<int>(paints_.size()) + paintOf(albedo);
   }
 
  private:
@@ -73,11 +79,19 @@ class Places {
     high = high.cwiseMax(point);
   }
 
+  int paintOf(const cv::Vec3f& albedo) const {
+    const auto nearest = std::min_element(
+        paints_.begin(), paints_.end(),
+        [&](const cv::Vec3f& a, const cv::Vec3f& b) { return cv::norm(a - albedo) < cv::norm(b - albedo); });
+    return static_cast<int>(nearest - paints_.begin());
+  }
+
   const PanelMap& panel_;
   int first_;
   std::vector<Pose> T_marker_panel_;
   Vector3d low_ = Vector3d::Zero();
   std::array<int, 2> cells_{};
+  std::vector<cv::Vec3f> paints_;  ///< the body's albedos: a patch is of one
 };
 
 std::vector<Places> placesOf(const std::vector<PanelMap>& panels) {
@@ -109,8 +123,8 @@ cv::Mat placesIn(const PosedImage& image, const View& clean, const cv::Mat& rays
       const float range_m = clean.range_m.at<float>(v, u);
       if (known.at<std::uint8_t>(v, u) == 0) continue;
       const cv::Vec3f ray = range_m * rays.at<cv::Vec3f>(v, u), albedo = clean.radiance.at<cv::Vec3f>(v, u);
-      labels.at<int>(v, u) = places[image.panel].at(T_panel_camera * Vector3d(ray[0], ray[1], ray[2]),
-                                                    (albedo[0] + albedo[1] + albedo[2]) / 3);
+      labels.at<int>(v, u) =
+          places[image.panel].at(T_panel_camera * Vector3d(ray[0], ray[1], ray[2]), albedo);
     }
   return labels;
 }
@@ -189,15 +203,6 @@ void setSeenShares(std::vector<ImagePatch>& patches, const std::vector<double>& 
     if (areas[i] > 0) patches[i].seen_share = areas[i] / most[patches[i].place];
 }
 
-/// Or else what is not flat would be taken for physics.
-void allowForUnevenness(ImagePatches& found) {
-  const Water& water = found.start.water;
-  for (ImagePatch& patch : found.patches) {
-    const Vector3d by_z = water.attenuation_per_m.cwiseProduct(patch.radiance - water.veil);
-    patch.sigma = (patch.sigma.cwiseAbs2() + (kFlat_m * by_z).cwiseAbs2()).cwiseSqrt();
-  }
-}
-
 /// Near enough for an estimate to start from: by some of the patches, evenly.
 WaterFit startWater(const SynchronizedImages& synchronized) {
   constexpr std::size_t kEnough = 2000;
@@ -269,7 +274,6 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
       }
   }
   setSeenShares(result.patches, areas);
-  allowForUnevenness(result);
   return result;
 }
 

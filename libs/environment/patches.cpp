@@ -19,31 +19,42 @@ constexpr double kSaturatedShare = 0.5;       // of patches, from which on the i
 constexpr double kDarkSigmas = 3;             // a mean nearer to 0 is biased by clipping there
 constexpr std::size_t kFewestOfAnImage = 10;  // of an image
 
-/// What is summed over the pixels of a patch.
+/// What is summed over the pixels of a patch in one colour: column, row, albedo and light, and their
+/// products.
+struct ColourSums {
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d products = Eigen::Matrix4d::Zero();
+  double brightest = 0;
+
+  void add(const Vector2d& where, double albedo, double light) {
+    const Eigen::Vector4d pixel(where.x(), where.y(), albedo, light);
+    sum += pixel;
+    products += pixel * pixel.transpose();
+    brightest = std::max(brightest, light);
+  }
+  /// What the light varies by about what goes with place and albedo, for that the mean has, and is no noise.
+  double variance(double n) const {
+    constexpr double kNothing = 1e-12;  // by which an albedo varies that is the same all over
+    const Eigen::Matrix4d scatter = products - sum * sum.transpose() / n;
+    const Eigen::Matrix3d known = scatter.topLeftCorner<3, 3>() + kNothing * Eigen::Matrix3d::Identity();
+    const Vector3d with_light = scatter.topRightCorner<3, 1>();
+    return std::max(0.0, scatter(3, 3) - with_light.dot(known.ldlt().solve(with_light))) / (n - 4);
+  }
+};
+
 struct Sums {
   int pixels = 0;
   double z_m = 0, z_squared = 0, range_m = 0, radius_squared = 0;
-  Vector2d pixel = Vector2d::Zero();
-  Eigen::Matrix2d pixel_squares = Eigen::Matrix2d::Zero();
-  Vector3d albedo = Vector3d::Zero(), radiance = Vector3d::Zero(), squares = Vector3d::Zero();
-  Vector3d largest = Vector3d::Zero();
+  std::array<ColourSums, 3> colours;
   Surroundings<double> around = Surroundings<double>::Zero();
 
   void add(const Vector2d& where, const cv::Vec3f& light, const cv::Vec3f& surface, double z, double range) {
     ++pixels;
-    pixel += where;
-    pixel_squares += where * where.transpose();
     z_m += z;
     z_squared += z * z;
     range_m += range;
     radius_squared += range * range / (z * z) - 1;
-    for (int c = 0; c < 3; ++c) {
-      const double value = light[c];
-      albedo[c] += surface[c];
-      radiance[c] += value;
-      squares[c] += value * value;
-      largest[c] = std::max(largest[c], value);
-    }
+    for (int c = 0; c < 3; ++c) colours[static_cast<std::size_t>(c)].add(where, surface[c], light[c]);
   }
   void addAround(std::size_t blur, const cv::Vec3f& surface) {
     around.col(static_cast<Eigen::Index>(blur)) += Vector3d(surface[0], surface[1], surface[2]);
@@ -63,9 +74,8 @@ double quantum(double radiance, const CameraSheet& sheet) {
 struct Measured {
   double radiance = 0, sigma = 0;
 };
-Measured measured(double mean, double mean_square, int pixels, const CameraSheet& sheet) {
-  const double n = pixels, step = quantum(mean, sheet), noise = radianceSigma(mean, sheet);
-  const double seen = n / (n - 1) * std::max(0.0, mean_square - mean * mean);
+Measured measured(double mean, double seen, double n, const CameraSheet& sheet) {
+  const double step = quantum(mean, sheet), noise = radianceSigma(mean, sheet);
   if (sheet.response_gamma == 1) {
     const BeforeRounding before = beforeRounding(mean / step, seen / (step * step), n, noise / step);
     return {step * before.mean, step * before.sigma};
@@ -80,23 +90,24 @@ Patch patchFrom(const Sums& sums, const CameraSheet& sheet, PatchSet& set) {
   const double mean_m = sums.z_m / n;
   patch.z_m = mean_m - 0.5 * kUsualAttenuation_per_m * (sums.z_squared / n - mean_m * mean_m);
   patch.range_m = sums.range_m / n;
-  patch.pixel = sums.pixel / n;
-  patch.pixel_covariance = sums.pixel_squares / n - patch.pixel * patch.pixel.transpose();
+  patch.pixel = sums.colours[0].sum.head<2>() / n;
+  patch.pixel_covariance =
+      sums.colours[0].products.topLeftCorner<2, 2>() / n - patch.pixel * patch.pixel.transpose();
   patch.image_radius = std::sqrt(std::max(0.0, sums.radius_squared / n));
   patch.response_gamma = sheet.response_gamma;
-  patch.albedo = sums.albedo / n;
   patch.albedo_around = sums.around / n;
-  patch.radiance = sums.radiance / n;
   const double full = radianceOf((1 << sheet.bits) - 1, sheet);
   bool saturated = false, dark = false;
   for (int c = 0; c < 3; ++c) {
-    const double mean = patch.radiance[c];
-    const bool too_bright = sums.largest[c] >= full;
+    const ColourSums& own = sums.colours[static_cast<std::size_t>(c)];
+    patch.albedo[c] = own.sum[2] / n;
+    const double mean = patch.radiance[c] = own.sum[3] / n;
+    const bool too_bright = own.brightest >= full;
     const bool too_dark = mean < kDarkSigmas * radianceSigma(mean, sheet);
     saturated |= too_bright;
     dark |= too_dark;
     if (too_bright || too_dark) continue;
-    const Measured colour = measured(mean, sums.squares[c] / n, sums.pixels, sheet);
+    const Measured colour = measured(mean, own.variance(n), n, sheet);
     patch.radiance[c] = colour.radiance;
     patch.sigma[c] = colour.sigma;
   }

@@ -57,8 +57,7 @@ KinematicState<double> stateOf(const PosedImage& posed) {
 
 class PatchesWithEffect : public testing::TestWithParam<std::size_t> {};
 
-// In units of the sigma that a patch states, the mean square is at most one: it counts rounding and panels
-// that are not quite flat too, which these are.
+// In units of the sigma that a patch states, the mean square is at most one: it counts what rounding may do.
 TEST_P(PatchesWithEffect, ReadWhatTheImageHas) {
   const EffectInfo& effect = allEffects()[GetParam()];
   const EffectParameters<double> effects = withOnly(effect);
@@ -86,6 +85,22 @@ TEST_P(PatchesWithEffect, ReadWhatTheImageHas) {
   }
   EXPECT_LT(error / count, 1) << effect.id;
   EXPECT_GT(change / count, 3) << effect.id;
+}
+
+// What is seen of one paint and what of another beside it would vary from image to image.
+TEST(ImagePatches, AreOfOnePaint) {
+  const SilWorld world = test::silWorld();
+  const Surface& body = world.panels[0].body;
+  const Seen seen = seenWith({});
+  std::size_t of_body = 0;
+  for (const ImagePatch& patch : seen.patches) {
+    if (patch.surface != ImagePatch::Surface::body) continue;
+    ++of_body;
+    EXPECT_TRUE(std::any_of(body.vertices.begin(), body.vertices.end(), [&](const auto& vertex) {
+      return (vertex.albedo.template cast<double>() - patch.albedo).norm() < 1e-3;
+    })) << patch.albedo.transpose();
+  }
+  EXPECT_GT(of_body, 20U);
 }
 
 /// By the stage that an effect acts at it is seen in edges, as specks, or else in patches.

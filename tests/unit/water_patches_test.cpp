@@ -61,6 +61,33 @@ TEST(WaterPatches, AreWhatTheWaterMakesOfTheWall) {
   }
 }
 
+// What gets darker evenly, with range or by its paint, is known: only the sensor's noise is left. (Sigmas
+// that counted it were five times too large here.)
+TEST(WaterPatches, ScatterByTheirSigmaWhateverVariesWithinThem) {
+  constexpr int kSide_px = 64;
+  WallScene scene;
+  for (int v = 0; v < scene.clean.range_m.rows; ++v)
+    for (int u = 0; u < scene.clean.range_m.cols; ++u) {
+      const float across = static_cast<float>(u) / 640, down = static_cast<float>(v) / 480;
+      scene.clean.radiance.at<cv::Vec3f>(v, u) = cv::Vec3f::all(0.3f + 0.5f * across);
+      scene.clean.range_m.at<float>(v, u) = (kNear_m + down) / scene.z_per_range.at<float>(v, u);
+    }
+  scene.image = scene.seenThrough(scene.water);
+  const PatchSet set = patchesOf(scene.image, scene.clean, everywhere(scene.clean), scene.z_per_range,
+                                 squareLabels(scene.image.size(), kSide_px), scene.sheet);
+  ASSERT_EQ(set.why_not, "");
+  ASSERT_GT(set.patches.size(), 50U);
+  double squares = 0;
+  for (const Patch& patch : set.patches) {
+    const Eigen::Array3d passed = (-patch.z_m * scene.water.water.attenuation_per_m.array()).exp();
+    const Eigen::Array3d expected = patch.albedo.array() * scene.water.ambient.array() * passed +
+                                    (1 - passed) * scene.water.water.veil.array();
+    squares += ((patch.radiance.array() - expected) / patch.sigma.array()).square().mean();
+  }
+  // Of more than 150 numbers the mean square is within 0.3 of one but once in a hundred times.
+  EXPECT_NEAR(squares / static_cast<double>(set.patches.size()), 1, 0.3);
+}
+
 TEST(WaterPatches, KeepOffEdges) {
   const WallScene scene;
   for (const Patch& patch : scene.patches().patches) {
