@@ -164,9 +164,13 @@ void compareOnRecording(const CompareOptions& options, const RunContext& context
   sayWhere(folder);
 }
 
-void addList(CLI::App& command, const std::string& name, std::vector<std::string>& values,
-             const std::string& help) {
-  command.add_option(name, values, help)->delimiter(',')->expected(1)->allow_extra_args(false)->take_all();
+CLI::Option* addList(CLI::App& command, const std::string& name, std::vector<std::string>& values,
+                     const std::string& help) {
+  return command.add_option(name, values, help)
+      ->delimiter(',')
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->take_all();
 }
 
 constexpr const char* kCompareHelp =
@@ -223,7 +227,8 @@ void addCompareFiducials(const RunContext& context) {
   command->add_option("--out", options->folder, "Where results go")->required()->type_name(values::kFolder);
   addList(*command, "--family", options->families,
           "Marker families, separated by commas (with --recording: default the map's)");
-  addList(*command, "--backend", options->backends, "Libraries: aruco, apriltag (default: both)");
+  addList(*command, "--backend", options->backends, "Libraries (default: all)")
+      ->check(CLI::IsMember(backendNames()));
   addList(*command, "--preprocess", options->preprocessings,
           "Before the search: none, stretch, clahe (default: none; with --recording all)");
   command->add_option("--seed", options->seed, "Of views and noise (default: the grid's)")

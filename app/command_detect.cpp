@@ -65,9 +65,9 @@ std::unique_ptr<Detector> detectorFor(const DetectOptions& options,
   auto detector = make(first, options.families);
   if (!options.fallback) return detector;
   std::vector<std::string> readable = options.families;
-  std::erase_if(readable, [&](const auto& family) { return !canRead(otherThan(first), family); });
+  std::erase_if(readable, [&](const auto& family) { return !canRead(fallbackOf(first), family); });
   if (readable.empty()) return detector;
-  return std::make_unique<FallbackDetector>(std::move(detector), make(otherThan(first), readable));
+  return std::make_unique<FallbackDetector>(std::move(detector), make(fallbackOf(first), readable));
 }
 
 void checkSize(const std::string& file, const cv::Mat& image, const std::optional<CameraModel>& camera) {

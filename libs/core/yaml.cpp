@@ -167,7 +167,11 @@ YAML::Node YamlMap::child(const std::string& key) const {
   for (const std::string& present : keys())
     if (key.starts_with(present + "_") && !known_->keys.contains(join(path_, present)))
       throw error(present, "lacks its unit; did you mean `" + key + "`?");
-  throw error("", "missing key `" + key + "`");
+  std::string meant;
+  for (const std::string& present : keys())
+    if (!known_->keys.contains(join(path_, present)) && editDistance(present, key) <= key.size() / 6)
+      meant = "; is `" + present + "` meant for it?";
+  throw error("", "missing key `" + key + "`" + meant);
 }
 
 Error YamlMap::error(const std::string& key, const std::string& why) const {

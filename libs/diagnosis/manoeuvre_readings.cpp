@@ -34,6 +34,7 @@ void addNavigation(const BatchData& recording, double t_s, const Pose& pose, Bat
   };
   addAt(recording.dvl, data.dvl);
   addAt(recording.pressure, data.pressure);
+  addAt(recording.usbl, data.usbl);
 }
 
 /// One image of a manoeuvre.

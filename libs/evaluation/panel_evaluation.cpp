@@ -27,7 +27,7 @@ std::unique_ptr<Detector> detectorFor(const PanelMap& map, const CameraModel& ca
   std::vector<std::string> families, readable;
   for (const Marker& marker : map.markers) {
     families.push_back(marker.family);
-    if (canRead(otherThan(options.backend), marker.family)) readable.push_back(marker.family);
+    if (canRead(fallbackOf(options.backend), marker.family)) readable.push_back(marker.family);
   }
   DetectorOptions detector;
   detector.camera = camera;
@@ -35,7 +35,7 @@ std::unique_ptr<Detector> detectorFor(const PanelMap& map, const CameraModel& ca
   auto first = makeDetector(options.backend, families, detector);
   if (!options.fallback || readable.empty()) return first;
   return std::make_unique<FallbackDetector>(
-      std::move(first), makeDetector(otherThan(options.backend), readable, detector), map.markers.size());
+      std::move(first), makeDetector(fallbackOf(options.backend), readable, detector), map.markers.size());
 }
 
 /// Means by which the methods compare: over the views in which both have a pose.

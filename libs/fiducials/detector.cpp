@@ -56,22 +56,25 @@ bool mayBeCutOff(const Detection& detection, double cell_px, const cv::Mat& imag
   });
 }
 
-/// What is common to the backends: regions and their scale, preprocessing, refinement.
 /// What there is to know of a backend beside its reader.
 struct BackendEntry {
   std::string_view name;
   std::unique_ptr<MarkerReader> (*makeReader)(const std::vector<std::string>& families,
                                               int largest_corrected_bits);
   bool reads_any_border, rough_corners;
+  Backend fallback;  ///< for what it does not find
 };
 
 /// The only registration, in the order of Backend.
 const BackendEntry& entryOf(Backend backend) {
   static constexpr std::array<BackendEntry, kBackends.size()> kEntries{
-      {{"aruco", makeArucoReader, false, true}, {"apriltag", makeAprilTagReader, true, false}}};
+      {{"aruco", makeArucoReader, false, true, Backend::apriltag},
+       {"apriltag", makeAprilTagReader, true, false, Backend::aruco}}};
+  static_assert(kEntries.back().makeReader != nullptr);
   return kEntries[static_cast<std::size_t>(backend)];
 }
 
+/// What is common to the backends: regions and their scale, preprocessing, refinement.
 class ReaderDetector : public Detector {
  public:
   ReaderDetector(std::unique_ptr<MarkerReader> reader, const std::vector<std::string>& families,
@@ -217,9 +220,7 @@ Backend backendNamed(const std::string& name) {
   throw std::invalid_argument("`" + name + "` is none of " + known);
 }
 
-Backend otherThan(Backend backend) {
-  return kBackends[(static_cast<std::size_t>(backend) + 1) % kBackends.size()];
-}
+Backend fallbackOf(Backend backend) { return entryOf(backend).fallback; }
 
 bool hasRoughCorners(Backend backend) { return entryOf(backend).rough_corners; }
 

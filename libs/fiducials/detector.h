@@ -22,12 +22,12 @@ std::string_view nameOf(Backend backend);
 std::vector<std::string> backendNames();
 /// Throws std::invalid_argument, which names those there are.
 Backend backendNamed(const std::string& name);
-/// For what this one does not find: the next.
-Backend otherThan(Backend backend);
+/// Another one, for what this one does not find.
+Backend fallbackOf(Backend backend);
 /// Whether its own corners are whole pixels, so that they should be refined; else they are good to a tenth.
 bool hasRoughCorners(Backend backend);
 
-/// Whether a backend can read a family. Both read all of OpenCV's dictionaries and AprilTag's classic
+/// Whether a backend can read a family. All read all of OpenCV's dictionaries and AprilTag's classic
 /// families (tag16h5 … tag36h11); the newer ones (tagStandard41h12 …) only AprilTag.
 bool canRead(Backend backend, const std::string& family);
 

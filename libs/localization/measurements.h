@@ -6,7 +6,7 @@
 
 /// Readings as linearized measurements: the residual comes from the sensors' forward model (libs/sensors),
 /// its Jacobian from running that model on Jets. To add a sensor, add its forward model there, a function
-/// here, and a line in Localizer::fuse().
+/// here, and a line in Fuser::fuse().
 namespace fathom {
 
 /// What a reading is judged against: the world, the calibration and the data sheet's noise.

@@ -233,6 +233,7 @@ class UsblChannel : public Channel {
     const Vector3d error = scene_.sigma(sheet_.position_sigma_m) * random_.normal3();
     const Vector3d position = predictUsbl(scene_.at(seconds), sheet_.T_robot_usbl) + error;
     PoseSample sample;
+    sample.T_robot_sensor = sheet_.T_robot_usbl;
     sample.T_odom_robot.mean = Pose{Matrix3d::Identity(), position}.toMrpt();
     auto covariance = sample.T_odom_robot.cov.asEigen();
     covariance.setZero();

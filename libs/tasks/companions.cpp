@@ -134,6 +134,8 @@ std::vector<std::string> disagreements(const RecordingInfo& recording, const Veh
       compare.beams(label, *vehicle.dvl);
     if (name == labels::kDepth && compare.onBoard(label, vehicle.depth, "depth"))
       compare.mounting(label, vehicle.depth->T_robot_depth);
+    if (name == labels::kUsbl && compare.onBoard(label, vehicle.usbl, "usbl"))
+      compare.mounting(label, vehicle.usbl->T_robot_usbl);
     if (name == labels::kCamera && compare.onBoard(label, vehicle.camera, "camera")) {
       compare.mounting(label, vehicle.camera->T_robot_camera);
       compare.intrinsics(label, *vehicle.camera);

@@ -129,6 +129,28 @@ TEST(CommandLine, InfoFindsWhereRecordingAndVehicleFileDisagree) {
   EXPECT_NE(lines[0].get<std::string>().find("0.0500 m and 0.000 deg apart"), std::string::npos) << lines[0];
 }
 
+TEST(CommandLine, InfoFindsAUsblThatSitsElsewhere) {
+  const auto folder = scratchFolder();
+  const auto withUsblAt = [](const std::string& x) {
+    return readTextFile(kConfigs + "rov.yaml") + "usbl: {rate_hz: 1, position_sigma_m: 0.5, pose: {x: " + x +
+           ", y: 0, z: 0.2, yaw_deg: 0, pitch_deg: 0, roll_deg: 0}}\n";
+  };
+  writeTextFile(folder / "usbl.yaml", withUsblAt("0.1"));
+  writeTextFile(folder / "moved.yaml", withUsblAt("0.15"));
+  const std::string usbl = shellQuoted((folder / "usbl.yaml").string());
+  const auto made = runFathom("simulate --trajectory " + kConfigs + "dive_trajectory.yaml --vehicle " + usbl +
+                              " --duration 5 --name sim --out " + shellQuoted(folder.string()));
+  ASSERT_EQ(made.status, 0) << made.err;
+  const auto disagreements = [&](const char* vehicle) {
+    const auto info = runFathom("info --json " + shellQuoted((folder / "sim.rawlog").string()) +
+                                " --vehicle " + shellQuoted((folder / vehicle).string()));
+    return nlohmann::json::parse(info.out)["disagreements"];
+  };
+  EXPECT_TRUE(disagreements("usbl.yaml").empty()) << disagreements("usbl.yaml");
+  ASSERT_EQ(disagreements("moved.yaml").size(), 1U);
+  EXPECT_TRUE(disagreements("moved.yaml")[0].get<std::string>().starts_with("USBL: mounted at"));
+}
+
 TEST(CommandLine, NamedVehicleFileThatIsMissingIsAnError) {
   const auto folder = scratchFolder();
   ASSERT_EQ(runFathom(simulateArguments(folder)).status, 0);

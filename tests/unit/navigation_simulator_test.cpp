@@ -54,6 +54,7 @@ TEST(NavigationSimulator, ReadingsAtRest) {
     EXPECT_NEAR(beam.range_m.value(), (-3.5 - 0.1 - kSeaFloor_m) / std::cos(radians(30)), 1e-12);
   EXPECT_NEAR(reading<DepthSample>(samples, labels::kDepth, 5).pressure_pa, 101325 + 1025 * 9.80665 * 3.4,
               1e-6);
+  EXPECT_EQ(reading<PoseSample>(samples, labels::kUsbl, 1).T_robot_sensor.position, Vector3d(0.1, 0, 0.4));
   const auto& usbl = reading<PoseSample>(samples, labels::kUsbl, 1).T_odom_robot;
   EXPECT_LT((Pose::fromMrpt(usbl.mean).position - T_odom_robot * Vector3d(0.1, 0, 0.4)).norm(), 1e-12);
   EXPECT_EQ(usbl.cov(0, 0), 0.25);

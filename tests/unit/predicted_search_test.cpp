@@ -33,7 +33,7 @@ TEST(PredictedSearch, FindsAllThatTheWholeImageHas) {
   Random random(1);
   test::Look look;
   look.supersampling = 6;
-  for (const Backend backend : {Backend::aruco, Backend::apriltag}) {
+  for (const Backend backend : kBackends) {
     const auto detector = makeDetector(backend, {kFamily});
     for (const double distance_m : {1.4, 2.6, 0.9}) {
       const Pose truth = test::lookingAtPanel(distance_m, radians(15), random.uniform(0, 6.28), 0.1);
@@ -104,7 +104,7 @@ TEST(PredictedSearch, EqualsTheWholeImageOverManyViews) {
       look.black = 60;
       look.white = random.uniform(100, 220);
       const cv::Mat image = test::drawMarkers(map.markers, kSearchCamera, truth, look, random);
-      const auto detector = makeDetector(i % 2 == 0 ? Backend::aruco : Backend::apriltag, {family});
+      const auto detector = makeDetector(kBackends[i % kBackends.size()], {family});
       const auto whole = detector->detect(image);
       const auto found = detectPredicted(*detector, image, map, kSearchCamera, predictionNear(truth, random));
       whole_count += whole.size();
@@ -197,7 +197,7 @@ TEST(PredictedSearch, NothingOnAnEmptyPanel) {
   for (int row = 0; row < noise.rows; ++row)
     for (int column = 0; column < noise.cols; ++column)
       noise.at<std::uint8_t>(row, column) = static_cast<std::uint8_t>(random.uniform(0, 256));
-  for (const Backend backend : {Backend::aruco, Backend::apriltag}) {
+  for (const Backend backend : kBackends) {
     const auto detector = makeDetector(backend, {kFamily});
     EXPECT_TRUE(detectPredicted(*detector, image, map, kSearchCamera, {truth}).empty());
     EXPECT_TRUE(detectPredicted(*detector, noise, map, kSearchCamera, {truth}).empty());
@@ -219,7 +219,7 @@ TEST(PredictedSearch, CoveredMarkersAreNotReported) {
                   cv::Scalar(150), cv::FILLED);
     return image;
   };
-  for (const Backend backend : {Backend::aruco, Backend::apriltag}) {
+  for (const Backend backend : kBackends) {
     const auto detector = makeDetector(backend, {kFamily});
     EXPECT_EQ(detectPredicted(*detector, clean, map, kSearchCamera, {truth}).size(), 6U);
     for (const cv::Mat& image : {covered(0.5, 0.5), covered(1.2, 0.2), covered(1.2, 1.2)}) {

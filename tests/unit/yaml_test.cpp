@@ -99,6 +99,11 @@ TEST(Yaml, MissingKeyNamesItsMap) {
   EXPECT_EQ(error.why, "missing key `rate_hz`");
 }
 
+TEST(Yaml, MissingKeyIsTakenForOneThatIsMisspelt) {
+  const Error error = errorIn("scale_eror: 1\n", [](const YamlMap& y) { y.number("scale_error"); });
+  EXPECT_EQ(error.why, "missing key `scale_error`; is `scale_eror` meant for it?");
+}
+
 TEST(Yaml, KeyWithoutItsUnitIsToldSo) {
   const Error error = errorIn("a: 1\nrate: 5\n", [](const YamlMap& y) {
     y.number("a");
