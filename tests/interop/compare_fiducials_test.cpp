@@ -127,7 +127,7 @@ TEST(CompareFiducials, TellsWhatIsWrong) {
   expectRefused(map + vehicle + out + " --family tag36h12", "tag36h12");
   expectRefused(map + vehicle + out + " --family tagStandard41h12",
                 "the aruco backend cannot read tagStandard41h12");
-  expectRefused(map + vehicle + out + " --backend artoolkit", "`artoolkit` is none of aruco, apriltag");
+  expectRefused(map + vehicle + out + " --backend artoolkit", "artoolkit not in {aruco,apriltag}");
   expectRefused(map + vehicle + out + " --backend aruco,aruco", "twice");
   expectRefused(map + vehicle + out + " --repeats 0", "--repeats");
   expectRefused(vehicle + out, "--map");

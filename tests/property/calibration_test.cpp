@@ -95,7 +95,7 @@ TEST(CalibrationFile, BadCalibrationIsRefused) {
             std::string::npos);
   EXPECT_EQ(errorOf("effects:\n  - {id: dvl-scale, scale_error: 0, colour: 1}").where,
             "effects[0].colour (line 2)");
-  EXPECT_EQ(errorOf("effect: []\n").why, "missing key `effects`");
+  EXPECT_EQ(errorOf("effect: []\n").why, "missing key `effects`; is `effect` meant for it?");
   for (const char* interval : {"[2, 1]", "[1, 1]", "[1]", "5", "[0, .inf]"})
     EXPECT_EQ(
         errorOf(std::string("effects:\n  - {id: dvl-scale, scale_error: 0, active_s: ") + interval + "}")
