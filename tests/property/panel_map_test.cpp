@@ -84,7 +84,14 @@ TEST(PanelMapProperty, AnyMapSurvivesItsText) {
     const PanelMap map = anyMap(random);
     test::BoardFiles files;
     files.yaml = formatPanelMap(map);
-    const PanelMap back = readPanelMap(files.write(folder));
+    PanelMap back;
+    try {
+      back = readPanelMap(files.write(folder));
+    } catch (const Error& error) {
+      // Some families have markers in common with others: a map refuses both.
+      if (error.why.find("looks the same") != std::string::npos) RC_DISCARD("markers alike");
+      throw;
+    }
     RC_ASSERT(back.name == map.name);
     RC_ASSERT(back.mesh_file == map.mesh_file);
     RC_ASSERT(back.T_odom_panel.position == map.T_odom_panel.position);
