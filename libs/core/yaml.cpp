@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <sstream>
 
@@ -124,15 +125,20 @@ std::size_t editDistance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+/// The one of `keys` that is nearest to this one, at most so many edits away; lacking only its unit is none.
+std::optional<std::string> nearestTo(const std::string& key, const std::set<std::string>& keys,
+                                     std::size_t farthest) {
+  std::optional<std::string> best;
+  for (const auto& other : keys) {
+    const std::size_t distance = other.starts_with(key + "_") ? 0 : editDistance(key, other);
+    if (distance <= farthest) best = other, farthest = distance;
+  }
+  return best;
+}
+
 /// "; did you mean `x`?" for a key that is near, or that lacks only its unit.
 std::string hint(const std::string& unknown, const std::set<std::string>& known) {
-  const std::string* best = nullptr;
-  std::size_t best_distance = unknown.size() / 3 + 1;
-  for (const auto& key : known) {
-    const bool lacks_unit = key.starts_with(unknown + "_");
-    const std::size_t distance = lacks_unit ? 0 : editDistance(unknown, key);
-    if (distance <= best_distance) best = &key, best_distance = distance;
-  }
+  const auto best = nearestTo(unknown, known, unknown.size() / 3 + 1);
   return best ? "; did you mean `" + best->substr(best->rfind('.') + 1) + "`?" : "";
 }
 
@@ -164,14 +170,14 @@ bool YamlMap::isList(const std::string& key) const { return has(key) && node_[ke
 
 YAML::Node YamlMap::child(const std::string& key) const {
   if (has(key)) return node_[key];
+  std::set<std::string> unknown;
   for (const std::string& present : keys())
-    if (key.starts_with(present + "_") && !known_->keys.contains(join(path_, present)))
-      throw error(present, "lacks its unit; did you mean `" + key + "`?");
-  std::string meant;
-  for (const std::string& present : keys())
-    if (!known_->keys.contains(join(path_, present)) && editDistance(present, key) <= key.size() / 6)
-      meant = "; is `" + present + "` meant for it?";
-  throw error("", "missing key `" + key + "`" + meant);
+    if (!known_->keys.contains(join(path_, present))) unknown.insert(present);
+  for (const std::string& present : unknown)
+    if (key.starts_with(present + "_")) throw error(present, "lacks its unit; did you mean `" + key + "`?");
+  // Nearer than a hint asks for: what is not known yet may be asked for later.
+  const auto meant = nearestTo(key, unknown, key.size() / 6);
+  throw error("", "missing key `" + key + "`" + (meant ? "; is `" + *meant + "` meant for it?" : ""));
 }
 
 Error YamlMap::error(const std::string& key, const std::string& why) const {

@@ -21,7 +21,7 @@ constexpr double kBodyCell_m = 0.25;  // pieces that the panel's body is cut int
 constexpr double kHandleMargin = 1.2;
 constexpr std::size_t kFewestPieces = 30;
 
-/// The places of a panel: two a marker, black and white, then the pieces of its body.
+/// The places of a panel: two a marker, black and white, then the pieces of its body, each of one paint.
 class Places {
  public:
   Places(const PanelMap& panel, int first) : panel_(panel), first_(first) {
@@ -39,17 +39,13 @@ class Places {
       cells_[axis] = static_cast<int>(std::floor((high[axis] - low_[axis]) / kBodyCell_m)) + 1;
   }
 
-  int end() const {
-    return first_ + kOfMarker * static_cast<int>(panel_.markers.size()) +
-           cells_[0] * cells_[1] * static_cast<int>(paints_.size());
-  }
+  int end() const { return firstOfBody() + cells_[0] * cells_[1] * static_cast<int>(paints_.size()); }
 
   static constexpr int kOfMarker = 2;  // black, white
   /// Of one of its places.
   ImagePatch::Surface surface(int place) const {
-    const int own = place - first_;
-    if (own >= kOfMarker * static_cast<int>(panel_.markers.size())) return ImagePatch::Surface::body;
-    return own % kOfMarker == 0 ? ImagePatch::Surface::black : ImagePatch::Surface::white;
+    if (place >= firstOfBody()) return ImagePatch::Surface::body;
+    return (place - first_) % kOfMarker == 0 ? ImagePatch::Surface::black : ImagePatch::Surface::white;
   }
 
   /// Of a point of the panel; -1 where a handle may be, whose state is not known.
@@ -69,11 +65,13 @@ class Places {
       return std::clamp(static_cast<int>(std::floor((point_panel[axis] - low_[axis]) / kBodyCell_m)), 0,
                         cells_[axis] - 1);
     };
-    return first_ + kOfMarker * static_cast<int>(panel_.markers.size()) +
-           (cell(1) * cells_[0] + cell(0)) * static_cast<int>(paints_.size()) + paintOf(albedo);
+    return firstOfBody() + (cell(1) * cells_[0] + cell(0)) * static_cast<int>(paints_.size()) +
+           paintOf(albedo);
   }
 
  private:
+  int firstOfBody() const { return first_ + kOfMarker * static_cast<int>(panel_.markers.size()); }
+
   void reach(const Vector3d& point, Vector3d& high) {
     low_ = low_.cwiseMin(point);
     high = high.cwiseMax(point);

@@ -42,6 +42,7 @@ struct ColourSums {
   }
 };
 
+/// What is summed over the pixels of a patch.
 struct Sums {
   int pixels = 0;
   double z_m = 0, z_squared = 0, range_m = 0, radius_squared = 0;

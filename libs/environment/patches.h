@@ -27,8 +27,8 @@ struct Patch : PatchSurface {
   Eigen::Matrix2d pixel_covariance = Eigen::Matrix2d::Zero();  ///< of its pixels about that
   Vector3d radiance = Vector3d::Zero();                        ///< mean, as the camera read it
   /// Of that mean, by the sensor's noise, rounding, and what varies within the patch but goes neither with
-  /// place nor with albedo. Infinite for a channel
-  /// that does not count: some pixel is saturated, or it is black up to its noise.
+  /// place nor with albedo. Infinite for a channel that does not count: some pixel is saturated, or it is
+  /// black up to its noise.
   Vector3d sigma = Vector3d::Constant(std::numeric_limits<double>::infinity());
   PatchOnRobot<double> on_robot{};  ///< where lamps shine: its place before them
   Pose T_robot_camera;              ///< likewise: where the camera truly is

@@ -92,12 +92,14 @@ std::optional<TriangleTree::Hit> TriangleTree::first(const Vector3d& origin,
       meet(node, origin, direction, best);
       continue;
     }
-    const std::size_t first = next.node + 1, second = node.right;
-    const auto in_first = entryOf(first), in_second = entryOf(second);
-    const bool is_swapped = in_first && in_second && *in_second < *in_first;
-    if (in_second && !is_swapped) open[left++] = {*in_second, second};
-    if (in_first) open[left++] = {*in_first, first};
-    if (in_second && is_swapped) open[left++] = {*in_second, second};
+    std::size_t near = next.node + 1, far = node.right;
+    auto in_near = entryOf(near), in_far = entryOf(far);
+    if (in_near && in_far && *in_far < *in_near) {
+      std::swap(near, far);
+      std::swap(in_near, in_far);
+    }
+    if (in_far) open[left++] = {*in_far, far};
+    if (in_near) open[left++] = {*in_near, near};
   }
   return best;
 }
