@@ -17,21 +17,27 @@ struct PixelSquare {
 struct TriangleInPixel {
   const SeenTriangle* triangle;
   Eigen::Vector3f at_centre, to_next_column, to_next_row;
+  Eigen::Vector3f reach;  ///< by how much they differ, at most, within the pixel
 
   TriangleInPixel(const SeenTriangle& seen, const PixelSquare& pixel)
       : triangle(&seen),
         at_centre((seen.corner_shares * pixel.centre.cast<double>().homogeneous()).cast<float>()),
-        to_next_column(seen.corner_shares.leftCols<2>().cast<float>() * pixel.to_next_column),
-        to_next_row(seen.corner_shares.leftCols<2>().cast<float>() * pixel.to_next_row) {}
+        to_next_column(seen.shares_across * pixel.to_next_column),
+        to_next_row(seen.shares_across * pixel.to_next_row),
+        reach(0.5f * (to_next_column.cwiseAbs() + to_next_row.cwiseAbs())) {}
 
-  bool fillsPixel() const { return (at_centre - reach()).minCoeff() >= 0; }
-  bool missesPixel() const { return (at_centre + reach()).minCoeff() < 0; }
-
- private:
-  Eigen::Vector3f reach() const { return 0.5f * (to_next_column.cwiseAbs() + to_next_row.cwiseAbs()); }
+  bool fillsPixel() const { return (at_centre - reach).minCoeff() >= 0; }
+  bool missesPixel() const { return (at_centre + reach).minCoeff() < 0; }
 };
 
-/// Makes a pixel that several triangles share.
+/// What a pixel sees of one triangle.
+struct PixelPart {
+  const SeenTriangle* triangle;
+  Eigen::Vector2f middle;  ///< of its samples, ideal image coordinates
+  float share;             ///< of the pixel
+};
+
+/// Parts a pixel among the triangles that share it.
 class PixelSampler {
  public:
   /// `side`² samples on a turned grid: along an axis of the image no two coincide, so that edges along the
@@ -39,19 +45,29 @@ class PixelSampler {
   /// aslant are as sharp one way as the other.
   explicit PixelSampler(int side);
 
-  /// Radiance: the mean over the samples, each triangle's light taken in the middle of its samples. Range: at
-  /// the pixel's centre. Where no triangle is hit there is nothing if `nothing_behind`, otherwise a triangle
-  /// too narrow to be among these: such a sample does not count, and such a centre takes the range of the
-  /// plane that most samples hit. Returns whether any sample hit.
-  bool sample(const PixelSquare& pixel, const std::vector<TriangleInPixel>& triangles, bool nothing_behind,
-              const SeenLighting& lighting, float* radiance, float* range_m);
+  /// By triangle that is hit, in the order of `triangles`; valid until the next call. Where no triangle is
+  /// hit there is nothing if `nothing_behind`, otherwise a triangle too narrow to be among these: such a
+  /// sample does not count. None: no sample hit.
+  const std::vector<PixelPart>& sample(const PixelSquare& pixel,
+                                       const std::vector<TriangleInPixel>& triangles, bool nothing_behind);
+  /// At the centre of the pixel that was sampled last, where any sample hit; of a centre that hit none though
+  /// something is behind, on the plane that most samples hit.
+  float range_m() const { return range_m_; }
 
  private:
   void findFirstHits(const TriangleInPixel& triangle, int number);
+  PixelPart partOf(const TriangleInPixel& triangle, int number, const PixelSquare& pixel) const;
 
-  std::vector<float> column_, row_;  // from the pixel's centre, in pixels; the centre itself comes last
-  std::vector<float> nearness_;      // by sample: largest 1/z so far …
-  std::vector<int> hit_;             // … and whose it is
+  int side_;
+  // By sample; then the pixel's centre; then what fills up the last group of kLanes, in the centre too. Those
+  // two do not count.
+  std::vector<float> column_, row_;          // from the pixel's centre, in pixels
+  std::vector<int> column_step_, row_step_;  // the same, in steps of 1 / side² from the pixel's corner
+  std::vector<int> counts_;                  // 1 or 0
+  std::vector<float> nearness_;              // largest 1/z so far …
+  std::vector<int> hit_;                     // … and whose it is
+  std::vector<PixelPart> parts_;
+  float range_m_ = 0;
 };
 
 }  // namespace fathom

@@ -41,6 +41,7 @@ struct Renderer::Implementation {
   // Of the view being rendered
   Pose T_camera_odom;
   std::optional<SeenLighting> lighting;
+  std::optional<SingleSights> parts_of_pixels;
   std::vector<std::optional<SeenTriangle>> seen;  // by triangle, once it is needed
   const std::uint32_t* triangles = nullptr;       // by raster sample
   std::vector<std::uint32_t> faces;               // by raster sample
@@ -95,12 +96,14 @@ std::uint32_t Renderer::Implementation::renderIfShared(std::size_t pixel, float*
   numbers.clear();
   in_pixel.clear();
   bool nothing_behind = false;
-  std::uint32_t filling = kNothing;
+  std::uint32_t filling = kNothing, before = kNothing;
   const std::uint32_t* samples = triangles + lens.block[pixel];
   for (int row = 0; row < lens.block_side; ++row, samples += lens.raster.columns)
     for (int column = 0; column < lens.block_side; ++column) {
       const std::uint32_t number = samples[column];
       nothing_behind |= number == kNothing;
+      if (number == before) continue;
+      before = number;
       if (number == kNothing || std::find(numbers.begin(), numbers.end(), number) != numbers.end()) continue;
       numbers.push_back(number);
       const TriangleInPixel triangle(seenTriangle(number), square);
@@ -109,9 +112,12 @@ std::uint32_t Renderer::Implementation::renderIfShared(std::size_t pixel, float*
       in_pixel.push_back(triangle);
     }
   if (in_pixel.size() == 1 && filling != kNothing) return filling;
-  const bool hit = sampler.sample(square, in_pixel, nothing_behind, *lighting, radiance, range_m);
-  if (hit) return kRendered;
-  return nothing_behind ? kNothing : numbers.front();
+  const std::vector<PixelPart>& parts = sampler.sample(square, in_pixel, nothing_behind);
+  if (parts.empty()) return nothing_behind ? kNothing : numbers.front();
+  std::fill_n(radiance, 3, 0.0f);
+  for (const PixelPart& part : parts) parts_of_pixels->add(*part.triangle, part.middle, part.share, radiance);
+  *range_m = sampler.range_m();
+  return kRendered;
 }
 
 /// Runs of pixels that one triangle fills are shaded together.
@@ -166,6 +172,7 @@ void Renderer::render(const Pose& T_odom_camera, const Lighting& lighting, View&
   Implementation& r = *implementation_;
   r.T_camera_odom = T_odom_camera.inverse();
   r.lighting.emplace(lighting, r.T_camera_odom);
+  r.parts_of_pixels.emplace(*r.lighting);
   r.seen.assign(r.face_of.size(), std::nullopt);
   r.triangles = r.visibility.draw(r.T_camera_odom).data();
   r.findEdges();
@@ -173,6 +180,7 @@ void Renderer::render(const Pose& T_odom_camera, const Lighting& lighting, View&
   view.range_m.create(r.height, r.width, CV_32FC1);
   for (int row = 0; row < r.height; ++row)
     r.renderRow(row, view.radiance.ptr<float>(row), view.range_m.ptr<float>(row));
+  r.parts_of_pixels->finish();
 }
 
 }  // namespace fathom

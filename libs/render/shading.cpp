@@ -9,14 +9,7 @@
 namespace fathom {
 namespace {
 
-constexpr int kBlock = 64;  // lines of sight at a time: a handful of arrays that stay in the cache
-using Values = float[kBlock];
-
-struct Block {
-  Values x, y, z;        // points, camera frame, m
-  Values normal[3];      // unit length
-  Values irradiance[3];  // red, green, blue
-};
+using Block = ShadingBlock;
 
 void placePoints(const Eigen::Vector3f& inverse_depth, const float* x, const float* y, int count, Block& b,
                  float* range_m) {
@@ -52,7 +45,7 @@ void placeNormals(const SeenTriangle& triangle, int count, Block& b) {
 void addSpot(const SeenSpot& spot, int count, Block& b) {
   const Eigen::Vector3f& p = spot.position;
   const Eigen::Vector3f& d = spot.direction;
-  Values strength;
+  Block::Values strength;
   for (int i = 0; i < count; ++i) {
     const float x = p.x() - b.x[i], y = p.y() - b.y[i], z = p.z() - b.z[i];  // to the lamp
     const float inverse_distance = 1.0f / std::sqrt(x * x + y * y + z * z);
@@ -66,6 +59,11 @@ void addSpot(const SeenSpot& spot, int count, Block& b) {
     const float irradiance_1m = spot.irradiance_1m[c];
     for (int i = 0; i < count; ++i) b.irradiance[c][i] += irradiance_1m * strength[i];
   }
+}
+
+void light(const SeenLighting& lighting, int count, Block& b) {
+  for (int c = 0; c < 3; ++c) std::fill_n(b.irradiance[c], count, lighting.ambient[c]);
+  for (const SeenSpot& spot : lighting.spots) addSpot(spot, count, b);
 }
 
 void reflect(const SeenTriangle& triangle, int count, Block& b) {
@@ -82,9 +80,8 @@ void shadeBlock(const SeenTriangle& triangle, const SeenLighting& lighting, cons
                 int count, float* radiance, float* range_m) {
   Block b;
   placePoints(triangle.inverse_depth, x, y, count, b, range_m);
-  for (int c = 0; c < 3; ++c) std::fill_n(b.irradiance[c], count, lighting.ambient[c]);
   if (!lighting.spots.empty()) placeNormals(triangle, count, b);
-  for (const SeenSpot& spot : lighting.spots) addSpot(spot, count, b);
+  light(lighting, count, b);
   reflect(triangle, count, b);
   for (int i = 0; i < count; ++i)
     for (int c = 0; c < 3; ++c) radiance[3 * i + c] = b.irradiance[c][i];
@@ -94,9 +91,38 @@ void shadeBlock(const SeenTriangle& triangle, const SeenLighting& lighting, cons
 
 void shade(const SeenTriangle& triangle, const SeenLighting& lighting, const float* x, const float* y,
            int count, float* radiance, float* range_m) {
-  for (int first = 0; first < count; first += kBlock)
-    shadeBlock(triangle, lighting, x + first, y + first, std::min(kBlock, count - first),
+  for (int first = 0; first < count; first += Block::kSize)
+    shadeBlock(triangle, lighting, x + first, y + first, std::min(Block::kSize, count - first),
                radiance + static_cast<std::ptrdiff_t>(3) * first, range_m + first);
+}
+
+void SingleSights::add(const SeenTriangle& triangle, const Eigen::Vector2f& sight, float weight,
+                       float* radiance) {
+  if (count_ == Block::kSize) finish();
+  const int i = count_++;
+  const Eigen::Vector3f direction = sight.homogeneous();
+  const Eigen::Vector3f point = direction / triangle.inverse_depth.dot(direction);
+  Eigen::Vector3f normal = triangle.normal, albedo = triangle.albedo;
+  if (!triangle.uniform) {
+    normal = (triangle.normal_per_depth * point).normalized();
+    albedo = triangle.albedo_per_depth * point;
+  }
+  block_.x[i] = point.x();
+  block_.y[i] = point.y();
+  block_.z[i] = point.z();
+  for (int c = 0; c < 3; ++c) {
+    block_.normal[c][i] = normal[c];
+    albedo_[c][i] = albedo[c];
+  }
+  weight_[i] = weight;
+  radiance_[i] = radiance;
+}
+
+void SingleSights::finish() {
+  light(lighting_, count_, block_);
+  for (int i = 0; i < count_; ++i)
+    for (int c = 0; c < 3; ++c) radiance_[i][c] += weight_[i] * albedo_[c][i] * block_.irradiance[c][i];
+  count_ = 0;
 }
 
 SeenTriangle::SeenTriangle(const Surface& surface, std::size_t triangle, const Pose& T_camera_odom)
@@ -112,6 +138,7 @@ SeenTriangle::SeenTriangle(const Surface& surface, std::size_t triangle, const P
   }
   corner_shares = corners_camera.inverse();
   const Eigen::Matrix3f shares = corner_shares.cast<float>();
+  shares_across = shares.leftCols<2>();
   inverse_depth = corner_shares.colwise().sum().transpose().cast<float>();
   normal = normals_camera.col(0).normalized();
   albedo = albedos.col(0);

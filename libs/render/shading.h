@@ -11,6 +11,7 @@ namespace fathom {
 /// linearly over the triangle, divided by z, is linear in the image too.
 struct SeenTriangle {
   Eigen::Matrix3d corner_shares;                       ///< V^-1, 1/m
+  Eigen::Matrix<float, 3, 2> shares_across;            ///< its first two columns: change with x and y
   Eigen::Vector3f inverse_depth;                       ///< 1/z = inverse_depth . d
   bool uniform = false;                                ///< one normal and one albedo: the next two
   Eigen::Vector3f normal, albedo;                      ///< normal in the camera frame
@@ -34,9 +35,37 @@ struct SeenLighting {
   SeenLighting(const Lighting& lighting, const Pose& T_camera_odom);
 };
 
+/// Lines of sight that are shaded at a time: a handful of arrays that stay in the cache.
+struct ShadingBlock {
+  static constexpr int kSize = 64;
+  using Values = float[kSize];
+
+  Values x, y, z;        ///< points, camera frame, m
+  Values normal[3];      ///< unit length
+  Values irradiance[3];  ///< red, green, blue
+};
+
 /// Radiance (red, green, blue each) and slant range (m) of `count` lines of sight (x[i], y[i], 1) that meet
 /// the triangle's plane.
 void shade(const SeenTriangle& triangle, const SeenLighting& lighting, const float* x, const float* y,
            int count, float* radiance, float* range_m);
+
+/// Shades single lines of sight, each on a triangle of its own, many at a time.
+class SingleSights {
+ public:
+  /// Keeps a reference to the lighting.
+  explicit SingleSights(const SeenLighting& lighting) : lighting_(lighting) {}
+  /// Adds `weight` times the radiance of the line of sight (x, y, 1) to `radiance` (red, green, blue): now,
+  /// or when finish() is called.
+  void add(const SeenTriangle& triangle, const Eigen::Vector2f& sight, float weight, float* radiance);
+  void finish();
+
+ private:
+  const SeenLighting& lighting_;
+  ShadingBlock block_;
+  ShadingBlock::Values albedo_[3], weight_;
+  float* radiance_[ShadingBlock::kSize];
+  int count_ = 0;
+};
 
 }  // namespace fathom

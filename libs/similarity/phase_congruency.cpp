@@ -94,24 +94,37 @@ float median(std::vector<float>& values) {
 /// Complex answers of an orientation's filters, fine to coarse: real is even, imaginary odd.
 using Responses = std::array<cv::Mat, PhaseCongruency::kScales>;
 
-/// Adds an orientation's energy above the noise, and its amplitudes. The energy is the sum over scales of a
-/// response's part along the mean phase, less its part across.
-void accumulate(const Responses& responses, float noise, cv::Mat& energy, cv::Mat& amplitude) {
+/// Adds an orientation's energy above the noise, and its amplitudes, to the two channels of `sums` (which are
+/// one image because the compiler looks at several pixels at a time only where few images could overlap). The
+/// energy is the sum over scales of a response's part along the mean phase, less its part across.
+void accumulate(const Responses& responses, float noise, cv::Mat& sums) {
   std::array<const float*, PhaseCongruency::kScales> parts{};
   for (std::size_t s = 0; s < responses.size(); ++s) parts[s] = responses[s].ptr<float>();
-  auto *energies = energy.ptr<float>(), *amplitudes = amplitude.ptr<float>();
-  for (std::size_t i = 0; i < energy.total(); ++i) {
-    float even = 0, odd = 0, across = 0;
+  auto* sum = sums.ptr<float>();
+  const std::size_t count = sums.total();
+  for (std::size_t i = 0; i < count; ++i) {
+    float even = 0, odd = 0, across = 0, amplitude = 0;
     for (const float* part : parts) {
       even += part[2 * i];
       odd += part[2 * i + 1];
-      amplitudes[i] += std::sqrt(part[2 * i] * part[2 * i] + part[2 * i + 1] * part[2 * i + 1]);
+      amplitude += std::sqrt(part[2 * i] * part[2 * i] + part[2 * i + 1] * part[2 * i + 1]);
     }
     for (const float* part : parts) across += std::abs(part[2 * i] * odd - part[2 * i + 1] * even);
     const float squared = even * even + odd * odd;
     const float in_phase = (squared - across) / (std::sqrt(squared) + kLeastEnergy);
-    energies[i] += std::max(in_phase - noise, 0.0F);
+    sum[2 * i] += std::max(in_phase - noise, 0.0F);
+    sum[2 * i + 1] += amplitude;
   }
+}
+
+/// Energy over amplitude. Each response's energy is at most its amplitude: where that is zero, so are both.
+cv::Mat ratioOf(const cv::Mat& sums) {
+  cv::Mat result(sums.size(), CV_32FC1);
+  const auto* sum = sums.ptr<float>();
+  auto* ratio = result.ptr<float>();
+  for (std::size_t i = 0; i < sums.total(); ++i)
+    ratio[i] = sum[2 * i] / std::max(sum[2 * i + 1], std::numeric_limits<float>::min());
+  return result;
 }
 
 /// spectrum * radial * angular.
@@ -119,7 +132,8 @@ void filter(const cv::Mat& spectrum, const cv::Mat& radial, const cv::Mat& angul
   result.create(spectrum.size(), CV_32FC2);
   const auto *in = spectrum.ptr<float>(), *r = radial.ptr<float>(), *a = angular.ptr<float>();
   auto* out = result.ptr<float>();
-  for (std::size_t i = 0; i < spectrum.total(); ++i) {
+  const std::size_t count = spectrum.total();
+  for (std::size_t i = 0; i < count; ++i) {
     const float gain = r[i] * a[i];
     out[2 * i] = gain * in[2 * i];
     out[2 * i + 1] = gain * in[2 * i + 1];
@@ -154,18 +168,16 @@ cv::Mat PhaseCongruency::of(const cv::Mat& luminance) const {
     throw std::invalid_argument("phase congruency: an image of another size or type");
   if (isFlat(luminance)) return cv::Mat::zeros(size_, CV_32FC1);
   const cv::Mat spectrum = spectrumOf(luminance);
-  cv::Mat energy = cv::Mat::zeros(size_, CV_32FC1), amplitude = energy.clone();
+  cv::Mat sums = cv::Mat::zeros(size_, CV_32FC2);
   Responses responses;
   for (std::size_t o = 0; o < kOrientations; ++o) {
     for (std::size_t s = 0; s < kScales; ++s) {
       filter(spectrum, radial_[s], angular_[o], responses[s]);
       cv::dft(responses[s], responses[s], cv::DFT_INVERSE);
     }
-    accumulate(responses, noiseEnergy(responses[0], o), energy, amplitude);
+    accumulate(responses, noiseEnergy(responses[0], o), sums);
   }
-  // Each response's energy is at most its amplitude: where that is zero, so are both.
-  amplitude = cv::max(amplitude, std::numeric_limits<float>::min());
-  return cv::Mat(energy / amplitude);
+  return ratioOf(sums);
 }
 
 float PhaseCongruency::noiseEnergy(const cv::Mat& finest, std::size_t orientation) const {
