@@ -71,9 +71,9 @@ TEST(AnyPathToRead, IsReadAndSaid) {
 /// Those that take a second or two: a run that fails at the end takes as long as one that does not.
 std::vector<WritingCommand> quickCommands() {
   std::vector<WritingCommand> commands;
-  for (const char* name :
-       {"simulate", "localize", "tasks", "smooth", "sil", "detect", "map", "importbag", "importcorners",
-        "importcamera", "exportcsv", "exporttum", "exportkml", "exportcolmap", "man"})
+  for (const char* name : {"simulate", "localize", "tasks", "smooth", "sil", "detect", "map", "importbag",
+                           "importcsv", "importcorners", "importtiepoints", "importcamera", "exportcsv",
+                           "exporttum", "exportkml", "exportcolmap", "man"})
     commands.push_back(writingCommand(name));
   return commands;
 }

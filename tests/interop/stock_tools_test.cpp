@@ -32,7 +32,9 @@ const StockInput kRawlogs[] = {
     {"sil", "Fahrt ü 1_pairs.rawlog", "CAMERA, MARKERS, SIMULATED"},
     {"handles", "Fahrt ü 1_results.rawlog", "HANDLES, PANEL"},
     {"importbag", "Bandaufnahme ä.rawlog", "INS"},
+    {"importcsv", "section1.rawlog", "DVL, INS"},
     {"importcorners", "Ecken é.rawlog", "CAMERA"},
+    {"importtiepoints", "Punkte ä.rawlog", "STEREO"},
 };
 const StockInput kScenes[] = {{"map", "dexrov.3Dscene", ""}, {"tasks", "Fahrt ü 1_results.3Dscene", ""}};
 

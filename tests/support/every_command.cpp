@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "core/text.h"
-#include "support/bags.h"
 #include "support/shipped.h"
+#include "support/small_imports.h"
 #include "support/small_vehicle.h"
 
 namespace fathom::test {
@@ -28,25 +28,6 @@ void copyPanel(const fs::path& folder) {
   writeNew(folder / "panel übersicht.yaml", with(readTextFile(kDexrovMap), "panel.obj", "Tafel ß.obj"));
 }
 
-void makeBag(const fs::path& folder) {
-  rosbag::Bag bag((folder / "Bandaufnahme ä.bag").string(), rosbag::bagmode::Write);
-  for (unsigned k = 1; k <= 400; ++k) bag.write("/imu", rosTime(k), imuMessage(rosTime(k)));
-  bag.close();
-  writeNew(folder / "Themen ö.yaml",
-           "topics:\n  - {topic: /imu, as: INS,\n"
-           "     pose: {x: 0, y: 0, z: 0, yaw_deg: 0, pitch_deg: 0, roll_deg: 0}}\n");
-}
-
-/// A board of 3 x 3 corners, seen straight on from 0.5 m.
-void makeCorners(const fs::path& folder) {
-  std::string text = "image,corner,u_px,v_px\n";
-  for (int view = 0; view < 3; ++view)
-    for (int k = 0; k < 9; ++k)
-      text += print("Bild %d.png,%d,%d,%d\n", view, k, 200 + 30 * (k % 3) + 5 * view, 150 + 30 * (k / 3));
-  writeNew(folder / "Ecken é.csv", text);
-  writeNew(folder / "Kamera 1.yaml", "fx_px: 500\nfy_px: 500\ncx_px: 319.5\ncy_px: 239.5\n");
-}
-
 void makeRecording(const fs::path& folder) {
   fs::rename(writeSmallVehicle(folder), folder / "Fahrzeug ö.yaml");
   fs::copy_file(kConfig / "trajectory_station.yaml", folder / "Bahn ß.yaml");
@@ -56,8 +37,10 @@ void makeRecording(const fs::path& folder) {
 }
 
 void makeRest(const fs::path& folder) {
-  makeBag(folder);
-  makeCorners(folder);
+  writeSmallBag(folder);
+  writeSmallCorners(folder);
+  writeSmallSeaTrial(folder);
+  writeSmallTiePoints(folder);
   fs::copy_file(kSource / "tests/fuzz/corpus/opencv.yaml", folder / "Eichung ä.yaml");
   writeNew(folder / "Störung.yaml",
            "faults:\n  - {name: drop, kind: drop, sensors: [DVL], vary: probability, strengths: [0.5]}\n");
@@ -117,8 +100,13 @@ std::vector<WritingCommand> writingCommands() {
       {"detect", "detect --family DICT_ARUCO_ORIGINAL" + image, "Funde ü.csv"},
       {"map", "map show " + in("panel übersicht.yaml"), ""},
       {"importbag", "import bag " + in("Bandaufnahme ä.bag") + " --topics " + in("Themen ö.yaml"), ""},
+      {"importcsv", "import csv --section 1 " + in("Tabellen ö"), ""},
       {"importcorners",
        "import corners --board 3x3 --square-m 0.03 --camera " + in("Kamera 1.yaml") + " " + in("Ecken é.csv"),
+       ""},
+      {"importtiepoints",
+       "import tie-points --left " + in("Kamera links.yaml") + " --right " + in("Kamera rechts.yaml") + " " +
+           in("Punkte ä.csv"),
        ""},
       {"importcamera", "import camera " + in("Eichung ä.yaml"), ""},
       {"exportcsv", "export csv" + recording, ""},

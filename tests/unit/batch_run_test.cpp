@@ -5,13 +5,14 @@
 #include <filesystem>
 
 #include "core/files.h"
+#include "support/shared_data.h"
 
 namespace fathom {
 namespace {
 
 // Half of a file, another program's, or what somebody wrote by hand: the job runs again.
 TEST(BatchRun, ARecordOfSomethingElseIsNone) {
-  const auto folder = std::filesystem::temp_directory_path() / "fathom_batch_run_test";
+  const auto folder = test::scratchFolder();
   const BatchJob job{
       .name = "dive.TL2", .recording = {}, .run = "TL2", .seed = {}, .words = {"info", "dive.rawlog"}};
   const auto record = folderOf(job, folder) / "job.json";

@@ -15,6 +15,7 @@
 #include "sealed/recording.h"
 #include "sealed/sha256.h"
 #include "support/sealed_example.h"
+#include "support/shared_data.h"
 #include "support/shipped.h"
 
 namespace fathom::sealed {
@@ -86,13 +87,12 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
 
 class SealedRecording : public testing::Test {
  protected:
-  void SetUp() override { fs::remove_all(folder_); }
   void TearDown() override { fs::remove_all(folder_); }
   fs::path seal(const std::string& name, const std::string& text) const {
     sealRecording(parseSealedCase(text, "case.json"), folder_ / name, folder_ / (name + "_truth"));
     return folder_ / name;
   }
-  const fs::path folder_ = fs::temp_directory_path() / "fathom_sealed_case_test";
+  const fs::path folder_ = test::scratchFolder();
 };
 
 const std::string kNoisyCase =

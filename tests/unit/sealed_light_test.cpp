@@ -2,13 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <functional>
 
 #include "sealed/images.h"
 #include "sealed/lamp_light.h"
 #include "sealed/panel_design.h"
 #include "support/sealed_example.h"
+#include "support/shared_data.h"
 
 namespace fathom::sealed {
 namespace {
@@ -22,7 +22,7 @@ struct Scene {
         viewpoint(vehicle, sealed, dive) {}
 
   static PanelMap readMap() {
-    const auto folder = std::filesystem::temp_directory_path() / "fathom_sealed_light_test";
+    const auto folder = test::scratchFolder();
     writePanel(folder, false);
     return readPanelMap(folder / "panel.yaml");
   }

@@ -11,6 +11,7 @@
 #include "sealed/given_path.h"
 #include "sealed/inertial.h"
 #include "support/sealed_example.h"
+#include "support/shared_data.h"
 
 namespace fathom::sealed {
 namespace {
@@ -44,7 +45,6 @@ TEST(SealedDive, ComesNearerAllTheWhile) {
 /// A path as a file, and a dive along it.
 class GivenDive : public testing::Test {
  protected:
-  void TearDown() override { std::filesystem::remove(file_); }
   void write(const Dive& path, double rate_hz, double duration_s) const {
     std::vector<StampedPose> poses;
     for (int i = 0; i <= duration_s * rate_hz; ++i)
@@ -55,7 +55,7 @@ class GivenDive : public testing::Test {
     write(path, rate_hz, duration_s);
     return makeDive({.manoeuvre = "given", .path = file_, .duration_s = duration_s}, kPanel_odom);
   }
-  const std::filesystem::path file_ = std::filesystem::temp_directory_path() / "fathom_given_dive_test.tum";
+  const std::filesystem::path file_ = test::scratchFolder() / "path.tum";
 };
 
 // Turns by far more than half a turn to either side, so that quaternions change their sign.
