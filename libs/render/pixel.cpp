@@ -27,9 +27,8 @@ PixelSampler::PixelSampler(int side) : side_(side) {
     column_.push_back(offsetOf(static_cast<float>(column_step_[k]), side));
     row_.push_back(offsetOf(static_cast<float>(row_step_[k]), side));
   }
-  counts_.assign(samples, 1);
   for (auto* values : {&column_, &row_, &nearness_}) values->resize(padded);
-  for (auto* values : {&column_step_, &row_step_, &counts_, &hit_}) values->resize(padded);
+  for (auto* values : {&column_step_, &row_step_, &hit_}) values->resize(padded);
 }
 
 void PixelSampler::findFirstHits(const TriangleInPixel& triangle, int number) {
@@ -38,8 +37,8 @@ void PixelSampler::findFirstHits(const TriangleInPixel& triangle, int number) {
   const float* row = row_.data();
   float* nearness = nearness_.data();
   int* hit = hit_.data();
-  const std::size_t groups = hit_.size() / kLanes;
-  for (std::size_t k = 0; k < groups * kLanes; ++k) {
+  const std::size_t count = hit_.size();
+  for (std::size_t k = 0; k < count; ++k) {
     const float a = at[0] + u[0] * column[k] + v[0] * row[k];
     const float b = at[1] + u[1] * column[k] + v[1] * row[k];
     const float c = at[2] + u[2] * column[k] + v[2] * row[k];
@@ -51,15 +50,14 @@ void PixelSampler::findFirstHits(const TriangleInPixel& triangle, int number) {
   }
 }
 
-/// Sums of whole numbers, which the compiler may take in any order.
+/// Its share in samples. Sums of whole numbers, which the compiler may take in any order.
 PixelPart PixelSampler::partOf(const TriangleInPixel& triangle, int number, const PixelSquare& pixel) const {
-  const int *hit = hit_.data(), *counts = counts_.data();
-  const int *column_step = column_step_.data(), *row_step = row_step_.data();
+  const int *hit = hit_.data(), *column_step = column_step_.data(), *row_step = row_step_.data();
   int hits = 0, columns = 0, rows = 0;
-  const std::size_t groups = hit_.size() / kLanes;
-  for (std::size_t k = 0; k < groups * kLanes; ++k) {
+  const std::size_t all = hit_.size();
+  for (std::size_t k = 0; k < all; ++k) {
     const int mine = -static_cast<int>(hit[k] == number);  // all bits, or none
-    hits += mine & counts[k];
+    hits -= mine;
     columns += mine & column_step[k];
     rows += mine & row_step[k];
   }
@@ -80,6 +78,8 @@ const std::vector<PixelPart>& PixelSampler::sample(const PixelSquare& pixel,
   for (int i = 0; i < count; ++i) findFirstHits(triangles[static_cast<std::size_t>(i)], i);
 
   const auto samples = static_cast<std::size_t>(side_ * side_);
+  const bool centre_hit = hit_[samples] >= 0;
+  std::fill(hit_.begin() + side_ * side_, hit_.end(), -1);  // what is no sample does not count
   float all_hits = 0, most_hits = 0, nearness = nearness_[samples];
   parts_.clear();
   for (int i = 0; i < count; ++i) {
@@ -88,7 +88,7 @@ const std::vector<PixelPart>& PixelSampler::sample(const PixelSquare& pixel,
     if (part.share == 0) continue;
     parts_.push_back(part);
     all_hits += part.share;
-    if (part.share > most_hits && hit_[samples] < 0 && !nothing_behind) nearness = triangle.at_centre.sum();
+    if (part.share > most_hits && !centre_hit && !nothing_behind) nearness = triangle.at_centre.sum();
     most_hits = std::max(most_hits, part.share);
   }
   const float counted = nothing_behind ? static_cast<float>(samples) : all_hits;

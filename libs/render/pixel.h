@@ -22,8 +22,8 @@ struct TriangleInPixel {
   TriangleInPixel(const SeenTriangle& seen, const PixelSquare& pixel)
       : triangle(&seen),
         at_centre((seen.corner_shares * pixel.centre.cast<double>().homogeneous()).cast<float>()),
-        to_next_column(seen.shares_across * pixel.to_next_column),
-        to_next_row(seen.shares_across * pixel.to_next_row),
+        to_next_column(seen.corner_shares.leftCols<2>().cast<float>() * pixel.to_next_column),
+        to_next_row(seen.corner_shares.leftCols<2>().cast<float>() * pixel.to_next_row),
         reach(0.5f * (to_next_column.cwiseAbs() + to_next_row.cwiseAbs())) {}
 
   bool fillsPixel() const { return (at_centre - reach).minCoeff() >= 0; }
@@ -59,11 +59,9 @@ class PixelSampler {
   PixelPart partOf(const TriangleInPixel& triangle, int number, const PixelSquare& pixel) const;
 
   int side_;
-  // By sample; then the pixel's centre; then what fills up the last group of kLanes, in the centre too. Those
-  // two do not count.
+  // By sample; then the pixel's centre; then what fills up the last group of kLanes, in the centre too.
   std::vector<float> column_, row_;          // from the pixel's centre, in pixels
   std::vector<int> column_step_, row_step_;  // the same, in steps of 1 / side² from the pixel's corner
-  std::vector<int> counts_;                  // 1 or 0
   std::vector<float> nearness_;              // largest 1/z so far …
   std::vector<int> hit_;                     // … and whose it is
   std::vector<PixelPart> parts_;

@@ -96,14 +96,12 @@ std::uint32_t Renderer::Implementation::renderIfShared(std::size_t pixel, float*
   numbers.clear();
   in_pixel.clear();
   bool nothing_behind = false;
-  std::uint32_t filling = kNothing, before = kNothing;
+  std::uint32_t filling = kNothing;
   const std::uint32_t* samples = triangles + lens.block[pixel];
   for (int row = 0; row < lens.block_side; ++row, samples += lens.raster.columns)
     for (int column = 0; column < lens.block_side; ++column) {
       const std::uint32_t number = samples[column];
       nothing_behind |= number == kNothing;
-      if (number == before) continue;
-      before = number;
       if (number == kNothing || std::find(numbers.begin(), numbers.end(), number) != numbers.end()) continue;
       numbers.push_back(number);
       const TriangleInPixel triangle(seenTriangle(number), square);

@@ -11,14 +11,18 @@ namespace {
 
 using Block = ShadingBlock;
 
+void placePoint(const Eigen::Vector3f& inverse_depth, float x, float y, int i, Block& b) {
+  const float z = 1.0f / (inverse_depth.x() * x + inverse_depth.y() * y + inverse_depth.z());
+  b.x[i] = z * x;
+  b.y[i] = z * y;
+  b.z[i] = z;
+}
+
 void placePoints(const Eigen::Vector3f& inverse_depth, const float* x, const float* y, int count, Block& b,
                  float* range_m) {
   for (int i = 0; i < count; ++i) {
-    const float z = 1.0f / (inverse_depth.x() * x[i] + inverse_depth.y() * y[i] + inverse_depth.z());
-    b.x[i] = z * x[i];
-    b.y[i] = z * y[i];
-    b.z[i] = z;
-    range_m[i] = z * std::sqrt(x[i] * x[i] + y[i] * y[i] + 1.0f);
+    placePoint(inverse_depth, x[i], y[i], i, b);
+    range_m[i] = b.z[i] * std::sqrt(x[i] * x[i] + y[i] * y[i] + 1.0f);
   }
 }
 
@@ -26,20 +30,23 @@ float along(const Eigen::Matrix3f& per_depth, int row, const Block& b, int i) {
   return per_depth(row, 0) * b.x[i] + per_depth(row, 1) * b.y[i] + per_depth(row, 2) * b.z[i];
 }
 
+/// Of a triangle whose normal varies.
+void placeNormal(const SeenTriangle& triangle, int i, Block& b) {
+  const float nx = along(triangle.normal_per_depth, 0, b, i);
+  const float ny = along(triangle.normal_per_depth, 1, b, i);
+  const float nz = along(triangle.normal_per_depth, 2, b, i);
+  const float scale = 1.0f / std::sqrt(std::max(nx * nx + ny * ny + nz * nz, 1e-20f));
+  b.normal[0][i] = scale * nx;
+  b.normal[1][i] = scale * ny;
+  b.normal[2][i] = scale * nz;
+}
+
 void placeNormals(const SeenTriangle& triangle, int count, Block& b) {
   if (triangle.uniform) {
     for (int k = 0; k < 3; ++k) std::fill_n(b.normal[k], count, triangle.normal[k]);
     return;
   }
-  for (int i = 0; i < count; ++i) {
-    const float nx = along(triangle.normal_per_depth, 0, b, i);
-    const float ny = along(triangle.normal_per_depth, 1, b, i);
-    const float nz = along(triangle.normal_per_depth, 2, b, i);
-    const float scale = 1.0f / std::sqrt(std::max(nx * nx + ny * ny + nz * nz, 1e-20f));
-    b.normal[0][i] = scale * nx;
-    b.normal[1][i] = scale * ny;
-    b.normal[2][i] = scale * nz;
-  }
+  for (int i = 0; i < count; ++i) placeNormal(triangle, i, b);
 }
 
 void addSpot(const SeenSpot& spot, int count, Block& b) {
@@ -100,19 +107,11 @@ void SingleSights::add(const SeenTriangle& triangle, const Eigen::Vector2f& sigh
                        float* radiance) {
   if (count_ == Block::kSize) finish();
   const int i = count_++;
-  const Eigen::Vector3f direction = sight.homogeneous();
-  const Eigen::Vector3f point = direction / triangle.inverse_depth.dot(direction);
-  Eigen::Vector3f normal = triangle.normal, albedo = triangle.albedo;
-  if (!triangle.uniform) {
-    normal = (triangle.normal_per_depth * point).normalized();
-    albedo = triangle.albedo_per_depth * point;
-  }
-  block_.x[i] = point.x();
-  block_.y[i] = point.y();
-  block_.z[i] = point.z();
-  for (int c = 0; c < 3; ++c) {
-    block_.normal[c][i] = normal[c];
-    albedo_[c][i] = albedo[c];
+  placePoint(triangle.inverse_depth, sight.x(), sight.y(), i, block_);
+  if (!triangle.uniform) placeNormal(triangle, i, block_);
+  for (int k = 0; k < 3; ++k) {
+    if (triangle.uniform) block_.normal[k][i] = triangle.normal[k];
+    albedo_[k][i] = triangle.uniform ? triangle.albedo[k] : along(triangle.albedo_per_depth, k, block_, i);
   }
   weight_[i] = weight;
   radiance_[i] = radiance;
@@ -138,7 +137,6 @@ SeenTriangle::SeenTriangle(const Surface& surface, std::size_t triangle, const P
   }
   corner_shares = corners_camera.inverse();
   const Eigen::Matrix3f shares = corner_shares.cast<float>();
-  shares_across = shares.leftCols<2>();
   inverse_depth = corner_shares.colwise().sum().transpose().cast<float>();
   normal = normals_camera.col(0).normalized();
   albedo = albedos.col(0);

@@ -11,7 +11,6 @@ namespace fathom {
 /// linearly over the triangle, divided by z, is linear in the image too.
 struct SeenTriangle {
   Eigen::Matrix3d corner_shares;                       ///< V^-1, 1/m
-  Eigen::Matrix<float, 3, 2> shares_across;            ///< its first two columns: change with x and y
   Eigen::Vector3f inverse_depth;                       ///< 1/z = inverse_depth . d
   bool uniform = false;                                ///< one normal and one albedo: the next two
   Eigen::Vector3f normal, albedo;                      ///< normal in the camera frame

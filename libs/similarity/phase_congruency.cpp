@@ -122,7 +122,8 @@ cv::Mat ratioOf(const cv::Mat& sums) {
   cv::Mat result(sums.size(), CV_32FC1);
   const auto* sum = sums.ptr<float>();
   auto* ratio = result.ptr<float>();
-  for (std::size_t i = 0; i < sums.total(); ++i)
+  const std::size_t count = sums.total();
+  for (std::size_t i = 0; i < count; ++i)
     ratio[i] = sum[2 * i] / std::max(sum[2 * i + 1], std::numeric_limits<float>::min());
   return result;
 }

@@ -44,10 +44,10 @@ std::string rows(int count, double rate_hz, Row&& row) {
 
 constexpr double kFocal_px = 500, kCentreU_px = 320, kCentreV_px = 240, kWindow_cm = 20;
 
-/// What a camera at x_cm sees straight ahead of it.
-std::string pixelAt(const char* format, double x_cm, const Vector3d& point_cm) {
-  return print(format, kCentreU_px + kFocal_px * (point_cm.x() - x_cm) / point_cm.z(),
-               kCentreV_px + kFocal_px * point_cm.y() / point_cm.z());
+/// Where a camera at x_cm, which looks along z, sees a point.
+Vector2d pixelAt(double x_cm, const Vector3d& point_cm) {
+  return {kCentreU_px + kFocal_px * (point_cm.x() - x_cm) / point_cm.z(),
+          kCentreV_px + kFocal_px * point_cm.y() / point_cm.z()};
 }
 
 std::string cameraBeforeWindow(double x_cm) {
@@ -56,8 +56,9 @@ std::string cameraBeforeWindow(double x_cm) {
             kFocal_px, kFocal_px, kCentreU_px, kCentreV_px);
   for (const auto& [x, y] : {std::pair{-8, -6}, {8, -6}, {8, 6}, {-8, 6}}) {
     const Vector3d corner_cm(x_cm + x, y, kWindow_cm);
-    text += pixelAt("  - {u_px: %g, v_px: %g", x_cm, corner_cm) +
-            print(", x_cm: %g, y_cm: %g, z_cm: %g}\n", corner_cm.x(), corner_cm.y(), corner_cm.z());
+    const Vector2d pixel = pixelAt(x_cm, corner_cm);
+    text += print("  - {u_px: %g, v_px: %g, x_cm: %g, y_cm: %g, z_cm: %g}\n", pixel.x(), pixel.y(),
+                  corner_cm.x(), corner_cm.y(), corner_cm.z());
   }
   return text;
 }
@@ -103,9 +104,10 @@ void writeSmallTiePoints(const fs::path& folder) {
   for (int frame = 0; frame < 3; ++frame)
     for (int id = 0; id < 6; ++id) {
       const Vector3d point_cm(-4 + 3 * id, 2 * (id % 3) - 2, 60 + 3 * frame + id);
-      for (int camera = 1; camera <= 2; ++camera)
-        text += print("%d,%d,%d,", camera, frame, id) +
-                pixelAt("%.2f,%.2f\n", camera == 1 ? 0 : kRight_cm, point_cm);
+      for (int camera = 1; camera <= 2; ++camera) {
+        const Vector2d pixel = pixelAt(camera == 1 ? 0 : kRight_cm, point_cm);
+        text += print("%d,%d,%d,%.2f,%.2f\n", camera, frame, id, pixel.x(), pixel.y());
+      }
     }
   writeNew(folder / "Punkte ä.csv", text);
   writeNew(folder / "Kamera links.yaml", cameraBeforeWindow(0));
