@@ -62,12 +62,6 @@ void claimFolders(CLI::App& app, Claims& claims) {
   }
 }
 
-std::string oneLine(std::string text) {
-  while (text.ends_with('\n')) text.pop_back();
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
-
 /// CLI11 would only say that a command is needed.
 void rejectUnknownCommand(const CLI::App& app, const std::string& word) {
   std::vector<std::string> names;

@@ -28,6 +28,13 @@ std::string shortest(double value) {
   return {text.data(), end};
 }
 
+std::string oneLine(std::string text) {
+  while (text.ends_with('\n')) text.pop_back();
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
+  return text;
+}
+
 std::string csvField(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";

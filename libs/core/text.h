@@ -10,6 +10,10 @@ __attribute__((format(printf, 1, 2))) std::string print(const char* format, ...)
 /// The shortest text that reads back to the same number; no "-0".
 std::string shortest(double value);
 
+/// For a terminal: without line breaks at its end, and with each other control character as a blank. Files
+/// may hold any, and messages quote them.
+std::string oneLine(std::string text);
+
 /// As a field of a CSV table: quoted where it has to be (RFC 4180).
 std::string csvField(const std::string& text);
 

@@ -209,7 +209,7 @@ void Course::attribute() {
     std::optional<Refit> best = bestOf(final_, screening, left);
     if (!best) break;
     if (takeLeastNoise()) continue;
-    Refit better = fits_.onlyNeeded(std::move(*best));
+    Refit better = fits_.lastingWhereBetter(fits_.onlyNeeded(std::move(*best)));
     if (!final_.effects.empty() && fits_.worth(better) <= fits_.worth(final_)) break;
     if (!isBelieved(better, looks)) break;
     if (leaveOutUnconfirmed(better)) continue;

@@ -2,6 +2,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "core/text.h"
@@ -87,6 +89,23 @@ Refit Fits::settled(Refit fit) {
   if (!changed) return fit;
   Refit again = of(fit, effects);
   return worth(again) > worth(fit) ? again : fit;
+}
+
+Refit Fits::lastingWhereBetter(Refit fit) {
+  for (std::size_t i = 0; i < fit.effects.size();) {
+    std::vector<Candidate> all = fit.effects, lasting;
+    all[i].active_s = {};
+    std::copy_if(all.begin(), all.end(), std::back_inserter(lasting),
+                 [](const Candidate& effect) { return effect.isForGood(); });
+    ++i;
+    if (all == fit.effects) continue;
+    for (Refit& longer : of(fit, {all, lasting}))
+      if (worth(longer) > worth(fit)) {
+        fit = onlyNeeded(std::move(longer));
+        i = 0;
+      }
+  }
+  return fit;
 }
 
 /// Not where the others make it superfluous, where it is too small to be named, where the readings do not ask

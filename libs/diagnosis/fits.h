@@ -42,6 +42,9 @@ class Fits {
   double worth(const Refit& fit) const;
   /// Intervals and times to a fraction of a segment, and whether what seems lasting was on for a part only.
   Refit settled(Refit fit);
+  /// With those for good that were on for a part where that fits better: of an effect that is far from linear
+  /// a part can seem better to first order, and others then stand for the rest of it.
+  Refit lastingWhereBetter(Refit fit);
   /// Without those effects that are not needed; one remains.
   Refit onlyNeeded(Refit fit);
 

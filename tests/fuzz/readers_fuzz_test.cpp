@@ -11,6 +11,7 @@
 #include "batch/batch_plan.h"
 #include "core/error.h"
 #include "core/files.h"
+#include "core/text.h"
 #include "effects/calibration.h"
 #include "fiducials/image_file.h"
 #include "landmarks/board_corners.h"
@@ -134,7 +135,8 @@ class ReadersFuzz : public testing::TestWithParam<Reader> {
     try {
       GetParam().read(file);
     } catch (const Error& error) {
-      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+      const std::string line = error.what();
+      EXPECT_EQ(line, oneLine(line));
       EXPECT_FALSE(error.why.empty());
       return error.what();
     }

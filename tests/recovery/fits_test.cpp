@@ -1,0 +1,78 @@
+#include "diagnosis/fits.h"
+
+#include <gtest/gtest.h>
+
+#include "diagnosis/nominal.h"
+#include "support/flawed_runs.h"
+
+namespace fathom {
+namespace {
+
+#ifdef FATHOM_SANITIZE
+constexpr bool kFew = true;
+#else
+constexpr bool kFew = false;
+#endif
+
+constexpr int kSegments = 30;
+
+/// Without a camera: the DVL alone tells.
+test::BatchRun navigationRun() {
+  test::BatchRun run = test::richRun(1, 24.0);
+  run.vehicle.camera.reset();
+  return run;
+}
+
+class FitsOf {
+ public:
+  explicit FitsOf(const test::BatchRun& run) : input_(run.input()), fits_(input_.data, kSegments) {
+    NominalFit nominal = nominalFit(input_.data, input_.start, {}, 1);
+    fits_.beginWith(std::move(nominal.fit), std::move(nominal.options), nominal.noise);
+  }
+
+  Refit of(const std::vector<Candidate>& effects) { return fits_.of(fits_.nominal(), effects); }
+  Fits* operator->() { return &fits_; }
+
+ private:
+  BatchInput input_;
+  Fits fits_;
+};
+
+template <class Effect>
+Candidate during(const Interval& active_s) {
+  Candidate candidate;
+  candidate.effect = kEffectIndex<Effect>;
+  candidate.active_s = active_s;
+  return candidate;
+}
+
+// A part of a latency of a second, and a DVL that is turned elsewhere, were a minimum of their own in a real
+// recording.
+TEST(Fits, LetAPartLastWhereThatFitsBetter) {
+  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  test::BatchRun run = navigationRun();
+  run.effects.add<DvlLatency>({-0.5});
+  FitsOf fits(run);
+  const Refit parts = fits.of(
+      {during<DvlLatency>({12, Interval::kForever_s}), during<DvlMisalignment>({-Interval::kForever_s, 12})});
+  ASSERT_TRUE(parts.succeeded);
+  const Refit lasting = fits->lastingWhereBetter(parts);
+  EXPECT_EQ(lasting.effects, std::vector<Candidate>{during<DvlLatency>({})});
+  EXPECT_NEAR(lasting.estimates.at(0).value, -0.5, 4 * lasting.estimates.at(0).sigma);
+  EXPECT_GT(fits->worth(lasting), fits->worth(parts));
+}
+
+TEST(Fits, LeaveAPartThatIsOne) {
+  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  test::BatchRun run = navigationRun();
+  const Interval second_half{12, Interval::kForever_s};
+  run.effects.add<DvlLatency>({-0.5});
+  run.effects.active_s[kEffectIndex<DvlLatency>] = second_half;
+  FitsOf fits(run);
+  const Refit part = fits.of({during<DvlLatency>(second_half)});
+  ASSERT_TRUE(part.succeeded);
+  EXPECT_EQ(fits->lastingWhereBetter(part).effects, part.effects);
+}
+
+}  // namespace
+}  // namespace fathom
