@@ -23,7 +23,7 @@ namespace {
 /// The table of corners beside a recording, where there is one.
 std::optional<fs::path> givenCornersOf(const fs::path& rawlog) {
   const fs::path file = cornersBeside(rawlog);
-  return fs::exists(file) ? std::optional(file) : std::nullopt;
+  return isThere(file) ? std::optional(file) : std::nullopt;
 }
 
 /// Remarks: also what of the recording is lost, now that it was read to its end.
@@ -50,7 +50,7 @@ FoundMarkers findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& pa
 /// Points that both eyes of a pair see, where a table beside the recording has them.
 TiePoints tiePointsOf(const fs::path& rawlog, std::vector<std::string>& remarks) {
   const fs::path file = tiePointsBeside(rawlog);
-  if (!fs::exists(file)) return {};
+  if (!isThere(file)) return {};
   remarks.push_back("Tie points are those of " + file.filename().string() + ".");
   return readTiePoints(file);
 }
@@ -86,7 +86,7 @@ void addPatches(const EffectParameters<double>& effects, bool open_water, BatchR
 std::vector<InputFile> filesOf(const BatchRecordingOptions& options, const BatchRecording& recording) {
   std::vector<InputFile> files{inputFile(options.rawlog), inputFile(recording.vehicle)};
   if (const auto given = givenCornersOf(options.rawlog)) files.push_back(inputFile(*given));
-  if (const fs::path points = tiePointsBeside(options.rawlog); fs::exists(points))
+  if (const fs::path points = tiePointsBeside(options.rawlog); isThere(points))
     files.push_back(inputFile(points));
   if (recording.map)
     for (const fs::path& map : panelMapFiles(*recording.map)) files.push_back(inputFile(map));

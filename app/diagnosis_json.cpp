@@ -219,7 +219,8 @@ Json noiseJson(const NoiseModel& noise) {
   json["print_scatter"] = {{"black", noise.print.black},
                            {"white", noise.print.white},
                            {"body", noise.print.body},
-                           {"parts", noise.print.parts}};
+                           {"parts", noise.print.parts},
+                           {"edges_px2", noise.print.edges_px2}};
   return json;
 }
 

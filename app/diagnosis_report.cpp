@@ -202,11 +202,14 @@ void addNoise(const DiagnosisStory& story, HtmlReport& report) {
               1e3 * noise.markers.in_face_m, 1e3 * noise.markers.off_face_m));
   if (noise.light_scatter > 0)
     report.paragraph(print("Light scatters by %.2g %% of itself besides.", 100 * noise.light_scatter));
-  if (noise.print.isSeen())
+  if (noise.print.white > 0 || noise.print.black > 0 || noise.print.body > 0)
     report.paragraph(print(
         "The markers' white is taken to be printed evenly to %.2g %%, their black to %.2g %%, the panel's "
         "body to %.2g %%.",
         100 * noise.print.white, 100 * noise.print.black, 100 * noise.print.body));
+  if (noise.print.edges_px2 > 0)
+    report.paragraph(print("Each marker's edges are taken to be as soft as rendered within %.2g px².",
+                           noise.print.edges_px2));
   if (noise.print.parts > 0)
     report.paragraph(print("Half of a place is taken to differ from all of it by %.2g %% of its light.",
                            100 * noise.print.parts));

@@ -53,7 +53,7 @@ std::string fingerprintOf(const RecordingJob& job) {
 
 std::optional<nlohmann::ordered_json> earlierResult(const RecordingJob& job, const std::string& inputs) {
   const fs::path file = job.folder / "result.json";
-  if (!fs::exists(file)) return std::nullopt;
+  if (!isThere(file)) return std::nullopt;
   const auto json = nlohmann::ordered_json::parse(readTextFile(file), nullptr, false);
   if (json.is_discarded() || !json.is_object() || json.value("inputs", "") != inputs) return std::nullopt;
   return json;

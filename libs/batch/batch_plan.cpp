@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/files.h"
 #include "core/yaml.h"
 
 namespace fathom {
@@ -16,11 +17,14 @@ bool isRecording(const fs::path& file) {
 }
 
 std::vector<fs::path> recordingsIn(const fs::path& place, const std::string& config) {
-  if (!fs::exists(place)) throw Error(config, "recordings", place.string() + " is not there");
-  if (!fs::is_directory(place)) return {place};
+  if (!isThere(place)) throw Error(config, "recordings", place.string() + " is not there");
+  if (!isFolder(place)) return {place};
   std::vector<fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(place))
-    if (entry.is_regular_file() && isRecording(entry.path())) files.push_back(entry.path());
+  std::error_code problem;
+  for (fs::recursive_directory_iterator at(place, problem), end; !problem && at != end; at.increment(problem))
+    if (isRecording(at->path()) && isFile(at->path())) files.push_back(at->path());
+  if (problem)
+    throw Error(config, "recordings", place.string() + " cannot be searched: " + problem.message());
   if (files.empty()) throw Error(config, "recordings", "no rawlog is in " + place.string());
   std::sort(files.begin(), files.end());
   return files;

@@ -107,7 +107,7 @@ fs::path folderOf(const BatchJob& job, const fs::path& folder) { return folder /
 JobOutcome outcomeOf(const BatchJob& job, const fs::path& folder) try {
   JobOutcome outcome;
   const fs::path record = folderOf(job, folder) / kRecord, result = folderOf(job, folder) / "result.json";
-  if (!fs::exists(record)) return outcome;
+  if (!isThere(record)) return outcome;
   const auto json = nlohmann::json::parse(readTextFile(record), nullptr, false);
   if (!json.is_object() || json.value("inputs", "") != fingerprintOf(job)) return outcome;
   outcome.wall_s = json.value("wall_s", 0.0);
@@ -115,7 +115,7 @@ JobOutcome outcomeOf(const BatchJob& job, const fs::path& folder) try {
   outcome.peak_mb = json.value("peak_mb", 0.0);
   outcome.state = json.value("status", 1) == 0 ? JobOutcome::State::done : JobOutcome::State::failed;
   outcome.complaint = json.value("complaint", "");
-  if (outcome.state == JobOutcome::State::done && fs::exists(result))
+  if (outcome.state == JobOutcome::State::done && isThere(result))
     outcome.result = nlohmann::ordered_json::parse(readTextFile(result), nullptr, false);
   return outcome;
 } catch (const nlohmann::json::exception&) {  // a record of something else

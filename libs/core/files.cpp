@@ -47,6 +47,19 @@ int claim(const fs::path& part, const fs::path& target) {
 
 }  // namespace
 
+bool isThere(const fs::path& path) {
+  std::error_code nobody_can_look;
+  return fs::exists(path, nobody_can_look);
+}
+bool isFile(const fs::path& path) {
+  std::error_code nobody_can_look;
+  return fs::is_regular_file(path, nobody_can_look);
+}
+bool isFolder(const fs::path& path) {
+  std::error_code nobody_can_look;
+  return fs::is_directory(path, nobody_can_look);
+}
+
 PendingFile::PendingFile(fs::path target) : target_(std::move(target)), part_(target_) {
   part_ += ".part";
   std::error_code problem;
@@ -70,7 +83,7 @@ void PendingFile::commit() {
 
 FolderClaim::FolderClaim(const fs::path& folder) {
   std::error_code problem;
-  for (fs::path part = folder; !part.empty() && !fs::exists(part, problem); part = part.parent_path())
+  for (fs::path part = folder; !part.empty() && !isThere(part); part = part.parent_path())
     made_.push_back(part);
   fs::create_directories(folder, problem);
   claim_ = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -96,7 +109,7 @@ void writeTextFile(const fs::path& target, const std::string& text) {
 
 std::string readTextFile(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
-  if (!in || fs::is_directory(file)) throw Error(file.string(), "", "cannot be read");
+  if (!in || isFolder(file)) throw Error(file.string(), "", "cannot be read");
   std::string text;
   constexpr std::size_t kPiece = std::size_t{1} << 16;
   // Not by its size: what is no regular file has none.

@@ -6,6 +6,12 @@
 
 namespace fathom {
 
+// Whether a path is of something, of a file, of a folder. Not where nobody can look: names in files may be
+// anything, and be longer than a name may be.
+bool isThere(const std::filesystem::path& path);
+bool isFile(const std::filesystem::path& path);
+bool isFolder(const std::filesystem::path& path);
+
 /// An output file that is written aside (NAME.part) and renamed when whole, so that an interrupted or failed
 /// run never leaves half a file under the real name. Destroyed without commit(), the part file is removed.
 /// One run at a time: what is left by one that was killed is taken over.

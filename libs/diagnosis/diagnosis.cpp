@@ -44,7 +44,8 @@ bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
          shown.print.black < kLessNoise * before.print.black ||
          shown.print.white < kLessNoise * before.print.white ||
          shown.print.body < kLessNoise * before.print.body ||
-         shown.print.parts < kLessNoise * before.print.parts;
+         shown.print.parts < kLessNoise * before.print.parts ||
+         shown.print.edges_px2 < kLessNoise * before.print.edges_px2;
 }
 
 /// The course of a diagnosis.

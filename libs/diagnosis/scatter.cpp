@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <tuple>
 
 #include "core/chi_square.h"
 #include "core/median.h"
@@ -25,7 +26,7 @@ constexpr double kLeastBent_m = 0.0001, kMostBent_m = 0.002, kBentStep = 1.1;  /
 constexpr double kClearEvidence = 3;  // ln of a Bayes factor: one in twenty
 constexpr std::size_t kFewestParts = 30;
 constexpr std::size_t kFewestPlaces = 12;   // a place counts once for each colour
-constexpr double kLargestPrint = 0.3;       // share of an albedo
+constexpr double kLargestPrint = 0.3;       // share of an albedo, px²
 constexpr double kLeastSeen = 0.1;          // of a place; less counts as that
 constexpr double kSigmasByMedian = 1.4826;  // of normal noise, times its median size
 constexpr double kMedianScatter = 1.17;     // of a sigma by the median of n readings, times its root of n
@@ -126,20 +127,39 @@ double bentPanel_m(const Linearization& linear, const std::vector<Candidate>& ef
   return scatter_m;
 }
 
-/// A place's readings in one colour, by row.
+/// A place's readings in one colour, or of a marker's edges along one axis, by row.
 struct Place {
-  ImagePatch::Surface surface;
-  int colour;
+  Printed what;
+  int component;
   std::vector<std::size_t> rows;
 };
 
+/// What of its place a row reads; nothing where it reads none. An edge's two variances have no covariance on
+/// their own account.
+std::optional<Printed> printedOf(const RowInfo& row) {
+  constexpr int kCovariance = 1;
+  if (row.channel == BatchChannel::edges && row.component != kCovariance) return Printed::edges;
+  if (row.channel != BatchChannel::pixels || !(row.reflected > 0)) return {};
+  switch (row.surface) {
+    case ImagePatch::Surface::black:
+      return Printed::black;
+    case ImagePatch::Surface::white:
+      return Printed::white;
+    case ImagePatch::Surface::body:
+      return Printed::body;
+    default:
+      return {};
+  }
+}
+
 std::vector<Place> placesOf(const Linearization& linear) {
-  std::map<std::pair<int, int>, Place> places;
+  std::map<std::tuple<BatchChannel, int, int>, Place> places;
   for (std::size_t i = 0; i < linear.rows.size(); ++i) {
     const RowInfo& row = linear.rows[i];
-    if (row.channel != BatchChannel::pixels || !(row.reflected > 0)) continue;
+    const std::optional<Printed> what = printedOf(row);
+    if (!what) continue;
     const auto [place, is_new] =
-        places.try_emplace({row.place, row.component}, Place{row.surface, row.component, {}});
+        places.try_emplace({row.channel, row.place, row.component}, Place{*what, row.component, {}});
     place->second.rows.push_back(i);
   }
   std::vector<Place> all;
@@ -147,25 +167,27 @@ std::vector<Place> placesOf(const Linearization& linear) {
   return all;
 }
 
-/// The light that comes from a row's place, in units of the row's noise, as it is weighted.
-double reflectedSigmas(const RowInfo& row) {
-  return row.reflected * row.per_unit * std::sqrt(row.robust_weight);
+/// What a row changes by, in units of its noise, as it is weighted, where its place is as much brighter as
+/// its albedo is, or its edges softer by 1 px².
+double sigmasPerUnit(const RowInfo& row) {
+  const double unit = row.channel == BatchChannel::edges ? 1 : row.reflected;
+  return unit * row.per_unit * std::sqrt(row.robust_weight);
 }
 
 Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::vector<Place>& places) {
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t k = 0; k < places.size(); ++k)
     for (const std::size_t i : places[k].rows)
-      entries.emplace_back(static_cast<int>(i), static_cast<int>(k), reflectedSigmas(linear.rows[i]));
+      entries.emplace_back(static_cast<int>(i), static_cast<int>(k), sigmasPerUnit(linear.rows[i]));
   Eigen::SparseMatrix<double> columns(std::ssize(linear.rows), std::ssize(places));
   columns.setFromTriplets(entries.begin(), entries.end());
   return columns;
 }
 
-/// By which share of its albedo each place is brighter than the map has it, as its readings by themselves
-/// have it.
+/// By which share of its albedo each place is brighter than the map has it, or its edges are softer than
+/// rendered (px²), as its readings by themselves have it.
 struct MeasuredPrint {
-  Eigen::ArrayXd share, variance;
+  Eigen::ArrayXd off, variance;
 
   MeasuredPrint(const Saturated& saturated, const Linearization& linear, const std::vector<Place>& places) {
     Eigen::SparseMatrix<double, Eigen::RowMajor> columns = columnsOf(linear, places);
@@ -173,42 +195,48 @@ struct MeasuredPrint {
     const Reduced reduced =
         saturated.nuisances.reduce(columns, saturated.residual, std::vector<Eigen::Index>(places.size(), 1));
     const Eigen::ArrayXd information = reduced.gram.diagonal().array();
-    share = reduced.score.array() / information;
-    std::vector<double> noise;  // about each place's own mean: what it differs by is none of it
+    off = reduced.score.array() / information;
+    // About each place's own mean: what it differs by is none of it.
+    std::map<BatchChannel, std::vector<double>> noise;
+    const auto channelOf = [&](std::size_t k) { return linear.rows[places[k].rows[0]].channel; };
     for (std::size_t k = 0; k < places.size(); ++k) {
       double square = 0;
       for (const std::size_t i : places[k].rows)
         square += std::pow(saturated.left[static_cast<Eigen::Index>(i)] -
-                               share[static_cast<Eigen::Index>(k)] * reflectedSigmas(linear.rows[i]),
+                               off[static_cast<Eigen::Index>(k)] * sigmasPerUnit(linear.rows[i]),
                            2);
       if (places[k].rows.size() > 1)
-        noise.push_back(square / (static_cast<double>(places[k].rows.size()) - 1));
+        noise[channelOf(k)].push_back(square / (static_cast<double>(places[k].rows.size()) - 1));
     }
-    variance = (noise.empty() ? 1.0 : upperMedian(noise)) / information;
+    std::map<BatchChannel, double> usual;
+    for (const auto& [channel, all] : noise) usual[channel] = upperMedian(all);
+    variance = information.inverse();
+    for (std::size_t k = 0; k < places.size(); ++k)
+      if (usual.contains(channelOf(k))) variance[static_cast<Eigen::Index>(k)] *= usual.at(channelOf(k));
   }
 };
 
-/// Of the places of these surfaces, about what those of one surface have in common in a colour. By the
+/// Of the places of these kinds, about what those of one kind have in common in a colour. By the
 /// median, as some may be off for a reason; and not what is likeliest but what it hardly exceeds, as much as
 /// a sigma by the median of so few places is uncertain: too little of it is taken for an effect that lasts.
 double printScatter(const std::vector<Place>& places, const MeasuredPrint& measured,
-                    const std::set<ImagePatch::Surface>& surfaces) {
-  std::map<std::pair<ImagePatch::Surface, int>, std::vector<double>> alike;
+                    const std::set<Printed>& kinds) {
+  std::map<std::pair<Printed, int>, std::vector<double>> alike;
   std::vector<Eigen::Index> own;
   for (std::size_t k = 0; k < places.size(); ++k) {
-    if (!surfaces.contains(places[k].surface)) continue;
+    if (!kinds.contains(places[k].what)) continue;
     own.push_back(static_cast<Eigen::Index>(k));
-    alike[{places[k].surface, places[k].colour}].push_back(measured.share[own.back()]);
+    alike[{places[k].what, places[k].component}].push_back(measured.off[own.back()]);
   }
   if (own.size() < kFewestPlaces) return 0;
-  std::map<std::pair<ImagePatch::Surface, int>, double> common;
-  for (const auto& [what, shares] : alike) common[what] = upperMedian(shares);
+  std::map<std::pair<Printed, int>, double> common;
+  for (const auto& [what, all] : alike) common[what] = upperMedian(all);
   // In sigmas, were albedos to scatter so much.
   const auto typical = [&](double scatter) {
     std::vector<double> off;
     for (const Eigen::Index k : own) {
       const Place& place = places[static_cast<std::size_t>(k)];
-      off.push_back(std::abs(measured.share[k] - common.at({place.surface, place.colour})) /
+      off.push_back(std::abs(measured.off[k] - common.at({place.what, place.component})) /
                     std::sqrt(measured.variance[k] + scatter * scatter));
     }
     return kSigmasByMedian * upperMedian(off);
@@ -217,7 +245,7 @@ double printScatter(const std::vector<Place>& places, const MeasuredPrint& measu
   // itself, print has them together.
   const auto readings = static_cast<double>(own.size());
   if (typical(0) < 1 + kClearScatter * kMedianScatter / std::sqrt(readings)) return 0;
-  const double prints = readings * static_cast<double>(surfaces.size()) / static_cast<double>(alike.size());
+  const double prints = readings * static_cast<double>(kinds.size()) / static_cast<double>(alike.size());
   const double uncertain = kMedianScatter / std::sqrt(prints);
   return leastWhere([&](double scatter) { return typical(scatter) <= 1 / (1 + uncertain); }, kLargestPrint);
 }
@@ -260,9 +288,9 @@ PrintScatter printScatter(const Saturated& saturated, const Linearization& linea
   const std::vector<Place> places = placesOf(linear);
   if (places.empty()) return {};
   const MeasuredPrint measured(saturated, linear, places);
-  using Surface = ImagePatch::Surface;
-  const double markers = printScatter(places, measured, {Surface::black, Surface::white});  // of one printer
-  return {markers, markers, printScatter(places, measured, {Surface::body}), 0};
+  const double markers = printScatter(places, measured, {Printed::black, Printed::white});  // of one printer
+  return {markers, markers, printScatter(places, measured, {Printed::body}), 0,
+          printScatter(places, measured, {Printed::edges})};
 }
 
 double partVariance(const RowInfo& row) {
@@ -319,10 +347,10 @@ HeldColumns placeColumns(const Linearization& linear, const MarkerScatter& scatt
 
 HeldColumns printColumns(const Linearization& linear, const PrintScatter& scatter) {
   std::vector<Place> places = placesOf(linear);
-  std::erase_if(places, [&](const Place& place) { return scatter.of(place.surface) == 0; });
+  std::erase_if(places, [&](const Place& place) { return scatter.of(place.what) == 0; });
   HeldColumns held{columnsOf(linear, places), Eigen::VectorXd(std::ssize(places))};
   for (std::size_t k = 0; k < places.size(); ++k)
-    held.sigma[static_cast<Eigen::Index>(k)] = scatter.of(places[k].surface);
+    held.sigma[static_cast<Eigen::Index>(k)] = scatter.of(places[k].what);
   return held;
 }
 

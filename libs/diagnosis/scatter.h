@@ -22,26 +22,30 @@ struct MarkerScatter {
   double rms_m() const { return std::sqrt((2 * in_face_m * in_face_m + off_face_m * off_face_m) / 3); }
 };
 
-/// What the panel's places scatter by, for good, about the albedos that the map has for their kind: shares of
-/// these. 0: not to be seen.
+/// What of a panel is printed a little otherwise than the map has it.
+enum class Printed { black, white, body, edges };
+
+/// What the panel's places scatter by, for good: about the albedos that the map has for their kind, as shares
+/// of these, and of markers what their edges are softer by than they are rendered. 0: not to be seen.
 struct PrintScatter {
   double black = 0, white = 0, body = 0;
-  double parts = 0;  ///< what half of a place differs by from all of it; see partVariance()
+  double parts = 0;      ///< what half of a place differs by from all of it; see partVariance()
+  double edges_px2 = 0;  ///< of the variance along either axis: by how large a marker's cells are, for one
 
-  /// Open water is not printed.
-  double of(ImagePatch::Surface surface) const {
-    switch (surface) {
-      case ImagePatch::Surface::black:
+  double of(Printed what) const {
+    switch (what) {
+      case Printed::black:
         return black;
-      case ImagePatch::Surface::white:
+      case Printed::white:
         return white;
-      case ImagePatch::Surface::body:
+      case Printed::body:
         return body;
-      default:
-        return 0;
+      case Printed::edges:
+        return edges_px2;
     }
+    return 0;
   }
-  bool isSeen() const { return black > 0 || white > 0 || body > 0; }
+  bool isSeen() const { return black > 0 || white > 0 || body > 0 || edges_px2 > 0; }
 };
 
 /// What a camera by itself sees through may be whole pixels from what is nominal, which is far from linear:
@@ -52,8 +56,8 @@ bool isCameraAlone(const Linearization& linear);
 /// What the markers' places scatter by beyond their own uncertainty. Panels bend more than prints stretch.
 MarkerScatter markerScatter(const Saturated& saturated, const Linearization& linear);
 
-/// What the places' albedos scatter by beyond what their readings' noise would have them. `saturated`:
-/// without any such scatter. `parts` is left.
+/// What the places' albedos and edges scatter by beyond what their readings' noise would have them.
+/// `saturated`: without any such scatter. `parts` is left.
 PrintScatter printScatter(const Saturated& saturated, const Linearization& linear);
 
 /// What places differ by in parts, from how much more they scatter the less of them is seen. `saturated`:
@@ -76,8 +80,9 @@ struct HeldColumns {
 HeldColumns placeColumns(const Linearization& linear, const MarkerScatter& scatter,
                          const std::map<int, double>& half_sizes_m);
 
-/// What the light read changes by where a place is printed brighter than the map has it: a column for each
-/// place and colour that scatters, per share of its albedo; weighted as `linear` is.
+/// What the light read changes by where a place is printed brighter than the map has it, and a marker's edges
+/// by where they are softer: a column for each place and colour that scatters, per share of its albedo, and
+/// for each marker and axis, per px²; weighted as `linear` is.
 HeldColumns printColumns(const Linearization& linear, const PrintScatter& scatter);
 
 }  // namespace fathom

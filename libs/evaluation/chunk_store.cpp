@@ -24,10 +24,10 @@ std::string seal(const std::string& text) { return "end " + Fingerprint().add(te
 
 ChunkStore::ChunkStore(fs::path folder, const std::string& inputs) : folder_(std::move(folder)) {
   const fs::path inputs_file = folder_ / kInputs;
-  const bool same = fs::exists(inputs_file) && readTextFile(inputs_file) == inputs;
+  const bool same = isThere(inputs_file) && readTextFile(inputs_file) == inputs;
   std::error_code problem;
   if (!same) fs::remove(inputs_file, problem);  // first: pieces without it belong to nothing
-  if (fs::is_directory(folder_))
+  if (isFolder(folder_))
     for (const auto& entry : fs::directory_iterator(folder_)) {
       const bool stale =
           isChunk(entry.path().filename().string()) && (!same || entry.path().extension() == ".part");
@@ -43,7 +43,7 @@ fs::path ChunkStore::fileOf(std::size_t number) const {
 
 std::optional<std::string> ChunkStore::read(std::size_t number) const {
   const fs::path file = fileOf(number);
-  if (!fs::exists(file)) return std::nullopt;
+  if (!isThere(file)) return std::nullopt;
   std::string text = readTextFile(file);
   const std::size_t sealed = text.size() - std::min(text.size(), seal("").size());
   const std::string end = text.substr(sealed);

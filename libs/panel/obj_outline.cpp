@@ -137,8 +137,7 @@ ObjOutline readObjOutline(const fs::path& file) {
     } else if (keyword == "mtllib") {
       if (words.size() != 2) throw place.error("`mtllib` needs one file name without blanks");
       const fs::path library = file.parent_path() / words[1];
-      if (!fs::is_regular_file(library))
-        throw place.error("material library " + library.string() + " is missing");
+      if (!isFile(library)) throw place.error("material library " + library.string() + " is missing");
       readMaterials(library, outline.albedo);
     } else if (keyword == "usemtl") {
       material = words.size() > 1 ? words[1] : "";

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "core/files.h"
 #include "core/yaml.h"
 #include "panel/face.h"
 #include "panel/marker_family.h"
@@ -88,7 +89,7 @@ void readAlbedos(const YamlMap& y, PanelMap& map) {
 void readMeshOf(const fs::path& file, const YamlMap& y, PanelMap& map) {
   map.mesh_file = y.text("mesh");
   const fs::path mesh_file = file.parent_path() / map.mesh_file;
-  if (!fs::is_regular_file(mesh_file)) throw y.error("mesh", "there is no file " + mesh_file.string());
+  if (!isFile(mesh_file)) throw y.error("mesh", "there is no file " + mesh_file.string());
   std::set<std::string> drawn_by_state;
   for (const Handle& handle : map.handles) drawn_by_state.insert("handle_" + handle.id);
   Mesh mesh = readMesh(mesh_file, drawn_by_state);

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "core/files.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -17,8 +18,8 @@ constexpr std::size_t kInputBytes = std::size_t{1} << 16;
 ByteStream::ByteStream(fs::path file) : file_(std::move(file)), in_(nullptr, &std::fclose) {
   const std::string name = file_.string();
   std::error_code problem;
-  if (!fs::exists(file_, problem)) throw Error(name, "", "no such file");
-  if (!fs::is_regular_file(file_, problem)) throw Error(name, "", "is not a file");
+  if (!isThere(file_)) throw Error(name, "", "no such file");
+  if (!isFile(file_)) throw Error(name, "", "is not a file");
   in_.reset(std::fopen(name.c_str(), "rb"));
   if (!in_) throw Error(name, "", std::string("cannot be read: ") + std::strerror(errno));
   file_bytes_ = fs::file_size(file_, problem);

@@ -9,6 +9,8 @@
 #include <optional>
 #include <string_view>
 
+#include "core/files.h"
+
 namespace fathom {
 namespace {
 
@@ -16,7 +18,7 @@ namespace {
 class Lines {
  public:
   explicit Lines(const std::filesystem::path& file) : name_(file.string()), gz_(gzopen(name_.c_str(), "rb")) {
-    if (!gz_ || std::filesystem::is_directory(file)) throw Error(name_, "", "cannot be read");
+    if (!gz_ || isFolder(file)) throw Error(name_, "", "cannot be read");
     gzbuffer(gz_.get(), 1U << 17U);
   }
 

@@ -310,7 +310,7 @@ ImportedRecording streamBag(const std::filesystem::path& bag, const TopicMap& ma
   const auto unreadable = [&](const std::string& why) {
     return Error(bag.string(), "", "not a ROS 1 bag, or truncated or damaged: " + why);
   };
-  if (!std::filesystem::is_regular_file(bag)) throw Error(bag.string(), "", "cannot be read");
+  if (!isFile(bag)) throw Error(bag.string(), "", "cannot be read");
   checkBag(bag);
   const SilentRos silent;
   try {

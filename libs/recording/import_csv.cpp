@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/error.h"
+#include "core/files.h"
 #include "recording/csv.h"
 
 namespace fathom {
@@ -117,7 +118,7 @@ SeaTrialFiles seaTrialFiles(const std::filesystem::path& folder, int section) {
   const auto find = [&](const std::string& stream) {
     const std::string name = stream + "_trajectory" + std::to_string(section) + ".csv";
     for (const auto& file : {folder / (name + ".gz"), folder / name})
-      if (std::filesystem::exists(file)) return file;
+      if (isThere(file)) return file;
     throw Error(folder.string(), "", "has no " + name + ".gz nor " + name);
   };
   return {find("IMU"), find("DVL"), find("GT")};

@@ -5,6 +5,7 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include "core/files.h"
 #include "core/median.h"
 #include "core/text.h"
 #include "recording/fields.h"
@@ -56,7 +57,7 @@ class LabelAccumulator {
     checkValues(sample.reading);
     checkChanges(sample.reading);
     for (const std::string& image : imageFiles(sample.reading))
-      if (!fs::is_regular_file(image_folder / image)) info_.missing_images.push_back(image);
+      if (!isFile(image_folder / image)) info_.missing_images.push_back(image);
   }
 
   LabelInfo finish(double gap_periods) {

@@ -64,8 +64,7 @@ StampedPose parsePose(const std::vector<std::string_view>& words) {
 
 std::vector<StampedPose> readTum(const fs::path& file) {
   std::ifstream in(file);
-  std::error_code problem;
-  if (!in || fs::is_directory(file, problem)) throw Error(file.string(), "", "cannot be read");
+  if (!in || isFolder(file)) throw Error(file.string(), "", "cannot be read");
   std::vector<StampedPose> poses;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {

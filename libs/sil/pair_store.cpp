@@ -78,13 +78,13 @@ PairFiles PairStore::filesOf(const PosedImage& posed) {
 std::string PairStore::fingerprintOfImages(const PosedImage& posed) const {
   Fingerprint fingerprint;
   for (const std::string& file : filesOf(posed).all())
-    fingerprint.add(fs::exists(images_ / file) ? readTextFile(images_ / file) : "");
+    fingerprint.add(isThere(images_ / file) ? readTextFile(images_ / file) : "");
   return fingerprint.hex();
 }
 
 std::optional<PairRecord> PairStore::read(const PosedImage& posed) const {
   const auto text = chunks_.read(posed.number);
-  if (!text || !fs::exists(posed.image.file)) return std::nullopt;
+  if (!text || !isThere(posed.image.file)) return std::nullopt;
   const Json json = Json::parse(*text);
   if (json.at("of") != fingerprintOf(posed)) return std::nullopt;
   PairRecord record = recordFrom(json);
@@ -94,7 +94,7 @@ std::optional<PairRecord> PairStore::read(const PosedImage& posed) const {
 
 void PairStore::write(const PosedImage& posed, const PairRecord& record, const SilPair* pair) const {
   Json json = toJson(record);
-  json["of"] = fs::exists(posed.image.file) ? fingerprintOf(posed) : "";
+  json["of"] = isThere(posed.image.file) ? fingerprintOf(posed) : "";
   if (pair != nullptr) {
     const PairFiles files = filesOf(posed);
     writeTextFile(images_ / files.recorded, readTextFile(posed.image.file));
@@ -117,7 +117,7 @@ ImagePair PairStore::readImages(const fs::path& image_folder, const PosedImage& 
 }
 
 void keepOnly(const fs::path& folder, const std::set<std::string>& files) {
-  if (!fs::is_directory(folder)) return;
+  if (!isFolder(folder)) return;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     if (!isOurs(name) || files.contains(name)) continue;

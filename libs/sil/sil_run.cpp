@@ -128,7 +128,7 @@ struct Workshop {
 
   void takeOver(const PosedImage& posed, Finished& finished) const {
     if (!finished.record.why_not.empty()) return;
-    const bool frame = options.frames && !fs::exists(frames / frameName(posed));
+    const bool frame = options.frames && !isThere(frames / frameName(posed));
     if (frame || isInVideo(finished)) draw(posed, store.readImages(posed, maker.camera()), frame, finished);
   }
 

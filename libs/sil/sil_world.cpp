@@ -15,7 +15,7 @@ template <class Tell>
 auto fromSimulation(const fs::path& rawlog, const std::string& what, const Tell& tell)
     -> decltype(tell(json())) {
   const fs::path file = rawlog.parent_path() / (rawlog.stem().string() + "_simulation.json");
-  if (!fs::exists(file)) return std::nullopt;
+  if (!isThere(file)) return std::nullopt;
   try {
     return tell(json::parse(readTextFile(file)));
   } catch (const json::exception& problem) {

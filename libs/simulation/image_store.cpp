@@ -64,10 +64,10 @@ bool isWholeJpeg(const std::string& bytes) {
 ImageStore::ImageStore(fs::path folder, const std::string& inputs, const ImageFormat& format)
     : folder_(std::move(folder)), format_(format) {
   const fs::path inputs_file = folder_ / kInputs;
-  const bool same = fs::exists(inputs_file) && readTextFile(inputs_file) == inputs;
+  const bool same = isThere(inputs_file) && readTextFile(inputs_file) == inputs;
   std::error_code problem;
   if (!same) fs::remove(inputs_file, problem);  // first: images without it belong to nothing
-  if (fs::is_directory(folder_))
+  if (isFolder(folder_))
     for (const auto& entry : fs::directory_iterator(folder_)) {
       const bool stale =
           isOurs(entry.path().filename().string()) && (!same || entry.path().extension() == ".part");
@@ -78,7 +78,7 @@ ImageStore::ImageStore(fs::path folder, const std::string& inputs, const ImageFo
 }
 
 bool ImageStore::has(const std::string& file) const {
-  if (!fs::exists(folder_ / file)) return false;
+  if (!isThere(folder_ / file)) return false;
   const std::string bytes = readTextFile(folder_ / file);
   return format_.kind == ImageFormat::Kind::png ? isWholePng(bytes) : isWholeJpeg(bytes);
 }

@@ -3,6 +3,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "core/files.h"
 #include "recording/rawlog.h"
 #include "recording/recorded_path.h"
 #include "simulation/trajectory_kinds.h"
@@ -48,7 +49,7 @@ Trajectory readTrajectory(const fs::path& file) {
   if (kind != "recorded") throw y.error("kind", "must be waypoints, station, survey or recorded");
   const fs::path recorded = file.parent_path() / y.text("file");
   yaml.rejectUnknownKeys();
-  if (!fs::exists(recorded)) throw y.error("file", "names " + recorded.string() + ", which is not there");
+  if (!isThere(recorded)) throw y.error("file", "names " + recorded.string() + ", which is not there");
   return asRecorded(recorded);
 }
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "core/files.h"
 #include "effects/calibration.h"
 #include "recording/rawlog.h"
 #include "sources/mixed_source.h"
@@ -100,7 +101,7 @@ class SourceMaker {
       return std::make_unique<RecordingSource>(recording_);
     }
     const fs::path file = folder_ / name;
-    if (file.extension() != ".rawlog" || !fs::exists(file))
+    if (file.extension() != ".rawlog" || !isThere(file))
       throw at.error(key, "must be recording, simulation or a rawlog; there is no rawlog " + file.string());
     const Contents contents = contentsOf(file);
     demand(contents.labels, wanted, at, file.string());

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/files.h"
 #include "report/table.h"
 
 namespace fathom {
@@ -20,7 +21,7 @@ std::optional<fs::path> companion(const std::string& option, const std::string& 
   if (!option.empty()) return option;
   if (named.empty()) return std::nullopt;
   const fs::path file = rawlog.parent_path() / named;
-  if (!fs::exists(file))
+  if (!isThere(file))
     throw Error(rawlog.string(), "[recording] " + key, "names " + file.string() + ", which is not there");
   return file;
 }

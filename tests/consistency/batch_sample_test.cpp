@@ -7,6 +7,7 @@
 #include "estimation/batch_estimate.h"
 #include "panel/panel_maps.h"
 #include "recording/tum.h"
+#include "support/sanitized.h"
 #include "support/shared_data.h"
 
 namespace fathom {
@@ -81,9 +82,8 @@ TEST(BatchSample, ResidualsOfACleanRecordingAreItsNoise) {
 }
 
 TEST(BatchSample, FindsTheMarkerThatWasMoved) {
-#ifdef FATHOM_SANITIZE
-  GTEST_SKIP() << "minutes under sanitizers: the clean recording takes the same way there";
-#endif
+  if (test::kSanitized)
+    GTEST_SKIP() << "minutes under sanitizers: the clean recording takes the same way there";
   FATHOM_NEEDS_SHARED("data/sample/marker_moved/recording.rawlog");
   const auto truth = nlohmann::json::parse(
       readTextFile(test::sharedData("data/sample/marker_moved/truth.json")))["effects"][0]["parameters"];

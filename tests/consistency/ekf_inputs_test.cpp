@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 
+#include "support/sanitized.h"
 #include "support/shared_data.h"
 
 namespace fathom::test {
@@ -107,11 +108,9 @@ KinematicState<double> survey(const std::vector<std::vector<double>>& rows, doub
 TEST(EkfInputs, SurveyVelocityAndAttitude) {
   FATHOM_NEEDS_SHARED("ekf_inputs");
   double attitude_sum = 0.0, attitude_best = 1e9;
-#ifdef FATHOM_SANITIZE
-  const std::vector<int> seeds{1};  // the sanitizers look at accesses, not at statistics
-#else
-  const std::vector<int> seeds{1, 3, 20240501};
-#endif
+  const std::vector<int> seeds = test::kSanitized ? std::vector<int>{1}
+                                                  // the sanitizers look at accesses, not at statistics
+                                                  : std::vector<int>{1, 3, 20240501};
   for (const int seed : seeds) {
     const auto folder = generate("gen_syn.py", seed);
     if (folder.empty()) GTEST_SKIP() << "needs /usr/bin/python3 with numpy";

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "support/memory.h"
 #include "support/recordings.h"
+#include "support/sanitized.h"
 #include "support/shared_data.h"
 
 // Damaged rawlogs: reading them ends, with everything before the damage as it was, and says so.
@@ -155,9 +156,7 @@ TEST_F(RawlogFuzz, EveryByteOfEveryKind) {
 }
 
 TEST_F(RawlogFuzz, MemoryStaysBounded) {
-#ifdef FATHOM_SANITIZE
-  GTEST_SKIP() << "the address sanitizer keeps freed memory";
-#endif
+  if (test::kSanitized) GTEST_SKIP() << "the address sanitizer keeps freed memory";
   // A single length believed would be up to 4 GB. What the tests before have had does not count.
   std::ofstream("/proc/self/clear_refs") << 5;  // proc(5): the peak is what it is now
   const double before_mb = peakMegabytes();

@@ -7,6 +7,7 @@
 #include "effects/calibration.h"
 #include "effects/catalogue.h"
 #include "support/run_program.h"
+#include "support/sanitized.h"
 #include "support/shipped.h"
 #include "support/small_vehicle.h"
 
@@ -77,9 +78,7 @@ TEST_F(DiagnoseCommand, NamesWhatIsMissingAndWritesItAsACalibration) {
   EXPECT_EQ(*calibration.of<DvlScale>(), found);
 
   const std::string report = readTextFile(out / "report.html");
-#ifdef FATHOM_SANITIZE
-  return;  // one diagnosis takes minutes there
-#endif
+  if (test::kSanitized) return;  // one diagnosis takes minutes there
   const auto again = diagnose(kQuickly + judged + " --rerun --out " + out.string());
   EXPECT_EQ(again.out, first.out);
   EXPECT_EQ(readTextFile(out / "result.json"), bytes);
@@ -87,9 +86,7 @@ TEST_F(DiagnoseCommand, NamesWhatIsMissingAndWritesItAsACalibration) {
 }
 
 TEST_F(DiagnoseCommand, WhatIsKnownIsNotFoundAgain) {
-#ifdef FATHOM_SANITIZE
-  GTEST_SKIP() << "one diagnosis is enough under sanitizers";
-#endif
+  if (test::kSanitized) GTEST_SKIP() << "one diagnosis is enough under sanitizers";
   const fs::path out = test::scratchFolder() / "out";
   const auto done =
       diagnose(kQuickly + " --calibration " + (folder_ / "truth.yaml").string() + " --out " + out.string());
@@ -121,9 +118,7 @@ TEST_F(DiagnoseCommand, WrongInputIsOneLine) {
 
 // What ships with its answer sealed, and the quickstart diagnoses: a navigation effect and one of light.
 TEST(SealedRecording, IsReadByDiagnosis) {
-#ifdef FATHOM_SANITIZE
-  GTEST_SKIP() << "takes minutes under sanitizers";
-#endif
+  if (test::kSanitized) GTEST_SKIP() << "takes minutes under sanitizers";
   const fs::path folder = test::scratchFolder(), out = folder / "out";
   fs::copy(test::kSource / "rawlogs/sealed", folder / "sealed", fs::copy_options::recursive);
   const auto done =

@@ -9,6 +9,7 @@
 #include "core/random.h"
 #include "core/text.h"
 #include "support/run_program.h"
+#include "support/sanitized.h"
 #include "support/shared_data.h"
 
 namespace fathom {
@@ -157,9 +158,8 @@ TEST_F(ImportTiePoints, TheRealAquariumHoldsWater) {
                                         (data / "camera2.yaml").string() + " --out " + folder_.string());
   ASSERT_EQ(imported.status, 0) << imported.err;
   EXPECT_NE(imported.out.find("2109 frames, 4090 points"), std::string::npos) << imported.out;
-#ifdef FATHOM_SANITIZE
-  GTEST_SKIP() << "a minute under sanitizers: the simulated aquarium takes the same way there";
-#endif
+  if (test::kSanitized)
+    GTEST_SKIP() << "a minute under sanitizers: the simulated aquarium takes the same way there";
   const auto smoothed = test::runFathom("smooth " + rawlog + " --estimate flat-port-refraction --out " +
                                         (folder_ / "smoothed").string());
   ASSERT_EQ(smoothed.status, 0) << smoothed.err;

@@ -8,17 +8,12 @@
 #include "diagnosis/elsewhere.h"
 #include "support/diagnosis_score.h"
 #include "support/flawed_runs.h"
+#include "support/sanitized.h"
 
 // A small sample of tests/bench/diagnosis_campaign.cpp, which has the figures: one seed each, so that a
 // change for the worse shows. Seeds are the campaign's first; nobody chose them.
 namespace fathom {
 namespace {
-
-#ifdef FATHOM_SANITIZE
-constexpr bool kFew = true;
-#else
-constexpr bool kFew = false;
-#endif
 
 const test::BatchRun& dive() {
   static const test::BatchRun run = test::richRun(1, 24.0);
@@ -51,58 +46,54 @@ TEST(DiagnosisRuns, SizeIsTheLikelihoodThatAnEffectIsWorth) {
     const double gain = 2 * (estimateBatch(input.data, input.start, without).cost -
                              estimateBatch(input.data, input.start, with).cost);
     EXPECT_NEAR(gain, 256.0, 26.0) << id;
-    if (kFew) break;
+    if (test::kSanitized) break;
   }
 }
 
 class HiddenEffect : public testing::TestWithParam<const char*> {};
 TEST_P(HiddenEffect, IsNamed) {
-  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  if (test::kSanitized)
+    GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   const auto hidden = test::effectOfSize(dive(), excitation(), *findEffect(GetParam()), 16.0, 1);
   const test::Answer answer = test::answerOf(hidden, excitation());
   EXPECT_TRUE(test::namesTheEffect(answer)) << test::told(answer);
 }
-#ifdef FATHOM_SANITIZE
-INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenEffect, testing::Values("dvl-misalignment"));
-#else
 INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenEffect,
                          testing::Values("dvl-misalignment", "camera-latency", "marker-moved"));
-#endif
 
 TEST(Diagnosis, SaysThatNothingIsMissing) {
-  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers; DiagnoseCommand takes the same way there";
+  if (test::kSanitized)
+    GTEST_SKIP() << "takes minutes under sanitizers; DiagnoseCommand takes the same way there";
   for (const auto& run : {test::plainNull(dive(), 1), test::richNull(dive(), 1)}) {
     const test::Answer answer = test::answerOf(run, excitation());
     EXPECT_EQ(nameOf(answer.outcome), "none") << run.name << ", " << test::told(answer);
-    if (kFew) break;
+    if (test::kSanitized) break;
   }
 }
 
 class OutsideCatalogue : public testing::TestWithParam<std::size_t> {};
 TEST_P(OutsideCatalogue, IsNotTakenForAnEffect) {
-  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers; DiagnoseCommand takes the same way there";
+  if (test::kSanitized)
+    GTEST_SKIP() << "takes minutes under sanitizers; DiagnoseCommand takes the same way there";
   const auto run = test::outsideCatalogue(dive(), GetParam(), 1);
   const test::Answer answer = test::answerOf(run, excitation());
   EXPECT_TRUE(test::ownsUp(answer)) << run.name << ", " << test::told(answer);
 }
-#ifdef FATHOM_SANITIZE
-INSTANTIATE_TEST_SUITE_P(Diagnosis, OutsideCatalogue, testing::Values(8));
-#else
 // A shaken mount and a folded panel, the largest.
 INSTANTIATE_TEST_SUITE_P(Diagnosis, OutsideCatalogue, testing::Values(8, 9));
-#endif
 
 TEST(Diagnosis, NamesNothingWithConfidenceFromWrongInput) {
   for (const auto& run : test::wrongInputs(test::richRun(1, 6.0))) {
     const test::Answer answer = test::answerOf(run, excitation());
     EXPECT_TRUE(test::isCautious(answer)) << run.name << ", " << test::told(answer);
-    if (kFew) break;
+    if (test::kSanitized) break;
   }
 }
 
 /// An effect is believed in, noise taken again with it in the model, and then there is nothing left of it.
 TEST(Diagnosis, NamesNothingThatVanishesOnceTheNoiseIsKnown) {
-  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: the shorter ones above take the same way";
+  if (test::kSanitized)
+    GTEST_SKIP() << "takes minutes under sanitizers: the shorter ones above take the same way";
   const auto runs = test::wrongInputs(test::richRun(1, 12.0));
   const auto constant_gyro =
       std::find_if(runs.begin(), runs.end(), [](const auto& run) { return run.name == "constant gyro"; });
@@ -114,7 +105,8 @@ TEST(Diagnosis, NamesNothingThatVanishesOnceTheNoiseIsKnown) {
 // Corners are off by what the pixels' lattice leaves, however often they are seen: what moves them by less is
 // not named, whatever its significance.
 TEST(Diagnosis, NamesNothingThatMovesCornersLessThanTheLattice) {
-  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  if (test::kSanitized)
+    GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   test::DiagnosisRun run = test::plainNull(test::richRun(1), 1);
   run.run.corner_sigma_px = 0.02;
   run.run.effects.on.set(kEffectIndex<MarkerSize>);
@@ -136,7 +128,8 @@ TEST(Diagnosis, NamesNothingThatMovesCornersLessThanTheLattice) {
 // better that has not as much to lose by a jump at the wrong time. Compared there, eleven of twelve such
 // recordings were given the INS's mounting.
 TEST(Diagnosis, TellsEffectsOfAPartApartByTheirBestTimes) {
-  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  if (test::kSanitized)
+    GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   struct Case {
     std::uint64_t seed;
     std::array<double, 3> rotation_deg;
@@ -158,7 +151,8 @@ TEST(Diagnosis, TellsEffectsOfAPartApartByTheirBestTimes) {
 }
 
 TEST(Diagnosis, NamesOneLatencyThoughItIsFarBeyondWhatIsUsual) {
-  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  if (test::kSanitized)
+    GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   test::BatchRun run = test::richRun(1, 24.0);
   run.vehicle.camera.reset();
   run.effects.add<DvlLatency>({-0.9});
@@ -173,7 +167,8 @@ TEST(Diagnosis, NamesOneLatencyThoughItIsFarBeyondWhatIsUsual) {
 // A normal prior pulls what is 15 of its sigmas large to half of it, and what it then leaves is
 // "unexplained".
 TEST(Diagnosis, FindsSizesFarBeyondWhatIsUsual) {
-  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  if (test::kSanitized)
+    GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   test::BatchRun run(40.0, test::pathOf(40.0, [](double t) {
                        Pose station = test::richPose(0);
                        station.position += 0.15 * Vector3d(std::sin(0.3 * t), std::sin(0.4 * t), 0);
@@ -188,7 +183,8 @@ TEST(Diagnosis, FindsSizesFarBeyondWhatIsUsual) {
 
 // The robot's path follows the panel on stretches that are held out, so that little of a step shows there.
 TEST(Diagnosis, NamesAStepThatHeldOutStretchesHardlyShow) {
-  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  if (test::kSanitized)
+    GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   test::BatchRun run = test::richRun(5);
   run.effects.add<PanelMoved>({42.5, 0.0095, -0.0013, 0.0005, 0.091, 0.129, 0.056});
   const Diagnosis diagnosis = diagnose(run.input());
@@ -200,7 +196,8 @@ TEST(Diagnosis, NamesAStepThatHeldOutStretchesHardlyShow) {
 // The path follows another focal length, but neither may jump: only the images next to its edges tell of it,
 // and edges that are off by one of these nothing.
 TEST(Diagnosis, FindsAPartThatShowsAtItsEdgesAlone) {
-  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  if (test::kSanitized)
+    GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   test::BatchRun run = test::richRun(6);
   run.effects.add<FocalScale>({0.003});
   run.effects.active_s[kEffectIndex<FocalScale>] = {31.3, 64.9};
@@ -213,7 +210,8 @@ TEST(Diagnosis, FindsAPartThatShowsAtItsEdgesAlone) {
 }
 
 TEST(Diagnosis, IsJudgedOnAnotherManoeuvre) {
-  if (kFew) GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  if (test::kSanitized)
+    GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   test::BatchRun found = test::richRun(2, 8.0), same(8.0), other(8.0);
   found.effects.add<DvlScale>({0.1});
   same.effects = found.effects;
@@ -236,7 +234,7 @@ TEST(Diagnosis, IsJudgedOnAnotherManoeuvre) {
 }
 
 TEST(Diagnosis, DoesNotDependOnTheNumberOfThreads) {
-  if (kFew) GTEST_SKIP() << "two diagnoses take minutes under sanitizers: DiagnoseCommand is one";
+  if (test::kSanitized) GTEST_SKIP() << "two diagnoses take minutes under sanitizers: DiagnoseCommand is one";
   test::BatchRun run = test::richRun(2, 8.0);
   run.effects.add<DvlScale>({0.1});
   const BatchInput input = run.input();

@@ -7,6 +7,7 @@
 #include "effects/drawn.h"
 #include "support/diagnosis_score.h"
 #include "support/flawed_runs.h"
+#include "support/sanitized.h"
 
 namespace fathom {
 namespace {
@@ -76,9 +77,8 @@ TEST(ImageDiagnosis, OnlyWhatAnEffectTouchesIsEstimatedAgain) {
 }
 
 TEST(ImageDiagnosis, SaysThatNothingIsMissing) {
-#ifdef FATHOM_SANITIZE
-  GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
-#endif
+  if (test::kSanitized)
+    GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
   const test::Answer answer = test::answerOf(test::plainNull(test::lightDive(), 1), lightExcitation());
   EXPECT_EQ(nameOf(answer.outcome), "none") << test::told(answer);
 }
@@ -86,9 +86,8 @@ TEST(ImageDiagnosis, SaysThatNothingIsMissing) {
 // What tells of a camera's latency is mostly what the gyro would have had to read for markers to be where
 // they are: that corners themselves are hardly off is no reason to leave it out. Beside another effect, too.
 TEST(ImageDiagnosis, ALatencyIsToldByWhatItAsksOfTheGyro) {
-#ifdef FATHOM_SANITIZE
-  GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
-#endif
+  if (test::kSanitized)
+    GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
   const EffectInfo& late = *findEffect("camera-latency");
   test::DiagnosisRun hidden = test::effectOfSize(test::lightDive(), lightExcitation(), late, 12.0, 1);
   hidden.run.effects.add<DarkOffset>({-0.002});
@@ -103,9 +102,8 @@ TEST(ImageDiagnosis, ALatencyIsToldByWhatItAsksOfTheGyro) {
 
 class HiddenImageEffect : public testing::TestWithParam<const char*> {};
 TEST_P(HiddenImageEffect, IsNamed) {
-#ifdef FATHOM_SANITIZE
-  GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
-#endif
+  if (test::kSanitized)
+    GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
   const auto hidden =
       test::effectOfSize(test::lightDive(), lightExcitation(), *findEffect(GetParam()), 24.0, 1);
   const test::Answer answer = test::answerOf(hidden, lightExcitation());
@@ -119,9 +117,8 @@ INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenImageEffect,
 // A small dark offset is like a small change of gamma on half a minute's recording: a set. The manoeuvre that
 // the diagnosis advises, driven with the same camera, tells them apart: it then names the offset alone.
 TEST(ImageDiagnosis, TheAdvisedManoeuvreTellsASetApart) {
-#ifdef FATHOM_SANITIZE
-  GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
-#endif
+  if (test::kSanitized)
+    GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
   const EffectInfo& offset = *findEffect("dark-offset");
   const test::DiagnosisRun dive = test::effectOfSize(test::lightDive(), lightExcitation(), offset, 8.0, 2);
   const Diagnosis unsure = diagnose(dive.input());
@@ -151,9 +148,8 @@ TEST(ImageDiagnosis, TheAdvisedManoeuvreTellsASetApart) {
 
 // A number that three images have in common is one, not three.
 TEST(ImageDiagnosis, FlakesThatAreSeenAgainTellLess) {
-#ifdef FATHOM_SANITIZE
-  GTEST_SKIP() << "a minute under sanitizers: HiddenImageEffect takes the same way there";
-#endif
+  if (test::kSanitized)
+    GTEST_SKIP() << "a minute under sanitizers: HiddenImageEffect takes the same way there";
   const test::DiagnosisRun dive =
       test::effectOfSize(test::lightDive(), lightExcitation(), *findEffect("marine-snow"), 24.0, 1);
   BatchInput input = dive.input();
@@ -186,9 +182,8 @@ double spreadGiven(const test::BatchRun& run, const EffectInfo& effect,
 // All edges alike and to all sides: neither what is forward scattered, which grows with range, nor what
 // moves.
 TEST(ImageDiagnosis, ALensOutOfFocusIsOutsideTheCatalogue) {
-#ifdef FATHOM_SANITIZE
-  GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
-#endif
+  if (test::kSanitized)
+    GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
   constexpr std::size_t kOutOfFocus = 11;  // by 1 px²
   const test::Answer answer =
       test::answerOf(test::outsideLight(test::lightDive(), kOutOfFocus, 1), lightExcitation());
@@ -199,9 +194,8 @@ TEST(ImageDiagnosis, ALensOutOfFocusIsOutsideTheCatalogue) {
 /// What is drawn anew for each image: by how much it scatters, over some two dozen of them.
 class HiddenDrawnEffect : public testing::TestWithParam<const char*> {};
 TEST_P(HiddenDrawnEffect, IsNamed) {
-#ifdef FATHOM_SANITIZE
-  GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
-#endif
+  if (test::kSanitized)
+    GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
   constexpr double kSpread = 0.05;
   const EffectInfo& effect = *findEffect(GetParam());
   test::DiagnosisRun hidden = test::plainNull(test::lightDive(), 1);

@@ -9,12 +9,12 @@
 namespace fathom {
 namespace {
 
-NoiseModel noiseOf(const test::DiagnosisRun& run) {
-  const BatchInput input = run.input();
+NoiseModel noiseOf(const BatchInput& input) {
   const NominalFit nominal = nominalFit(input.data, input.start, {}, 1);
   EXPECT_TRUE(nominal.failure.empty()) << nominal.failure;
   return nominal.noise;
 }
+NoiseModel noiseOf(const test::DiagnosisRun& run) { return noiseOf(run.input()); }
 
 /// What of a patch's light comes from its surface: with a share t that arrives, it reads J t + b (1 - t).
 Vector3d reflected(const ImagePatch& patch) {
@@ -77,6 +77,24 @@ TEST(ShownNoise, OfPrintThatIsUneven) {
   EXPECT_NEAR(noise.print.black, kShare, 0.6 * kShare);
   EXPECT_NEAR(noise.print.white, kShare, 0.6 * kShare);
   EXPECT_NEAR(noise.of(BatchChannel::pixels).scale, 1, 0.1);
+}
+
+// By how large their cells are, for one, and for good: taken for noise of single images it would be 0.97 of
+// it that neighbours have in common, and what one row of markers has of it many sigmas.
+TEST(ShownNoise, OfEdgesThatAreSofterMarkerByMarker) {
+  constexpr double kScatter_px2 = 0.25;
+  BatchInput input = test::plainNull(test::lightDive(), 5).input();
+  Random random(4);
+  std::map<int, double> softer;
+  for (MarkerBlur& blur : input.data.blurs) {
+    const auto [own, is_new] = softer.try_emplace(blur.place);
+    if (is_new) own->second = kScatter_px2 * random.normal();
+    blur.variance_px2 += own->second * Vector3d(1, 0, 1);
+  }
+  const NoiseModel noise = noiseOf(input);
+  EXPECT_NEAR(noise.print.edges_px2, kScatter_px2, 0.6 * kScatter_px2);
+  EXPECT_NEAR(noise.of(BatchChannel::edges).scale, 1, 0.1);
+  EXPECT_NEAR(noise.of(BatchChannel::edges).correlation, 0, 0.1);
 }
 
 // What is printed unevenly within a place shows where images show another part of it each.

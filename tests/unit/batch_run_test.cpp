@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "batch/batch_plan.h"
 #include "core/files.h"
 #include "support/shared_data.h"
 
@@ -22,6 +23,18 @@ TEST(BatchRun, ARecordOfSomethingElseIsNone) {
     writeTextFile(record, text);
     EXPECT_EQ(outcomeOf(job, folder).state, JobOutcome::State::open) << text;
   }
+}
+
+// Names in a folder may lead anywhere, and back to themselves.
+TEST(BatchPlan, WhatNobodyCanLookAtIsNoRecording) {
+  const auto folder = test::scratchFolder();
+  writeTextFile(folder / "dive.rawlog", "");
+  std::filesystem::create_symlink(folder / "loop.rawlog", folder / "loop.rawlog");
+  writeTextFile(folder / "batch.yaml",
+                "recordings: [" + folder.string() + "]\nruns:\n  - {name: info, command: info}\n");
+  const BatchPlan plan = readBatchPlan(folder / "batch.yaml");
+  ASSERT_EQ(plan.jobs.size(), 1U);
+  EXPECT_EQ(plan.jobs[0].recording.filename(), "dive.rawlog");
 }
 
 }  // namespace

@@ -15,6 +15,16 @@ std::size_t entriesIn(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
+TEST(Files, NothingIsThereWhereNobodyCanLook) {
+  const fs::path folder = test::scratchFolder(), file = folder / "file",
+                 too_long = folder / std::string(300, 'a');
+  writeTextFile(file, "text");
+  EXPECT_TRUE(isThere(file) && isFile(file) && !isFolder(file));
+  EXPECT_TRUE(isThere(folder) && !isFile(folder) && isFolder(folder));
+  EXPECT_FALSE(isThere(too_long) || isFile(too_long) || isFolder(too_long));
+  EXPECT_FALSE(isThere(file / "inside"));
+}
+
 TEST(PendingFile, NothingUnderTheRealNameUntilCommit) {
   const auto target = test::scratchFolder() / "new" / "out.txt";
   PendingFile file(target);

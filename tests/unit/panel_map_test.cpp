@@ -103,6 +103,8 @@ const Bad kBadYamls[] = {
     {"NegativeSigma", "angle_deg: 2", "angle_deg: -2", "pose_sigma.angle_deg (line 3)", "negative"},
     {"MissingMeshKey", "mesh: board.obj\n", "", "", "missing key `mesh`"},
     {"MissingMesh", "mesh: board.obj", "mesh: none.obj", "mesh (line 4)", "there is no file"},
+    {"MeshNameTooLong", "mesh: board.obj", "mesh: " + std::string(300, 'a'), "mesh (line 4)",
+     "there is no file"},
     {"MeshIsFolder", "mesh: board.obj", "mesh: .", "mesh (line 4)", "there is no file"},
     {"UnknownKey", "rotation_deg: 0}", "rotation_deg: 0, colour: red}", "markers[0].colour (line 6)",
      "unknown key"},

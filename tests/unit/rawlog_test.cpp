@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "support/memory.h"
 #include "support/recordings.h"
+#include "support/sanitized.h"
 #include "support/small_disk.h"
 
 namespace fathom::test {
@@ -236,9 +237,7 @@ TEST(Rawlog, WriterRefusesWhatTheConventionDoesNot) {
 // ---- memory ----
 
 TEST(Rawlog, MemoryDoesNotGrowWithLength) {
-#ifdef FATHOM_SANITIZE
-  GTEST_SKIP() << "the address sanitizer keeps freed memory";
-#endif
+  if (test::kSanitized) GTEST_SKIP() << "the address sanitizer keeps freed memory";
   const auto file = scratchFolder() / "long.rawlog";
   const double before_mb = peakMegabytes();
   ASSERT_GT(before_mb, 0);
