@@ -244,13 +244,13 @@ Extent quickProof() {
   quick.corner_dives = 2;
   quick.image_dives = 1;
   quick.strata = {16};
-  quick.every = 4;
+  quick.every = 6;
   quick.pairs = 1;
   quick.nulls = 4;
   quick.outside = 2;
-  quick.intervals = 2;
+  quick.intervals = 1;
   quick.decoy_dives = 1;
-  quick.decoys_a_dive = 2;
+  quick.decoys_a_dive = 1;
   return quick;
 }
 

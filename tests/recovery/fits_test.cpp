@@ -4,7 +4,6 @@
 
 #include "diagnosis/nominal.h"
 #include "support/flawed_runs.h"
-#include "support/sanitized.h"
 
 namespace fathom {
 namespace {
@@ -44,8 +43,6 @@ Candidate during(const Interval& active_s) {
 // A part of a latency of a second, and a DVL that is turned elsewhere, were a minimum of their own in a real
 // recording.
 TEST(Fits, LetAPartLastWhereThatFitsBetter) {
-  if (test::kSanitized)
-    GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   test::BatchRun run = navigationRun();
   run.effects.add<DvlLatency>({-0.5});
   FitsOf fits(run);
@@ -59,8 +56,6 @@ TEST(Fits, LetAPartLastWhereThatFitsBetter) {
 }
 
 TEST(Fits, LeaveAPartThatIsOne) {
-  if (test::kSanitized)
-    GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
   test::BatchRun run = navigationRun();
   const Interval second_half{12, Interval::kForever_s};
   run.effects.add<DvlLatency>({-0.5});
