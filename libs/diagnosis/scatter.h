@@ -30,7 +30,7 @@ enum class Printed { black, white, body, edges };
 struct PrintScatter {
   double black = 0, white = 0, body = 0;
   double parts = 0;      ///< what half of a place differs by from all of it; see partVariance()
-  double edges_px2 = 0;  ///< of the variance along either axis: by how large a marker's cells are, for one
+  double edges_px2 = 0;  ///< of the variance along either axis of the image
 
   double of(Printed what) const {
     switch (what) {

@@ -108,9 +108,8 @@ KinematicState<double> survey(const std::vector<std::vector<double>>& rows, doub
 TEST(EkfInputs, SurveyVelocityAndAttitude) {
   FATHOM_NEEDS_SHARED("ekf_inputs");
   double attitude_sum = 0.0, attitude_best = 1e9;
-  const std::vector<int> seeds = test::kSanitized ? std::vector<int>{1}
-                                                  // the sanitizers look at accesses, not at statistics
-                                                  : std::vector<int>{1, 3, 20240501};
+  // Sanitizers look at accesses, not at statistics.
+  const std::vector<int> seeds = kSanitized ? std::vector<int>{1} : std::vector<int>{1, 3, 20240501};
   for (const int seed : seeds) {
     const auto folder = generate("gen_syn.py", seed);
     if (folder.empty()) GTEST_SKIP() << "needs /usr/bin/python3 with numpy";

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <functional>
 #include <opencv2/imgcodecs.hpp>
@@ -11,7 +12,6 @@
 #include "batch/batch_plan.h"
 #include "core/error.h"
 #include "core/files.h"
-#include "core/text.h"
 #include "effects/calibration.h"
 #include "fiducials/image_file.h"
 #include "landmarks/board_corners.h"
@@ -136,7 +136,9 @@ class ReadersFuzz : public testing::TestWithParam<Reader> {
       GetParam().read(file);
     } catch (const Error& error) {
       const std::string line = error.what();
-      EXPECT_EQ(line, oneLine(line));
+      EXPECT_TRUE(std::none_of(line.begin(), line.end(), [](unsigned char c) {
+        return std::iscntrl(c) != 0;
+      })) << line;
       EXPECT_FALSE(error.why.empty());
       return error.what();
     }

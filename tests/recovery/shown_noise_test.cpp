@@ -79,8 +79,8 @@ TEST(ShownNoise, OfPrintThatIsUneven) {
   EXPECT_NEAR(noise.of(BatchChannel::pixels).scale, 1, 0.1);
 }
 
-// By how large their cells are, for one, and for good: taken for noise of single images it would be 0.97 of
-// it that neighbours have in common, and what one row of markers has of it many sigmas.
+// Each for good: taken for noise, most of it would be what one image has in common with the next, and what a
+// row of markers has of it many sigmas.
 TEST(ShownNoise, OfEdgesThatAreSofterMarkerByMarker) {
   constexpr double kScatter_px2 = 0.25;
   BatchInput input = test::plainNull(test::lightDive(), 5).input();

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/files.h"
+#include "support/sanitized.h"
 #include "support/shared_data.h"
 
 namespace fathom::test {
@@ -50,13 +51,10 @@ inline ProgramResult runFathom(const std::string& arguments) {
 /// The same in 1.5 GB of addresses and 20 s of time at most; a longer run has status 124. Sanitizers, which
 /// take terabytes of addresses and several times as long, get neither limit.
 inline ProgramResult runFathomWithinLimits(const std::string& arguments) {
-#ifdef FATHOM_SANITIZE
-  return runFathom(arguments);
-#else
+  if (kSanitized) return runFathom(arguments);
   // Address space that each of many threads' heaps would only reserve is no use of memory.
   return runShell("ulimit -v 1500000; MALLOC_ARENA_MAX=2 timeout --kill-after=1 20 " +
                   shellQuoted(fathomProgram()) + " " + arguments);
-#endif
 }
 
 /// One line that begins as all of the program's complaints do and contains `part`; status 2; nothing on
