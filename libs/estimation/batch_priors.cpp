@@ -1,7 +1,6 @@
 #include "estimation/batch_priors.h"
 
-#include <cmath>
-
+#include "core/gauss_markov.h"
 #include "effects/catalogue.h"
 #include "estimation/wide_prior.h"
 
@@ -92,14 +91,15 @@ PriorRows biasPrior(const InsSheet& ins, const BatchState& reference, std::size_
   Vector6d precision;
   precision << Vector3d::Constant(1.0 / ins.gyro_bias_sigma_rad_s),
       Vector3d::Constant(1.0 / ins.accelerometer_bias_sigma_m_s2);
-  const double phi = k == 0 ? 0.0 : std::exp(-reference.bias_interval_s / ins.bias_time_constant_s);
-  precision /= std::sqrt(1.0 - phi * phi);
+  const GaussMarkovStep step =
+      k == 0 ? GaussMarkovStep() : GaussMarkovStep(reference.bias_interval_s, ins.bias_time_constant_s);
+  precision /= step.innovation();
   Eigen::MatrixXd slope(6, k == 0 ? 6 : 12);
   slope.leftCols<6>() = precision.asDiagonal();
   Vector6d value = precision.cwiseProduct(reference.bias[k]);
   if (k > 0) {
-    slope.rightCols<6>() = (-phi * precision).asDiagonal();
-    value -= phi * precision.cwiseProduct(reference.bias[k - 1]);
+    slope.rightCols<6>() = (-step.decay * precision).asDiagonal();
+    value -= step.decay * precision.cwiseProduct(reference.bias[k - 1]);
   }
   return {value, slope};
 }

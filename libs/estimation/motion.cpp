@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/pose_spline.h"
+#include "core/pose_spline.h"
 
 namespace fathom {
 namespace {
@@ -15,6 +15,11 @@ std::array<Matrix3<T>, 4> rotationsOf(std::span<const Pose> poses) {
   std::array<Matrix3<T>, 4> R;
   for (std::size_t i = 0; i < 4; ++i) R[i] = poses[i].rotation.cast<T>();
   return R;
+}
+
+template <class T>
+Turning<T> turningOf(const std::array<Matrix3<T>, 4>& R_odom_control, const SplineWeights<T>& weights) {
+  return splineTurning<T>(R_odom_control[0], turnsBetween<T>(R_odom_control), weights);
 }
 
 Vector3d sum(std::span<const Pose> poses, const std::array<double, 4>& weights) {
@@ -93,11 +98,11 @@ Motion motionOf(const PosePath& path, const MotionNode& node) {
     timed.rate[j].v[0] = weights.curvature[j];
     timed.curvature[j].v[0] = weights.jerk[j];
   }
-  const Turning<Jet> turning = splineTurning<Jet>(rotationsOf<Jet>(poses), timed);
-  motion.T_odom_robot.position = sum(poses, basis(weights.value, 1.0));
-  motion.velocity_odom = sum(poses, basis(weights.rate, 0.0));
-  motion.acceleration_odom = sum(poses, basis(weights.curvature, 0.0));
-  motion.jerk_odom = sum(poses, basis(weights.jerk, 0.0));
+  const Turning<Jet> turning = turningOf(rotationsOf<Jet>(poses), timed);
+  motion.T_odom_robot.position = sum(poses, splineBasis(weights.value, 1.0));
+  motion.velocity_odom = sum(poses, splineBasis(weights.rate, 0.0));
+  motion.acceleration_odom = sum(poses, splineBasis(weights.curvature, 0.0));
+  motion.jerk_odom = sum(poses, splineBasis(weights.jerk, 0.0));
   for (int i = 0; i < 9; ++i) motion.T_odom_robot.rotation(i) = turning.R_odom_robot(i).a;
   motion.rate_robot = values(turning.rate_robot);
   motion.rate_derivative_robot = values(turning.acceleration_robot);
@@ -121,7 +126,7 @@ MotionJacobian motionJacobian(const PosePath& path, const MotionNode& node) {
       for (int i = 0; i < 9; ++i) R[k](i).v[3 * static_cast<int>(k) + axis] = slope(i);
     }
   const SplineWeights<double> weights(node.u, path.knot_s);
-  const Turning<Jet> turning = splineTurning<Jet>(R, SplineWeights<Jet>(Jet(node.u), path.knot_s));
+  const Turning<Jet> turning = turningOf(R, SplineWeights<Jet>(Jet(node.u), path.knot_s));
   // d(rotation vector) from R^T dR = [d]x.
   Matrix3d attitude;
   for (int i = 0; i < 9; ++i) attitude(i) = turning.R_odom_robot(i).a;
@@ -133,8 +138,8 @@ MotionJacobian motionJacobian(const PosePath& path, const MotionNode& node) {
     const Matrix3d skew = attitude.transpose() * dR;
     turn.col(k) << skew(2, 1), skew(0, 2), skew(1, 0);
   }
-  const auto value = basis(weights.value, 1.0), velocity = basis(weights.rate, 0.0),
-             curvature = basis(weights.curvature, 0.0);
+  const auto value = splineBasis(weights.value, 1.0), velocity = splineBasis(weights.rate, 0.0),
+             curvature = splineBasis(weights.curvature, 0.0);
   MotionJacobian J = MotionJacobian::Zero(kMotionSize, 24);
   for (int k = 0; k < 4; ++k) {
     const auto i = static_cast<std::size_t>(k);

@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/gauss_markov.h"
+
 namespace fathom {
 namespace {
 
@@ -39,7 +41,9 @@ void moveBy(KinematicState<double>& m, const Matrix3d& half_turn, double dt) {
 }
 
 /// What is left of a bias after a step.
-double biasDecay(double dt, const ProcessNoise& noise) { return std::exp(-dt / noise.bias_time_constant_s); }
+double biasDecay(double dt, const ProcessNoise& noise) {
+  return GaussMarkovStep(dt, noise.bias_time_constant_s).decay;
+}
 
 void decayBiases(NavigationState<double>& x, double decay) {
   x.gyro_bias_rad_s *= decay;
@@ -57,8 +61,7 @@ auto ErrorStateFilter<N>::noiseDensity(const ProcessNoise& noise) -> Vector {
   q.template segment<3>(kAngularVelocity) = noise.angular_velocity;
   q.template segment<3>(kAcceleration) = noise.acceleration;
   if constexpr (N == kFullSize) {
-    // A first-order Gauss-Markov process of variance s² and time constant tau is driven by density 2 s²/tau.
-    const double k = 2.0 / noise.bias_time_constant_s;
+    const double k = gaussMarkovDensity(noise.bias_time_constant_s);
     q.template segment<3>(kGyroBias) = k * noise.gyro_bias_sigma_rad_s.cwiseAbs2();
     q.template segment<3>(kAccelerometerBias) = k * noise.accelerometer_bias_sigma_m_s2.cwiseAbs2();
     q[kSeaFloor] = noise.sea_floor;

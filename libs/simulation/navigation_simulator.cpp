@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "core/error.h"
+#include "core/gauss_markov.h"
 #include "core/random.h"
 #include "recording/recorded_camera.h"
 #include "sensors/models.h"
@@ -73,23 +74,22 @@ class Channel {
   std::uint64_t count_ = 0;
 };
 
-/// First-order Gauss-Markov process, discretised exactly; begins in its stationary distribution.
-class GaussMarkov {
+/// A bias that drifts, of a stationary sigma; begins in its stationary distribution.
+class DrawnBias {
  public:
-  GaussMarkov(double sigma, double time_constant_s, double interval_s)
-      : sigma_(sigma), decay_(std::exp(-interval_s / time_constant_s)) {}
+  DrawnBias(double sigma, double time_constant_s, double interval_s)
+      : sigma_(sigma), further_(interval_s, time_constant_s) {}
 
   std::array<double, 3> next(Random& random) {
-    const Vector3d draw = sigma_ * random.normal3();
-    value_ = started_ ? Vector3d(decay_ * value_ + std::sqrt(1.0 - decay_ * decay_) * draw) : draw;
-    started_ = true;
+    value_ = step_.decay * value_ + step_.innovation() * (sigma_ * random.normal3());
+    step_ = further_;
     return {value_.x(), value_.y(), value_.z()};
   }
 
  private:
-  double sigma_, decay_;
+  double sigma_;
+  GaussMarkovStep further_, step_;
   Vector3d value_ = Vector3d::Zero();
-  bool started_ = false;
 };
 
 class InsChannel : public Channel {
@@ -129,7 +129,7 @@ class InsChannel : public Channel {
   }
 
   const InsSheet& sheet_;
-  GaussMarkov gyro_bias_, accelerometer_bias_;
+  DrawnBias gyro_bias_, accelerometer_bias_;
   Random white_, bias_, attitude_;
 };
 

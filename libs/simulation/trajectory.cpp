@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "core/error.h"
 
 namespace fathom {
 namespace {
 
-using Weights = detail::CumulativeWeights<double>;
+/// Of the segment from knot i+2 on, at a time.
+SplineWeights<double> weightsAt(const std::vector<double>& knots, std::size_t i, double t_s) {
+  return {std::span(knots).subspan(i).first<6>(), t_s};
+}
 
 /// Two mirrored knots beyond each end, so that every segment has its six.
 std::vector<double> withOuterKnots(const std::vector<double>& times_s) {
@@ -75,13 +79,13 @@ class InterpolationEquations {
   /// At the left knot of a segment the fourth basis function is zero, at the right one the first.
   static Row valueRow(const std::vector<double>& knots, std::size_t i) {
     const bool last = i + 5 == knots.size();
-    const Weights w(&knots[last ? i - 1 : i], knots[i + 2]);
+    const auto w = weightsAt(knots, last ? i - 1 : i, knots[i + 2]);
     if (last) return {w.value[0] - w.value[1], w.value[1] - w.value[2], w.value[2]};
     return {1.0 - w.value[0], w.value[0] - w.value[1], w.value[1] - w.value[2]};
   }
   static Row curvatureRow(const std::vector<double>& knots, std::size_t i) {
     const bool last = i > 0;
-    const Weights w(&knots[last ? i - 1 : i], knots[i + 2]);
+    const auto w = weightsAt(knots, last ? i - 1 : i, knots[i + 2]);
     if (last) return {w.curvature[0] - w.curvature[1], w.curvature[1] - w.curvature[2], w.curvature[2]};
     return {-w.curvature[0], w.curvature[0] - w.curvature[1], w.curvature[1] - w.curvature[2]};
   }

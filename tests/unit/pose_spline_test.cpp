@@ -1,4 +1,4 @@
-#include "estimation/pose_spline.h"
+#include "core/pose_spline.h"
 
 #include <gtest/gtest.h>
 
@@ -34,7 +34,21 @@ KinematicState<double> stateAt(const PosePath& path, double t_s) {
     p[k] = path.poses[static_cast<std::size_t>(node.first) + k].position;
     R[k] = path.poses[static_cast<std::size_t>(node.first) + k].rotation;
   }
-  return splineMotion<double>(p, R, node.u, path.knot_s);
+  return splineMotion<double>(p, R[0], turnsBetween<double>(R), {node.u, path.knot_s});
+}
+
+// The closed form of even knots is Cox and de Boor's of any.
+TEST(PoseSpline, WeightsOfEvenKnotsAreThoseOfAnyKnots) {
+  const std::array<double, 6> knots{-0.4, -0.2, 0.0, 0.2, 0.4, 0.6};
+  for (double u = 0.0; u <= 1.0; u += 0.1) {
+    const SplineWeights<double> even(u, kKnot_s), any(knots, kKnot_s * u);
+    for (std::size_t j = 0; j < 3; ++j) {
+      EXPECT_NEAR(even.value[j], any.value[j], 1e-14);
+      EXPECT_NEAR(even.rate[j], any.rate[j], 1e-13);
+      EXPECT_NEAR(even.curvature[j], any.curvature[j], 1e-12);
+      EXPECT_NEAR(even.jerk[j], any.jerk[j], 1e-11);
+    }
+  }
 }
 
 // A cubic spline reproduces what it can: a steady twist and a parabola, to rounding.
