@@ -1,5 +1,7 @@
 #include "localization/alignment.h"
 
+#include <Eigen/LU>
+
 #include "localization/measurements.h"
 #include "sensors/models.h"
 
@@ -19,58 +21,104 @@ struct Mean {
   Vector3d value() const { return sum / count; }
 };
 
-/// What the first seconds say, in robot axes.
+/// What the first seconds say, whatever the attitude.
 struct FirstReadings {
-  Mean specific_force, rate, velocity, usbl, floor_depth;
-  Mean depth_z;  ///< z only: height of the robot if it were level
+  Mean specific_force;  ///< at the robot's reference point, in its axes
+  Mean usbl;            ///< the transponder, odom
+  Mean depth_z;         ///< z only: height of the robot if it were level
   std::optional<Matrix3d> R_odom_robot;
 };
 
-/// How the sensor truly sits.
-template <Sensor S>
-Matrix3d mountedAt(const Pose& nominal, const LocalizationSetup& setup, const Sample& sample) {
-  const double t_s = secondsBetween(setup.time_zero, sample.time);
-  return sensorMounting<S>(nominal, setup.calibration, t_s).R_robot_sensor;
+/// And once it is known.
+struct FirstMotion {
+  Mean rate, velocity;  ///< in robot axes
+  Mean floor_z;         ///< z only: the sea floor's height
+};
+
+/// What a sensor saw, from what it read: models are affine in that, effects included.
+template <int N, class Model>
+Eigen::Matrix<double, N, 1> seenBy(const Model& model, const Eigen::Matrix<double, N, 1>& reading) {
+  using Vector = Eigen::Matrix<double, N, 1>;
+  const Vector of_nothing = model(Vector::Zero());
+  Eigen::Matrix<double, N, N> slope;
+  for (int i = 0; i < N; ++i) slope.col(i) = model(Vector::Unit(i)) - of_nothing;
+  return slope.inverse() * (reading - of_nothing);
 }
 
-void read(const InsSample& s, const Matrix3d& R, FirstReadings& first) {
-  if (s.specific_force_ins) first.specific_force.add(R * *s.specific_force_ins);
-  if (s.angular_velocity_ins) first.rate.add(R * *s.angular_velocity_ins);
-  if (s.R_odom_ins && !first.R_odom_robot && s.R_odom_ins->allFinite())
-    first.R_odom_robot = *s.R_odom_ins * R.transpose();
-}
-
-void read(const DvlSample& s, const Matrix3d& R, FirstReadings& first) {
-  if (s.velocity_dvl && first.velocity.count == 0) first.velocity.add(R * *s.velocity_dvl);
+void read(const InsSample& ins, double t_s, const LocalizationSetup& setup, FirstReadings& first) {
+  if (ins.specific_force_ins) {
+    const auto pushedBy = [&](const Vector3d& force_robot) {
+      KinematicState<double> state;
+      state.acceleration_robot = force_robot;
+      return predictSpecificForce(state, World<double>{Vector3d::Zero()}, ins.T_robot_ins, setup.calibration,
+                                  t_s);
+    };
+    first.specific_force.add(seenBy<3>(pushedBy, *ins.specific_force_ins));
+  }
+  if (ins.R_odom_ins && !first.R_odom_robot && ins.R_odom_ins->allFinite())
+    first.R_odom_robot =
+        *ins.R_odom_ins *
+        predictAttitude(KinematicState<double>{}, ins.T_robot_ins, setup.calibration, t_s).transpose();
 }
 
 /// Height of the robot if it were level: pressure is linear in it.
 double height_m(const DepthSample& depth, double t_s, const LocalizationSetup& setup) {
-  const auto pressureAt = [&](double z) {
+  using Scalar = Eigen::Matrix<double, 1, 1>;
+  const auto pressureAt = [&](const Scalar& z) {
     KinematicState<double> level;
-    level.position_odom.z() = z;
-    return predictPressure(level, World<double>{setup.vehicle.gravityOdom()}, *setup.vehicle.depth,
-                           depth.T_robot_depth, setup.calibration, t_s);
+    level.position_odom.z() = z[0];
+    return Scalar(predictPressure(level, World<double>{setup.vehicle.gravityOdom()}, *setup.vehicle.depth,
+                                  depth.T_robot_depth, setup.calibration, t_s));
   };
-  const double at_surface = pressureAt(0), a_metre_below = pressureAt(-1);
-  return (at_surface - depth.pressure_pa) / (a_metre_below - at_surface);
+  return seenBy<1>(pressureAt, Scalar(depth.pressure_pa))[0];
 }
 
 FirstReadings readAll(const LocalizationSetup& setup, const std::vector<Sample>& samples) {
   FirstReadings first;
   for (const Sample& sample : samples) {
-    if (const auto* ins = std::get_if<InsSample>(&sample.reading))
-      read(*ins, mountedAt<Sensor::ins>(ins->T_robot_ins, setup, sample), first);
-    if (const auto* dvl = std::get_if<DvlSample>(&sample.reading))
-      read(*dvl, mountedAt<Sensor::dvl>(dvl->T_robot_dvl, setup, sample), first);
+    const double t_s = secondsBetween(setup.time_zero, sample.time);
+    if (const auto* ins = std::get_if<InsSample>(&sample.reading)) read(*ins, t_s, setup, first);
     if (const auto* depth = std::get_if<DepthSample>(&sample.reading); depth && setup.vehicle.depth)
-      first.depth_z.add({0, 0, height_m(*depth, secondsBetween(setup.time_zero, sample.time), setup)});
+      first.depth_z.add({0, 0, height_m(*depth, t_s, setup)});
     if (const auto* pose = std::get_if<PoseSample>(&sample.reading); pose && sample.label == labels::kUsbl)
       first.usbl.add(Pose::fromMrpt(pose->T_odom_robot.mean).position);
-    if (const auto* beams = std::get_if<DvlBeamsSample>(&sample.reading)) {
-      for (const DvlBeam& beam : beams->beams)
-        if (beam.range_m) first.floor_depth.add(beam.T_robot_beam * Vector3d(*beam.range_m, 0, 0));
+  }
+  return first;
+}
+
+/// `at`: the robot's pose, at rest.
+FirstMotion readMotion(const LocalizationSetup& setup, const std::vector<Sample>& samples,
+                       const KinematicState<double>& at) {
+  using Scalar = Eigen::Matrix<double, 1, 1>;
+  FirstMotion first;
+  for (const Sample& sample : samples) {
+    const double t_s = secondsBetween(setup.time_zero, sample.time);
+    if (const auto* ins = std::get_if<InsSample>(&sample.reading); ins && ins->angular_velocity_ins) {
+      const auto turnedBy = [&](const Vector3d& rate_robot) {
+        KinematicState<double> state = at;
+        state.angular_velocity_robot = rate_robot;
+        return predictGyro(state, ins->T_robot_ins, setup.calibration, t_s);
+      };
+      first.rate.add(seenBy<3>(turnedBy, *ins->angular_velocity_ins));
     }
+    if (const auto* dvl = std::get_if<DvlSample>(&sample.reading);
+        dvl && dvl->velocity_dvl && !first.velocity.any()) {
+      const auto movedBy = [&](const Vector3d& velocity_robot) {
+        KinematicState<double> state = at;
+        state.velocity_robot = velocity_robot;
+        return predictDvlVelocity(state, dvl->T_robot_dvl, setup.calibration, t_s);
+      };
+      first.velocity.add(seenBy<3>(movedBy, *dvl->velocity_dvl));
+    }
+    if (const auto* beams = std::get_if<DvlBeamsSample>(&sample.reading))
+      for (const DvlBeam& beam : beams->beams) {
+        const auto rangeTo = [&](const Scalar& floor_z) {
+          const Pose T_robot_dvl = setup.vehicle.dvl.value_or(DvlSheet{}).T_robot_dvl;
+          return Scalar(predictBeamRange(at, World<double>{setup.vehicle.gravityOdom(), floor_z[0]},
+                                         T_robot_dvl, beam.T_robot_beam, setup.calibration, t_s));
+        };
+        if (beam.range_m) first.floor_z.add({0, 0, seenBy<1>(rangeTo, Scalar(*beam.range_m))[0]});
+      }
   }
   return first;
 }
@@ -117,11 +165,9 @@ void alignPosition(const LocalizationSetup& setup, const FirstReadings& first, I
     motion.position_odom = setup.start->T_odom_robot.position;
     sigma.segment<3>(kPosition).setConstant(setup.start->position_sigma_m);
   } else {
-    const Matrix3d& R = motion.R_odom_robot;
     if (first.usbl.any()) {
-      const Vector3d lever =
-          setup.vehicle.usbl ? setup.vehicle.usbl->T_robot_usbl.position : Vector3d::Zero();
-      motion.position_odom = first.usbl.value() - R * lever;
+      const Pose T_robot_usbl = setup.vehicle.usbl ? setup.vehicle.usbl->T_robot_usbl : Pose{};
+      motion.position_odom = first.usbl.value() - predictUsbl(motion, T_robot_usbl);
       sigma.segment<3>(kPosition).setConstant(setup.vehicle.usbl ? setup.vehicle.usbl->position_sigma_m
                                                                  : 1.0);
     }
@@ -136,7 +182,7 @@ void alignPosition(const LocalizationSetup& setup, const FirstReadings& first, I
 }
 
 /// The sigmas cover what a robot does within the first seconds.
-void alignMotion(const FirstReadings& first, InitialState& initial) {
+void alignMotion(const FirstMotion& first, InitialState& initial) {
   auto& motion = initial.state.motion;
   auto& sigma = initial.sigma;
   if (first.velocity.any()) motion.velocity_robot = first.velocity.value();
@@ -146,18 +192,15 @@ void alignMotion(const FirstReadings& first, InitialState& initial) {
   sigma.segment<3>(kAcceleration).setConstant(0.5);
 }
 
-/// What hardly changes: biases, offsets, the sea floor. Orientation and position must be known.
-void alignSlowStates(const LocalizationSetup& setup, const FirstReadings& first, InitialState& initial) {
-  const auto& motion = initial.state.motion;
+/// What hardly changes: biases, offsets, the sea floor.
+void alignSlowStates(const LocalizationSetup& setup, const FirstMotion& first, InitialState& initial) {
   auto& sigma = initial.sigma;
   if (const auto& ins = setup.vehicle.ins) {
     sigma.segment<3>(kGyroBias).setConstant(ins->gyro_bias_sigma_rad_s);
     sigma.segment<3>(kAccelerometerBias).setConstant(ins->accelerometer_bias_sigma_m_s2);
   }
   if (setup.vehicle.depth) sigma[kPressureOffset] = setup.vehicle.depth->pressure_offset_sigma_pa;
-  if (first.floor_depth.any())
-    initial.state.sea_floor_z_m =
-        motion.position_odom.z() + (motion.R_odom_robot * first.floor_depth.value()).z();
+  if (first.floor_z.any()) initial.state.sea_floor_z_m = first.floor_z.value().z();
   sigma[kSeaFloor] = std::hypot(0.5, sigma[kPosition + 2]);
 }
 
@@ -170,8 +213,9 @@ InitialState alignInitially(const LocalizationSetup& setup, const std::vector<Sa
   initial.sigma.setZero();
   alignOrientation(setup, first, initial);
   alignPosition(setup, first, initial);
-  alignMotion(first, initial);
-  alignSlowStates(setup, first, initial);
+  const FirstMotion motion = readMotion(setup, samples, initial.state.motion);
+  alignMotion(motion, initial);
+  alignSlowStates(setup, motion, initial);
   return initial;
 }
 

@@ -14,8 +14,9 @@ struct InitialState {
 
 /// Initial alignment from the samples of the first seconds: roll and pitch from the mean specific force (or
 /// the INS's attitude), heading from the INS's attitude, position from USBL and pressure, velocity from the
-/// DVL, the sea floor from its beams. What no sensor tells is zero, and with it odom is defined by the start.
-/// A given start pose replaces position and orientation.
+/// DVL, the sea floor from its beams: by the sensors' models, calibrated effects included. What no sensor
+/// tells is zero, and with it odom is defined by the start. A given start pose replaces position and
+/// orientation.
 InitialState alignInitially(const LocalizationSetup& setup, const std::vector<Sample>& first);
 
 }  // namespace fathom
