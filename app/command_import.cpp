@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
+#include "imaging/camera_files.h"
 #include "import_corners.h"
 #include "import_target.h"
 #include "import_tie_points.h"
@@ -12,7 +13,6 @@
 #include "recording/import_csv.h"
 #include "recording/rawlog.h"
 #include "report/run_info.h"
-#include "sensors/camera_files.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

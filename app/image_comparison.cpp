@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "effects/drawn.h"
-#include "sensors/exposure_time.h"
+#include "imaging/exposure_time.h"
 #include "sil/pair_maker.h"
 #include "similarity/measures.h"
 

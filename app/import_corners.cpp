@@ -10,6 +10,7 @@
 #include "core/for_each.h"
 #include "core/text.h"
 #include "core/yaml.h"
+#include "imaging/camera_files.h"
 #include "import_target.h"
 #include "landmarks/board_corners.h"
 #include "landmarks/given_corners.h"
@@ -18,7 +19,6 @@
 #include "recording/recorded_camera.h"
 #include "render/images.h"
 #include "report/run_info.h"
-#include "sensors/camera_files.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

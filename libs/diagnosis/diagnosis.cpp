@@ -12,7 +12,7 @@
 #include "diagnosis/fits.h"
 #include "diagnosis/nominal.h"
 #include "diagnosis/verdict.h"
-#include "sensors/exposure_time.h"
+#include "imaging/exposure_time.h"
 
 namespace fathom {
 namespace {

@@ -5,7 +5,7 @@
 #include <map>
 #include <tuple>
 
-#include "sensors/camera_geometry.h"
+#include "imaging/camera_geometry.h"
 
 namespace fathom {
 namespace {

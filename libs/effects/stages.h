@@ -78,7 +78,7 @@ struct PanelPlacement {
 };
 
 /// A flat port before the camera: parallel layers of air and glass, and water behind. See
-/// sensors/flat_port.h.
+/// imaging/flat_port.h.
 template <class T>
 struct FlatPort {
   bool present = false;  ///< false: straight lines of sight
@@ -111,7 +111,7 @@ struct Shutter {
 template <class T>
 struct SceneLight {
   T daylight = T(1);  ///< in units of the environment's ambient light
-  T lamps = T(0);     ///< irradiance of each of the vehicle's on its axis at 1 m, see sensors/lamps.h
+  T lamps = T(0);     ///< irradiance of each of the vehicle's on its axis at 1 m, see imaging/lamps.h
 };
 
 /// One pixel's light on its way from the scene to the camera. A depth is optical: attenuation times way, one
@@ -123,10 +123,10 @@ struct WaterRay {
   T range_m = T(0);                              ///< way along the line of sight
   Vector3<T> signal_depth = Vector3<T>::Zero();  ///< through which the scene's light comes
   Vector3<T> veil_depth = Vector3<T>::Zero();    ///< which builds up the veil
-  Vector3<T> bends = Vector3<T>::Zero();  ///< of signal_depth, what only bends: see sensors/forward_scatter.h
+  Vector3<T> bends = Vector3<T>::Zero();  ///< of signal_depth, what only bends: see imaging/forward_scatter.h
 };
 
-/// Flakes between the camera and the scene, strewn evenly. See sensors/marine_snow.h.
+/// Flakes between the camera and the scene, strewn evenly. See imaging/marine_snow.h.
 template <class T>
 struct SuspendedParticles {
   T per_m3 = T(0);
@@ -142,7 +142,7 @@ struct PixelResponse {
 };
 
 /// By which curve all pixels answer: starts as the vehicle file has it. A stage of its own because it moves
-/// edges too, where a detector sees them (sensors/detected_corners.h).
+/// edges too, where a detector sees them (imaging/detected_corners.h).
 template <class T>
 struct ResponseCurve {
   T exponent = T(1);

@@ -3,7 +3,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "sensors/marker_blur.h"
+#include "imaging/marker_blur.h"
 
 namespace fathom {
 

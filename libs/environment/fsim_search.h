@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "sensors/water.h"
+#include "imaging/water.h"
 
 namespace fathom {
 

@@ -12,7 +12,7 @@
 #include "environment/marker_edges.h"
 #include "environment/open_water.h"
 #include "environment/specks.h"
-#include "sensors/fingerprints.h"
+#include "imaging/fingerprints.h"
 
 namespace fathom {
 namespace {

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "environment/water_study.h"
-#include "sensors/image_patch.h"
-#include "sensors/marine_snow.h"
-#include "sensors/marker_blur.h"
+#include "imaging/image_patch.h"
+#include "imaging/marine_snow.h"
+#include "imaging/marker_blur.h"
 
 /// The images of a whole recording, reduced to what a diagnosis of the image can see: white and black of each
 /// marker, the panel's body piece by piece, and open water, each a patch with place, albedo, and what the

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "environment/edge_blur.h"
-#include "sensors/forward_scatter.h"
-#include "sensors/image_model.h"
+#include "imaging/forward_scatter.h"
+#include "imaging/image_model.h"
 
 namespace fathom {
 namespace {

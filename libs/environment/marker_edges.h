@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "imaging/marker_blur.h"
 #include "panel/panel_map.h"
-#include "sensors/marker_blur.h"
 #include "sil/pair_maker.h"
 
 namespace fathom {

@@ -5,7 +5,7 @@
 #include "core/evenly.h"
 #include "core/for_each.h"
 #include "evaluation/recorded_fiducials.h"
-#include "sensors/true_panel.h"
+#include "imaging/true_panel.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

@@ -7,7 +7,7 @@
 
 #include "core/text.h"
 #include "environment/rounding.h"
-#include "sensors/image_model.h"
+#include "imaging/image_model.h"
 
 namespace fathom {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/camera_model.h"
+#include "imaging/image_patch.h"
 #include "render/renderer.h"
-#include "sensors/image_patch.h"
 #include "sensors/vehicle.h"
 
 /// Synchronized pixels: what the camera read where the rendering knows albedo and distance.

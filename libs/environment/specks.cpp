@@ -11,7 +11,7 @@
 #include <tuple>
 #include <vector>
 
-#include "sensors/image_model.h"
+#include "imaging/image_model.h"
 
 namespace fathom {
 namespace {

@@ -3,7 +3,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "sensors/marine_snow.h"
+#include "imaging/marine_snow.h"
 #include "sensors/vehicle.h"
 
 /// Specks on plain surfaces: pixels that are off what their surroundings show, by far more than noise. Marine

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "environment/patches.h"
-#include "sensors/water.h"
+#include "imaging/water.h"
 
 /// Task T_E: the paper's water, fitted. For each channel, attenuation a, veil b and ambient light E in
 ///
 ///     radiance = gain (albedo E exp(-a z) + (1 - exp(-a z)) b)
 ///
-/// (predictLight() of sensors/image_model.h), the gain one an image; with what known effects make of it.
+/// (predictLight() of imaging/image_model.h), the gain one an image; with what known effects make of it.
 namespace fathom {
 
 using Matrix9d = Eigen::Matrix<double, 9, 9>;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "environment/water_fit.h"
-#include "sensors/image_patch.h"
+#include "imaging/image_patch.h"
 
 /// What fitWater() solves, again and again. Used within this room only.
 namespace fathom {

@@ -16,7 +16,7 @@
 #include "evaluation/contact_sheet.h"
 #include "fiducials/jpeg.h"
 #include "fiducials/one_opencv_thread.h"
-#include "sensors/fingerprints.h"
+#include "imaging/fingerprints.h"
 #include "sil/pair_picture.h"
 
 namespace fathom {

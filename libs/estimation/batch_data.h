@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "imaging/detected_corners.h"
+#include "imaging/image_patch.h"
+#include "imaging/marine_snow.h"
+#include "imaging/marker_blur.h"
+#include "imaging/water.h"
 #include "landmarks/detection_cache.h"
 #include "landmarks/tie_points.h"
 #include "panel/panel_map.h"
 #include "recording/sample_source.h"
-#include "sensors/detected_corners.h"
-#include "sensors/image_patch.h"
-#include "sensors/marine_snow.h"
-#include "sensors/marker_blur.h"
 #include "sensors/vehicle.h"
-#include "sensors/water.h"
 
 /// What goes into the batch estimate: readings of a whole recording, typed and plain. Times are stamps in
 /// seconds since the recording's first entry.

@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "estimation/reading_inputs.h"
-#include "sensors/camera_geometry.h"
+#include "imaging/camera_geometry.h"
+#include "imaging/two_views.h"
 #include "sensors/models.h"
-#include "sensors/two_views.h"
 
 namespace fathom {
 namespace {

@@ -15,8 +15,8 @@
 #include "evaluation/family_swap.h"
 #include "evaluation/timed_detection.h"
 #include "fiducials/one_opencv_thread.h"
-#include "sensors/fingerprints.h"
-#include "sensors/true_panel.h"
+#include "imaging/fingerprints.h"
+#include "imaging/true_panel.h"
 
 namespace fathom {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "effects/registry.h"
 #include "fiducials/detector.h"
-#include "sensors/water.h"
+#include "imaging/water.h"
 
 /// What fiducial markers are compared under. See config/compare_fiducials.yaml.
 namespace fathom {

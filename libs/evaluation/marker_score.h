@@ -6,8 +6,8 @@
 
 #include "fiducials/detection.h"
 #include "fiducials/panel_pose.h"
+#include "imaging/camera_geometry.h"
 #include "panel/panel_map.h"
-#include "sensors/camera_geometry.h"
 
 /// How well markers were found in an image, where truth is known.
 namespace fathom {

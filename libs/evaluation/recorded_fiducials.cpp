@@ -15,9 +15,9 @@
 #include "fiducials/image_file.h"
 #include "fiducials/one_opencv_thread.h"
 #include "fiducials/single_marker_pose.h"
+#include "imaging/fingerprints.h"
 #include "recording/recorded_camera.h"
 #include "render/renderer.h"
-#include "sensors/fingerprints.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

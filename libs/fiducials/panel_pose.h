@@ -7,8 +7,8 @@
 #include "core/camera_model.h"
 #include "core/uncertain_pose.h"
 #include "fiducials/detection.h"
+#include "imaging/camera_geometry.h"
 #include "panel/panel_map.h"
-#include "sensors/camera_geometry.h"
 
 namespace fathom {
 

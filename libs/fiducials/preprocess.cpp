@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-#include "sensors/image_model.h"
+#include "imaging/image_model.h"
 
 namespace fathom {
 namespace {

@@ -3,8 +3,8 @@
 #include <opencv2/core.hpp>
 #include <string_view>
 
+#include "imaging/water.h"
 #include "sensors/vehicle.h"
-#include "sensors/water.h"
 
 namespace fathom {
 

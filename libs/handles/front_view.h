@@ -4,7 +4,7 @@
 #include <string>
 
 #include "handles/swept_box.h"
-#include "sensors/camera_geometry.h"
+#include "imaging/camera_geometry.h"
 
 /// The region of interest of a handle, turned to the front.
 namespace fathom {

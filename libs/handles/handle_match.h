@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "handles/close_up.h"
-#include "sensors/image_model.h"
+#include "imaging/image_model.h"
 
 /// A handle's angle by analysis by synthesis: rendered at candidate angles through the water, and compared
 /// with the image.

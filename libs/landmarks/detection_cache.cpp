@@ -10,8 +10,8 @@
 #include "core/for_each.h"
 #include "fiducials/image_file.h"
 #include "fiducials/one_opencv_thread.h"
+#include "imaging/fingerprints.h"
 #include "landmarks/kept_detections.h"
-#include "sensors/fingerprints.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

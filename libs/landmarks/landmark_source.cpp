@@ -3,7 +3,7 @@
 #include <atomic>
 
 #include "core/for_each.h"
-#include "sensors/true_panel.h"
+#include "imaging/true_panel.h"
 
 namespace fathom {
 namespace {

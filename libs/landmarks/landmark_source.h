@@ -5,10 +5,10 @@
 #include <memory>
 
 #include "effects/registry.h"
+#include "imaging/true_camera.h"
 #include "landmarks/detection_cache.h"
 #include "landmarks/image_entry.h"
 #include "landmarks/sighting.h"
-#include "sensors/true_camera.h"
 
 namespace fathom {
 

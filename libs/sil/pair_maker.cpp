@@ -11,10 +11,10 @@
 #include "fiducials/image_file.h"
 #include "fiducials/jpeg.h"
 #include "fiducials/single_marker_pose.h"
+#include "imaging/camera_geometry.h"
+#include "imaging/fingerprints.h"
+#include "imaging/true_panel.h"
 #include "render/scene.h"
-#include "sensors/camera_geometry.h"
-#include "sensors/fingerprints.h"
-#include "sensors/true_panel.h"
 #include "similarity/measures.h"
 #include "simulation/simulate_recording.h"
 

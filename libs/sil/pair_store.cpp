@@ -8,8 +8,8 @@
 #include "core/fingerprint.h"
 #include "core/text.h"
 #include "fiducials/image_file.h"
+#include "imaging/fingerprints.h"
 #include "render/images.h"
-#include "sensors/fingerprints.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

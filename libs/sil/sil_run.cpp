@@ -16,10 +16,10 @@
 #include "effects/calibration.h"
 #include "evaluation/contact_sheet.h"
 #include "fiducials/one_opencv_thread.h"
+#include "imaging/fingerprints.h"
 #include "recording/rawlog.h"
 #include "recording/recorded_camera.h"
 #include "render/images.h"
-#include "sensors/fingerprints.h"
 #include "sil/pair_video.h"
 
 namespace fathom {

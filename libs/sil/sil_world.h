@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "effects/registry.h"
+#include "imaging/water.h"
 #include "panel/panel_map.h"
 #include "sensors/vehicle.h"
-#include "sensors/water.h"
 
 namespace fathom {
 

@@ -3,14 +3,14 @@
 #include <array>
 #include <cmath>
 
-#include "sensors/image_model.h"
+#include "imaging/image_model.h"
 #include "similarity/measure.h"
 
 namespace fathom {
 
 /// How far apart the light is that the two images stand for, on the panel: root mean square over its pixels
 /// and red, green and blue, in shares of the camera's full scale.
-/// Source: the camera's response undone, radianceOf() in sensors/image_model.h.
+/// Source: the camera's response undone, radianceOf() in imaging/image_model.h.
 struct RmseLinearMeasure {
   static constexpr std::string_view id = "rmse-linear";
   static constexpr std::string_view about =

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "imaging/camera_geometry.h"
 #include "panel/surface.h"
-#include "sensors/camera_geometry.h"
 
 namespace fathom {
 

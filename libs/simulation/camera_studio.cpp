@@ -11,14 +11,14 @@
 #include <optional>
 
 #include "effects/drawn.h"
+#include "imaging/exposure_time.h"
+#include "imaging/fingerprints.h"
+#include "imaging/image_model.h"
+#include "imaging/lamp_glow.h"
+#include "imaging/marine_snow.h"
+#include "imaging/marker_blur.h"
+#include "imaging/true_panel.h"
 #include "render/scene.h"
-#include "sensors/exposure_time.h"
-#include "sensors/fingerprints.h"
-#include "sensors/image_model.h"
-#include "sensors/lamp_glow.h"
-#include "sensors/marine_snow.h"
-#include "sensors/marker_blur.h"
-#include "sensors/true_panel.h"
 #include "simulation/apparent_scene.h"
 
 namespace fathom {

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "core/random.h"
+#include "imaging/true_camera.h"
+#include "imaging/water.h"
 #include "panel/panel_map.h"
 #include "render/renderer.h"
-#include "sensors/true_camera.h"
 #include "sensors/vehicle.h"
-#include "sensors/water.h"
 
 namespace fathom {
 

@@ -6,8 +6,8 @@
 #include "core/for_each.h"
 #include "effects/calibration.h"
 #include "effects/drawn.h"
+#include "imaging/fingerprints.h"
 #include "render/scene.h"
-#include "sensors/fingerprints.h"
 #include "sensors/models.h"
 #include "simulation/image_store.h"
 

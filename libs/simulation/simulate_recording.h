@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/random.h"
-#include "sensors/water.h"
+#include "imaging/water.h"
 #include "simulation/navigation_simulator.h"
 
 namespace fathom {

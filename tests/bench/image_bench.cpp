@@ -1,7 +1,7 @@
 // What an image costs after its rendering: through the water, and through the sensor.
 #include <benchmark/benchmark.h>
 
-#include "sensors/image_model.h"
+#include "imaging/image_model.h"
 
 namespace fathom {
 namespace {

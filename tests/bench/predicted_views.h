@@ -5,8 +5,8 @@
 #include "core/random.h"
 #include "evaluation/views.h"
 #include "fiducials/predicted_search.h"
+#include "imaging/water.h"
 #include "sensors/vehicle.h"
-#include "sensors/water.h"
 #include "support/shipped.h"
 
 /// Rendered views of the shipped panel, and where a filter would predict it.

@@ -7,7 +7,7 @@
 
 #include <chrono>
 
-#include "sensors/image_model.h"
+#include "imaging/image_model.h"
 #include "support/render_scenes.h"
 #include "support/stopwatch.h"
 

@@ -10,9 +10,9 @@
 #include <ctime>
 #include <filesystem>
 
+#include "imaging/image_model.h"
 #include "panel/panel_maps.h"
 #include "render/scene.h"
-#include "sensors/image_model.h"
 #include "sil/sil_run.h"
 #include "simulation/simulate_recording.h"
 #include "support/stopwatch.h"

@@ -7,9 +7,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
+#include "imaging/water.h"
 #include "panel/panel_map.h"
 #include "recording/rawlog.h"
-#include "sensors/water.h"
 #include "simulation/read_trajectory.h"
 #include "simulation/simulate_recording.h"
 #include "support/run_program.h"

@@ -2,7 +2,7 @@
 
 #include "diagnosis/nominal.h"
 #include "effects/drawn.h"
-#include "sensors/exposure_time.h"
+#include "imaging/exposure_time.h"
 
 namespace fathom::proof {
 namespace {

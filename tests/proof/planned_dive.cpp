@@ -4,7 +4,7 @@
 #include <map>
 
 #include "batch_recording.h"
-#include "sensors/exposure_time.h"
+#include "imaging/exposure_time.h"
 
 namespace fathom::proof {
 namespace fs = std::filesystem;

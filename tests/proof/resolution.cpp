@@ -7,7 +7,7 @@
 #include "diagnosis/nominal.h"
 #include "diagnosis/screening.h"
 #include "effects/drawn.h"
-#include "sensors/exposure_time.h"
+#include "imaging/exposure_time.h"
 
 namespace fathom::proof {
 namespace {

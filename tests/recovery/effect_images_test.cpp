@@ -6,9 +6,9 @@
 
 #include "core/files.h"
 #include "fiducials/single_marker_pose.h"
+#include "imaging/detected_corners.h"
 #include "landmarks/landmark_source.h"
 #include "render/scene.h"
-#include "sensors/detected_corners.h"
 #include "simulation/image_simulator.h"
 #include "simulation/read_trajectory.h"
 #include "support/shared_data.h"

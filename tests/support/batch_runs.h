@@ -4,7 +4,7 @@
 
 #include "estimation/batch_estimate.h"
 #include "estimation/linearization.h"
-#include "sensors/camera_geometry.h"
+#include "imaging/camera_geometry.h"
 #include "simulation/navigation_simulator.h"
 #include "support/detections.h"
 #include "support/motions.h"

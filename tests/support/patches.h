@@ -5,8 +5,8 @@
 
 #include "core/random.h"
 #include "environment/patches.h"
-#include "sensors/image_model.h"
-#include "sensors/water.h"
+#include "imaging/image_model.h"
+#include "imaging/water.h"
 
 /// Patches as images of a panel would give them, without images.
 namespace fathom::test {

@@ -1,5 +1,5 @@
 // Calibrations as other programs write them: the same camera, whoever wrote it.
-#include "sensors/camera_files.h"
+#include "imaging/camera_files.h"
 
 #include <gtest/gtest.h>
 

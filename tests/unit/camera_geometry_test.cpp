@@ -1,10 +1,10 @@
 // The camera's forward model against independent traces of the light.
-#include "sensors/camera_geometry.h"
+#include "imaging/camera_geometry.h"
 
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "sensors/two_views.h"
+#include "imaging/two_views.h"
 
 namespace fathom {
 namespace {

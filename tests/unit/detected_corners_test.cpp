@@ -1,5 +1,5 @@
 // Where edges between black and white seem to be, in images whose numbers are a power of the light.
-#include "sensors/detected_corners.h"
+#include "imaging/detected_corners.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Light that is bent on its way: how far, and how often.
-#include "sensors/forward_scatter.h"
+#include "imaging/forward_scatter.h"
 
 #include <gtest/gtest.h>
 

@@ -6,10 +6,10 @@
 
 #include "effects/catalogue.h"
 #include "effects/drawn.h"
-#include "sensors/exposure_time.h"
-#include "sensors/image_patch.h"
-#include "sensors/marine_snow.h"
-#include "sensors/marker_blur.h"
+#include "imaging/exposure_time.h"
+#include "imaging/image_patch.h"
+#include "imaging/marine_snow.h"
+#include "imaging/marker_blur.h"
 #include "support/sil_recordings.h"
 
 namespace fathom {

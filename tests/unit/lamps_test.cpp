@@ -1,9 +1,9 @@
 // The vehicle's lamps: the formulas against themselves written out, the table against direct integration.
-#include "sensors/lamps.h"
+#include "imaging/lamps.h"
 
 #include <gtest/gtest.h>
 
-#include "sensors/lamp_glow.h"
+#include "imaging/lamp_glow.h"
 
 namespace fathom {
 namespace {

@@ -1,5 +1,5 @@
 // Flakes of marine snow: where they are, and what one does to an image.
-#include "sensors/marine_snow.h"
+#include "imaging/marine_snow.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "core/error.h"
-#include "sensors/image_model.h"
+#include "imaging/image_model.h"
 #include "support/textured_images.h"
 
 namespace fathom {

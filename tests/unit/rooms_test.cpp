@@ -83,7 +83,7 @@ TEST(Rooms, ReadmeHasTheTable) {
   const Uses uses = usesInReadme();
   EXPECT_TRUE(uses.contains("core") && uses.at("core").empty());
   EXPECT_EQ(uses.at("app"), std::set<std::string>{"all"});
-  EXPECT_EQ(uses.at("sensors"), (std::set<std::string>{"core", "effects", "panel"}));
+  EXPECT_EQ(uses.at("imaging"), (std::set<std::string>{"core", "effects", "panel", "sensors"}));
 }
 
 TEST(Rooms, EveryRoomIsInTheTable) {

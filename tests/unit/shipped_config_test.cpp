@@ -7,10 +7,10 @@
 
 #include "batch/batch_plan.h"
 #include "evaluation/fiducial_grid.h"
+#include "imaging/water.h"
 #include "localization/options.h"
 #include "recording/topic_map.h"
 #include "sensors/vehicle.h"
-#include "sensors/water.h"
 #include "simulation/read_trajectory.h"
 #include "sources/make_source.h"
 #include "sources/stress.h"

@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "fiducials/image_file.h"
-#include "sensors/image_model.h"
+#include "imaging/image_model.h"
 #include "sil/pair_maker.h"
 #include "sil/pair_picture.h"
 #include "support/sil_recordings.h"

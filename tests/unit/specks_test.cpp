@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/chi_square.h"
-#include "sensors/image_model.h"
+#include "imaging/image_model.h"
 #include "support/shipped.h"
 
 namespace fathom {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "environment/patches.h"
-#include "sensors/image_model.h"
+#include "imaging/image_model.h"
 #include "support/shipped.h"
 
 namespace fathom {

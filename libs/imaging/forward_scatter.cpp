@@ -1,4 +1,4 @@
-#include "sensors/forward_scatter.h"
+#include "imaging/forward_scatter.h"
 
 #include <algorithm>
 #include <cmath>

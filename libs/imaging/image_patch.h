@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include "sensors/camera_geometry.h"
-#include "sensors/image_model.h"
-#include "sensors/lamps.h"
+#include "imaging/camera_geometry.h"
+#include "imaging/image_model.h"
+#include "imaging/lamps.h"
 
 /// Synchronized pixels: what the camera read where the rendering knows place and albedo. See Algorithm 1 of
 /// the paper.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "sensors/camera_geometry.h"
+#include "imaging/camera_geometry.h"
 
 namespace fathom {
 

@@ -1,4 +1,4 @@
-#include "sensors/camera_files.h"
+#include "imaging/camera_files.h"
 
 #include <algorithm>
 #include <array>

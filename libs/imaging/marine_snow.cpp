@@ -1,4 +1,4 @@
-#include "sensors/marine_snow.h"
+#include "imaging/marine_snow.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "sensors/two_views.h"
+#include "imaging/two_views.h"
 
 #include <Eigen/QR>
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/camera_model.h"
-#include "sensors/lamps.h"
+#include "imaging/lamps.h"
 
 namespace fathom {
 

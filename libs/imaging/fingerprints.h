@@ -3,9 +3,9 @@
 #include <string>
 
 #include "core/fingerprint.h"
+#include "imaging/water.h"
 #include "panel/panel_map.h"
 #include "sensors/vehicle.h"
-#include "sensors/water.h"
 
 /// What tells inputs apart, so that results which were kept are not taken for those of others.
 namespace fathom {

@@ -1,6 +1,6 @@
-#include "sensors/true_panel.h"
+#include "imaging/true_panel.h"
 
-#include "sensors/camera_geometry.h"
+#include "imaging/camera_geometry.h"
 
 namespace fathom {
 

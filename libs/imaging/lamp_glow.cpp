@@ -1,4 +1,4 @@
-#include "sensors/lamp_glow.h"
+#include "imaging/lamp_glow.h"
 
 #include <algorithm>
 

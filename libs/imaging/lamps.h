@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "imaging/water.h"
 #include "sensors/vehicle.h"
-#include "sensors/water.h"
 
 /// What the vehicle's lamps do, each of irradiance 1 on its axis at 1 m without water, in units of full
 /// daylight. Points and directions are in the robot's frame, which the lamps are fixed to.

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "sensors/camera_geometry.h"
+#include "imaging/camera_geometry.h"
 
 /// A point that both cameras of a pair see, wherever it is: their lines of sight should meet.
 namespace fathom {

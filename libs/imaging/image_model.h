@@ -6,9 +6,9 @@
 
 #include "core/random.h"
 #include "effects/registry.h"
-#include "sensors/forward_scatter.h"
+#include "imaging/forward_scatter.h"
+#include "imaging/water.h"
 #include "sensors/vehicle.h"
-#include "sensors/water.h"
 
 /// The camera's forward model after the clean rendering: light at the scene -> through the water -> exposure
 /// -> the sensor's numbers. The scalar functions are the model; ImageModel runs it over whole images.

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "imaging/camera_geometry.h"
+#include "imaging/image_model.h"
 #include "panel/panel_map.h"
-#include "sensors/camera_geometry.h"
-#include "sensors/image_model.h"
 
 /// Where a detector sees a marker's corners: on the edges between black and white as the image has them,
 /// which the camera's response shifts.

@@ -1,4 +1,4 @@
-#include "sensors/fingerprints.h"
+#include "imaging/fingerprints.h"
 
 namespace fathom {
 namespace {

@@ -1,4 +1,4 @@
-#include "sensors/image_model.h"
+#include "imaging/image_model.h"
 
 #include <algorithm>
 #include <array>

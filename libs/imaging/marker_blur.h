@@ -2,8 +2,8 @@
 
 #include <cstddef>
 
-#include "sensors/camera_geometry.h"
-#include "sensors/exposure_time.h"
+#include "imaging/camera_geometry.h"
+#include "imaging/exposure_time.h"
 
 /// How much softer a marker's edges are in an image than rendered.
 namespace fathom {

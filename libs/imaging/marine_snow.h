@@ -6,7 +6,7 @@
 #include "core/camera_model.h"
 #include "core/random.h"
 #include "effects/registry.h"
-#include "sensors/water.h"
+#include "imaging/water.h"
 
 /// Marine snow: flakes that drift between the camera and the scene. Each is a disc that faces along the
 /// optical axis, of one diameter, gray and diffuse, in the same daylight as the scene; lamps do not reach it

@@ -1,4 +1,4 @@
-#include "sensors/water.h"
+#include "imaging/water.h"
 
 #include "core/yaml.h"
 

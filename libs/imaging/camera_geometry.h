@@ -10,8 +10,8 @@
 #include "core/camera_model.h"
 #include "core/kinematics.h"
 #include "effects/registry.h"
+#include "imaging/flat_port.h"
 #include "panel/panel_map.h"
-#include "sensors/flat_port.h"
 #include "sensors/models.h"
 
 /// The forward model of where a camera sees things: robot's motion and panel -> a marker corner's pixel, the

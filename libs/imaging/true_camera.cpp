@@ -1,4 +1,4 @@
-#include "sensors/true_camera.h"
+#include "imaging/true_camera.h"
 
 namespace fathom {
 
