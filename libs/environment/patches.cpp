@@ -62,21 +62,13 @@ struct Sums {
   }
 };
 
-/// Width of one digital number, in radiance, there.
-double quantum(double radiance, const CameraSheet& sheet) {
-  const int top = (1 << sheet.bits) - 1;
-  const int number = static_cast<int>(std::pow(std::clamp(radiance, 0.0, 1.0), sheet.response_gamma) * top);
-  const int below = std::min(number, top - 1);
-  return radianceOf(below + 1, sheet) - radianceOf(below, sheet);
-}
-
 /// What a colour's pixels say of it. They vary by the sensor's noise, or by more where there is texture or
 /// something misplaced. Of a linear camera the mean is freed from what rounding does to it.
 struct Measured {
   double radiance = 0, sigma = 0;
 };
 Measured measured(double mean, double seen, double n, const CameraSheet& sheet) {
-  const double step = quantum(mean, sheet), noise = radianceSigma(mean, sheet);
+  const double step = radianceStep(mean, sheet), noise = radianceSigma(mean, sheet);
   if (sheet.response_gamma == 1) {
     const BeforeRounding before = beforeRounding(mean / step, seen / (step * step), n, noise / step);
     return {step * before.mean, step * before.sigma};

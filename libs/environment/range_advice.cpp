@@ -1,10 +1,12 @@
 #include "environment/range_advice.h"
 
+#include <ceres/jet.h>
+
 #include <Eigen/LU>
 #include <cmath>
-#include <optional>
 
 #include "core/text.h"
+#include "imaging/image_model.h"
 
 namespace fathom {
 namespace {
@@ -14,17 +16,27 @@ constexpr double kVeilSigma = 0.005;    // or this: about one digital number of 
 // What nearest and farthest patches may err by together, however many there are: rounding, JPEG, blur.
 constexpr double kCommonError = 0.001;
 constexpr double kNearest_m = 0.3, kStep_m = 0.1, kFarther_m = 8;
+constexpr double kWhite = 0.85, kBlack = 0.04;  // albedos of patches that would be added
 constexpr const char* kChannels[] = {"red", "green", "blue"};
 
 /// Attenuation, veil and ambient light of one channel, and what is known of them.
 struct ChannelKnowledge {
+  using Jet = ceres::Jet<double, 3>;  // by the three
+
   double a, b, ambient;
   double nearest_m, farthest_m;
   Matrix3d covariance;
 
+  /// That comes from a surface of this albedo.
+  Jet light(double albedo, double z_m) const {
+    const WaterColumn<Jet> water{Vector3<Jet>::Constant(Jet(a, 0)), Vector3<Jet>::Constant(Jet(b, 1))};
+    const Vector3<Jet> scene = Vector3<Jet>::Constant(albedo * Jet(ambient, 2));
+    return predictLight<Jet>(scene, Jet(z_m), Jet(z_m), water, {})[0];
+  }
   /// Of a, from the change of contrast between the nearest and the farthest patches, if both err.
   double commonErrorA() const {
-    const double contrast = 0.81 * ambient * std::exp(-a * 0.5 * (nearest_m + farthest_m));
+    const double middle_m = 0.5 * (nearest_m + farthest_m);
+    const double contrast = light(kWhite, middle_m).a - light(kBlack, middle_m).a;
     return kCommonError / (contrast * (farthest_m - nearest_m));
   }
   double sigmaA() const { return std::hypot(std::sqrt(covariance(0, 0)), commonErrorA()); }
@@ -35,9 +47,8 @@ struct ChannelKnowledge {
   /// With patches of this albedo, z and sigma added, as information so many times.
   ChannelKnowledge with(double z_m, double sigma, double count) const {
     Matrix3d information = covariance.inverse();
-    const double passed = std::exp(-a * z_m);
-    for (const double albedo : {0.85, 0.04}) {
-      const Vector3d row{z_m * passed * (b - albedo * ambient), 1 - passed, albedo * passed};
+    for (const double albedo : {kWhite, kBlack}) {
+      const Vector3d row = light(albedo, z_m).v;
       information += 0.5 * count / (sigma * sigma) * row * row.transpose();
     }
     return {a, b, ambient, std::min(nearest_m, z_m), std::max(farthest_m, z_m), information.inverse()};

@@ -43,11 +43,9 @@ Frame frameOf(const std::vector<cv::Point>& pixels) {
           std::max(1.0, 0.5 * std::max(box.width, box.height))};
 }
 
-/// A pixel's noise: the sensor's, and that of rounding.
+/// A pixel's noise, of what may be estimated darker or brighter than there is.
 double speckNoise(double radiance, const CameraSheet& sheet) {
-  const double light = std::clamp(radiance, 1e-3, 1.0), gamma = sheet.response_gamma;
-  const double step = std::pow(light, 1 - gamma) / (gamma * ((1 << sheet.bits) - 1));
-  return std::hypot(radianceSigma(light, sheet), step / std::sqrt(12));
+  return pixelSigma(std::clamp(radiance, 1e-3, 1.0), sheet);
 }
 
 /// The value that a share of them is below.

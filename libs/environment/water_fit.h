@@ -13,6 +13,10 @@
 ///     radiance = gain (albedo E exp(-a z) + (1 - exp(-a z)) b)
 ///
 /// (predictLight() of imaging/image_model.h), the gain one an image; with what known effects make of it.
+///
+/// The water is estimated twice, by one model and with one prior (imaging/image_patch.h, imaging/water.h):
+/// here from images at known poses, by many patches, gains and misread patches told apart; and in the batch
+/// estimate (libs/estimation) along with poses, panels and effects, which starts from this one.
 namespace fathom {
 
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
@@ -32,9 +36,7 @@ struct WaterFitOptions {
   Gain gain = Gain::detected;        ///< detected: fitted where images turn out to differ
   double log_gain_sigma = 0.3;       ///< prior
   double detected_log_gain = 0.005;  ///< gains whose spread is less are not worth fitting
-  /// Priors so wide that only a parameter of which the patches tell nothing feels them; centred on `start`.
-  double attenuation_sigma_per_m = 2.0, veil_sigma = 0.5, ambient_sigma = 1.0;
-  Environment start;
+  Environment start;                 ///< and centre of the prior, see wideWaterSigma()
   double largest_attenuation_per_m = 10;
   double inlier_probability = 0.9999;  ///< that a good patch counts
   KnownLight known;

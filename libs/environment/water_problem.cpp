@@ -120,8 +120,8 @@ Vector3d PatchModel::lightSeen(const Patch& patch) const {
   applyEffects(effects_, patch.t_s, curve);
   Vector3d light;
   for (int c = 0; c < 3; ++c) {
-    const double reading = std::pow(patch.radiance[c], patch.response_gamma) - response.offset;
-    light[c] = std::pow(std::max(0.0, reading), 1 / curve.exponent) / response.gain;
+    const double reading = predictReading<double>(patch.radiance[c], {}, {patch.response_gamma});
+    light[c] = radianceBehind(reading, response, curve);
   }
   return light;
 }
@@ -157,11 +157,9 @@ void WaterProblem::add(const Patch& patch, bool robust) {
 }
 
 void WaterProblem::addPriors(const WaterFitOptions& options) {
-  WaterPrior prior{waterParameters(options.start), {}};
-  prior.sigma << Vector3d::Constant(options.attenuation_sigma_per_m), Vector3d::Constant(options.veil_sigma),
-      Vector3d::Constant(options.ambient_sigma);
-  problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<WaterPrior, 9, 9>(new WaterPrior(prior)), nullptr,
-                            state_.water.data());
+  problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<WaterPrior, 9, 9>(
+                                new WaterPrior{waterParameters(options.start), wideWaterSigma()}),
+                            nullptr, state_.water.data());
   std::vector<double*> gains;
   for (double& gain : state_.log_gain) {
     gains.push_back(&gain);

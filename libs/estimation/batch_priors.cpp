@@ -25,12 +25,8 @@ PriorRows scalarPrior(double value, double precision) {
   return {Eigen::VectorXd::Constant(1, precision * value), Eigen::MatrixXd::Constant(1, 1, precision)};
 }
 
-/// So wide that only what the patches tell nothing of feels it.
 PriorRows waterPrior(const Vector9d& nominal, const Vector9d& reference) {
-  constexpr double kAttenuation_per_m = 2.0, kVeil = 0.5, kAmbient = 1.0;
-  Vector9d sigma;
-  sigma << Vector3d::Constant(kAttenuation_per_m), Vector3d::Constant(kVeil), Vector3d::Constant(kAmbient);
-  const Vector9d precision = sigma.cwiseInverse();
+  const Vector9d precision = wideWaterSigma().cwiseInverse();
   return {precision.cwiseProduct(reference - nominal), precision.asDiagonal().toDenseMatrix()};
 }
 

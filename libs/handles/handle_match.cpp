@@ -33,13 +33,12 @@ Surface bareSurface(PanelMap map) {
 
 /// Sigma of each pixel's radiance, CV_32FC3: the sensor's noise and its rounding.
 cv::Mat noiseOf(const cv::Mat& light, const CameraSheet& sheet) {
-  const double step = std::ldexp(1.0, -sheet.bits) / std::sqrt(12.0);
   cv::Mat sigma(light.size(), CV_32FC3);
   for (int row = 0; row < light.rows; ++row)
     for (int column = 0; column < light.cols; ++column)
       for (int c = 0; c < 3; ++c)
-        sigma.at<cv::Vec3f>(row, column)[c] = static_cast<float>(
-            std::hypot(radianceSigma(std::max(0.0F, light.at<cv::Vec3f>(row, column)[c]), sheet), step));
+        sigma.at<cv::Vec3f>(row, column)[c] =
+            static_cast<float>(pixelSigma(std::max(0.0F, light.at<cv::Vec3f>(row, column)[c]), sheet));
   return sigma;
 }
 

@@ -21,11 +21,13 @@ struct EdgeLight {
 /// Without light: of the panel itself.
 inline double darkOverBright(const PanelMap& panel, const Environment& environment, double z_m) {
   constexpr int kGreen = 1;
-  const double through = std::exp(-environment.water.attenuation_per_m[kGreen] * std::max(0.0, z_m));
-  const double signal = environment.ambient[kGreen] * through,
-               veil = environment.water.veil[kGreen] * (1 - through);
-  if (!(signal > 0)) return panel.black_albedo / panel.white_albedo;
-  return (panel.black_albedo * signal + veil) / (panel.white_albedo * signal + veil);
+  const double way_m = std::max(0.0, z_m);
+  const auto seen = [&](double albedo) {
+    const Vector3d scene = albedo * environment.ambient;
+    return predictLight<double>(scene, way_m, way_m, environment.water, {})[kGreen];
+  };
+  const double dark = seen(panel.black_albedo), bright = seen(panel.white_albedo);
+  return bright > dark ? dark / bright : panel.black_albedo / panel.white_albedo;
 }
 
 /// By how many pixels white spreads over black where the numbers are a power of the light: a pixel on the

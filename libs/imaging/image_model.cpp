@@ -83,8 +83,17 @@ void writeNumbers(const std::vector<float>& readings, float full_scale, Number* 
 
 }  // namespace
 
+double radianceStep(double radiance, const CameraSheet& sheet) {
+  const double light = std::clamp(radiance, 1e-3, 1.0), gamma = sheet.response_gamma;
+  return std::pow(light, 1 - gamma) / (gamma * fullScale(sheet));
+}
+
+double pixelSigma(double radiance, const CameraSheet& sheet) {
+  return std::hypot(radianceSigma(radiance, sheet), radianceStep(radiance, sheet) / std::sqrt(12));
+}
+
 double radianceOf(int number, const CameraSheet& sheet) {
-  return std::pow(number / fullScale(sheet), 1 / sheet.response_gamma);
+  return radianceBehind(number / fullScale(sheet), {}, {sheet.response_gamma});
 }
 
 cv::Mat radianceOf(const cv::Mat& image_bgr, const CameraSheet& sheet) {
@@ -210,7 +219,7 @@ cv::Mat ImageModel::expose(const cv::Mat& light, Random* noise, double t_s) cons
     if (pixels_differ) respondAlong(v, t_s, along);
     if (noise != nullptr) NormalTable::instance().fill(normal, *noise);
     for (std::size_t i = 0; i < row_size; ++i) {
-      const float exposed = along.gain[i] * radiance[i];
+      const float exposed = std::max(0.0F, along.gain[i] * radiance[i]);  // a gain may be below 0 far out
       const float sigma = std::sqrt(exposed * shot_variance + read_variance);
       reading[i] = std::clamp(exposed + sigma * normal[i], 0.0F, 1.0F);
     }

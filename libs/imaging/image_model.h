@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -51,12 +52,26 @@ T predictReading(const T& radiance, const PixelResponse<T>& response, const Resp
                                       : T(pow(exposed, curve.exponent) + response.offset));
 }
 
+/// Its inverse: the radiance of a reading. 0 where no light reads so little; what is clipped comes back as
+/// the least that is.
+inline double radianceBehind(double reading, const PixelResponse<double>& response,
+                             const ResponseCurve<double>& curve) {
+  return std::pow(std::max(0.0, reading - response.offset), 1 / curve.exponent) / response.gain;
+}
+
 /// Sigma of a radiance as the sensor sees it, before the response: electrons count with the variance of
 /// Poisson's law, plus read noise.
 inline double radianceSigma(double radiance, const CameraSheet& sheet) {
   return std::sqrt(radiance * sheet.full_well_e + sheet.read_noise_e * sheet.read_noise_e) /
          sheet.full_well_e;
 }
+
+/// How much light one more of an image's numbers is at a radiance, without effects: the response's slope,
+/// inverted. Darker and brighter than from 0.001 to 1 as there.
+double radianceStep(double radiance, const CameraSheet& sheet);
+
+/// Sigma of a pixel's radiance: the sensor's noise, and that of rounding to whole numbers.
+double pixelSigma(double radiance, const CameraSheet& sheet);
 
 /// The radiance that a number in an image stands for; the inverse of the response without noise or effects.
 double radianceOf(int number, const CameraSheet& sheet);

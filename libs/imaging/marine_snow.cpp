@@ -6,6 +6,8 @@
 #include <numbers>
 #include <vector>
 
+#include "imaging/image_model.h"
+
 namespace fathom {
 namespace {
 
@@ -37,9 +39,10 @@ cv::Rect pixelsOf(const Vector2d& centre_px, double radius_px, const cv::Size& i
 double faintFrom_m(const CameraModel& camera, const Environment& environment) {
   const double area = std::numbers::pi * kFlakeRadius_m * kFlakeRadius_m * camera.fx_px * camera.fy_px;
   const Vector3d brightest = (kFlakeReflectance * environment.ambient).cwiseMax(environment.water.veil);
+  const Water without_veil{environment.water.attenuation_per_m, Vector3d::Zero()};
   const auto change = [&](double z_m) {
-    const Vector3d passed = (-z_m * environment.water.attenuation_per_m).array().exp();
-    return std::min(1.0, area / (z_m * z_m)) * brightest.cwiseProduct(passed).maxCoeff();
+    const Vector3d arriving = predictLight<double>(brightest, z_m, z_m, without_veil, {});
+    return std::min(1.0, area / (z_m * z_m)) * arriving.maxCoeff();
   };
   double near = kNearestFlake_m, far = 1000;
   while (far - near > 0.01) {
@@ -177,10 +180,8 @@ double contrastOf(const Vector3d& colours) {
 }  // namespace
 
 Vector3d flakeLight(double z_m, const Environment& environment) {
-  const Water& water = environment.water;
-  const Vector3d passed = (-z_m * water.attenuation_per_m).array().exp();
-  return kFlakeReflectance * environment.ambient.cwiseProduct(passed) +
-         water.veil.cwiseProduct(Vector3d::Ones() - passed);
+  const Vector3d scene = kFlakeReflectance * environment.ambient;
+  return predictLight<double>(scene, z_m, z_m, environment.water, {});
 }
 
 double focalAt(const Vector2d& ideal, const CameraModel& camera) {

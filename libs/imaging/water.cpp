@@ -41,4 +41,11 @@ Environment environmentOf(const Vector9d& parameters) {
   return {{parameters.head<3>(), parameters.segment<3>(3)}, parameters.tail<3>(), {}};
 }
 
+Vector9d wideWaterSigma() {
+  constexpr double kAttenuation_per_m = 2.0, kVeil = 0.5, kAmbient = 1.0;
+  Vector9d sigma;
+  sigma << Vector3d::Constant(kAttenuation_per_m), Vector3d::Constant(kVeil), Vector3d::Constant(kAmbient);
+  return sigma;
+}
+
 }  // namespace fathom

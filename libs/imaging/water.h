@@ -33,6 +33,9 @@ Vector9d waterParameters(const Environment& environment);
 /// With the lamps off.
 Environment environmentOf(const Vector9d& parameters);
 
+/// Sigmas of a prior so wide that only a parameter of which the images tell nothing feels it.
+Vector9d wideWaterSigma();
+
 /// Strict, see core/yaml.h. Throws Error.
 Environment readEnvironment(const std::filesystem::path& file);
 

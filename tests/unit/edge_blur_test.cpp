@@ -125,6 +125,37 @@ INSTANTIATE_TEST_SUITE_P(EdgeBlur, EdgeBlurOf,
                                          Case{"aslant", Vector3d(0.5, -0.5, 0.5), true}),
                          [](const auto& info) { return std::string(info.param.name); });
 
+/// What predictBlur() says of a marker that a camera passes so fast that it moves by so many pixels while the
+/// shutter is open.
+Vector3d predictedAlong(const Vector2d& way_px) {
+  MarkerBlur marker;
+  marker.camera = {640, 480, 500, 500, 320, 240, 0, 0, 0, 0, 0};
+  marker.exposure_s = 0.02;
+  marker.point_panel = {0, 0, 2};
+  KinematicState<double> state;
+  const Vector2d velocity_m_s = -way_px / marker.exposure_s * marker.point_panel.z() / marker.camera.fx_px;
+  state.velocity_robot = {velocity_m_s.x(), velocity_m_s.y(), 0};
+  return predictBlur<double>(state, {}, marker, 0, {}, 0);
+}
+
+// The model's constants are what the comparison of edges makes of a mean over the way, to 6 %.
+TEST(EdgeBlur, OfAMeanOverTheWayIsThePredictedOne) {
+  const cv::Mat fine = finePattern(0, 0), rendered = pixels(fine), around = farAround(rendered);
+  const cv::Mat mask(kSize, kSize, CV_8UC1, cv::Scalar(255));
+  Random random(6);
+  for (const double way_px : {1.0, 2.0, 4.0, 6.0, 8.0})
+    for (const double angle : {0.0, 0.7, 2.0}) {
+      const Vector2d way = way_px * Vector2d(std::cos(angle), std::sin(angle));
+      const Vector3d variance(way.x() * way.x() / 12, way.x() * way.y() / 12, way.y() * way.y() / 12);
+      const cv::Mat seen = underWater(pixels(blurredBy(fine, {"", variance, true})), 0.0, random);
+      const auto found = edgeBlur({seen, rendered, around, mask, 0.01});
+      ASSERT_TRUE(found);
+      const Vector3d predicted = predictedAlong(way);
+      EXPECT_LT((found->variance_px2 - predicted).norm(), 0.06 * predicted.norm() + 0.005)
+          << way_px << " px: " << found->variance_px2.transpose() << " for " << predicted.transpose();
+    }
+}
+
 TEST(EdgeBlur, WhereThereAreNoEdgesThereIsNoBlurToFind) {
   const cv::Mat plain(kSize, kSize, CV_32FC1, cv::Scalar(0.5));
   const cv::Mat mask(kSize, kSize, CV_8UC1, cv::Scalar(255)), nothing = cv::Mat::zeros(kSize, kSize, CV_8UC1);

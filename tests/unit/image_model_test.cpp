@@ -168,6 +168,53 @@ TEST(ImageModel, NumbersFollowTheResponse) {
   EXPECT_EQ(deep.at<cv::Vec3w>(0, 0)[0], std::lround(4095 * std::pow(0.5, 1.5)));
 }
 
+// Whole images are exposed in float: to 1e-6 of full scale, which is a fifteenth of a number of 16 bits.
+TEST(ImageModel, NumbersAreThePerPixelResponse) {
+  CameraSheet sheet = sheetOf(48, 36);
+  sheet.bits = 16;
+  Random random(8);
+  for (int round = 0; round < 20; ++round) {
+    sheet.response_gamma = random.uniform(0.4, 1.2);
+    EffectParameters<double> effects;
+    effects.add<Vignetting>({random.uniform(-0.5, 1.0)});
+    effects.add<Gamma>({random.uniform(-0.2, 0.2)});
+    effects.add<DarkOffset>({random.uniform(-0.05, 0.05)});
+    const cv::Mat light = randomView(sheet, 9).radiance;
+    const cv::Mat numbers = ImageModel(sheet, kTurbid, effects).expose(light, nullptr);
+    ResponseCurve<double> curve{sheet.response_gamma};
+    applyEffects(effects, 0, curve);
+    for (int v = 0; v < light.rows; ++v)
+      for (int u = 0; u < light.cols; ++u) {
+        const Vector2d ideal = sheet.model.idealAt({u, v});
+        PixelResponse<double> response{ideal.norm()};
+        applyEffects(effects, 0, response);
+        for (int c = 0; c < 3; ++c) {
+          const double expected = predictReading<double>(light.at<cv::Vec3f>(v, u)[c], response, curve);
+          const int number = numbers.at<cv::Vec<std::uint16_t, 3>>(v, u)[2 - c];
+          EXPECT_NEAR(number, 65535 * expected, 0.5 + 0.07) << u << " " << v;
+        }
+      }
+  }
+}
+
+TEST(ImageModel, TheResponseIsInvertedAndItsSlopeToo) {
+  using Jet = ceres::Jet<double, 1>;
+  CameraSheet sheet;
+  Random random(10);
+  for (int i = 0; i < 100; ++i) {
+    sheet.response_gamma = random.uniform(0.4, 1.3);
+    const double radiance = random.uniform(0.01, 0.9);
+    const PixelResponse<double> response{0.3, random.uniform(0.5, 1.1), random.uniform(-0.005, 0.05)};
+    const ResponseCurve<double> curve{sheet.response_gamma};
+    const double reading = predictReading(radiance, response, curve);
+    if (reading < 1) {
+      EXPECT_NEAR(radianceBehind(reading, response, curve), radiance, 1e-12);
+    }
+    const double slope = predictReading<Jet>(Jet(radiance, 0), {}, {Jet(sheet.response_gamma)}).v[0];
+    EXPECT_NEAR(radianceStep(radiance, sheet) * 255 * slope, 1, 1e-12);
+  }
+}
+
 TEST(ImageModel, RadianceComesBackFromTheNumbers) {
   for (const int bits : {8, 12}) {
     CameraSheet sheet = sheetOf(64, 48);
