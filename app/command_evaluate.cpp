@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "core/error.h"
+#include "core/shipped_file.h"
 #include "handle_evaluation_report.h"
 #include "known_effects.h"
 #include "panel_evaluation_report.h"
@@ -101,7 +102,7 @@ void evaluatePanelPoses(const PanelOptions& options, const RunContext& context) 
   const PanelMap map = mapWithMarkers(options.map, story.options.backend);
   const Vehicle vehicle = vehicleWithCamera(options.vehicle);
   std::vector<Environment> environments;
-  for (const auto& water : story.waters) environments.push_back(readEnvironment(water.file));
+  for (const auto& water : story.waters) environments.push_back(readEnvironment(shippedFile(water.file)));
   for (std::size_t i = 0; i < story.waters.size(); ++i)
     story.waters[i].views = evaluatePanel(map, vehicle, environments[i], story.options,
                                           "evaluating in " + story.waters[i].name + " water");
@@ -201,7 +202,7 @@ void evaluateHandleAngles(const HandleOptions& options, const RunContext& contex
     throw Error("command line", "--nearest, --farthest, --largest-tilt", refused.what());
   }
   std::vector<Environment> environments;
-  for (const auto& water : story.waters) environments.push_back(readEnvironment(water.file));
+  for (const auto& water : story.waters) environments.push_back(readEnvironment(shippedFile(water.file)));
   for (std::size_t i = 0; i < story.waters.size(); ++i)
     story.waters[i].views = evaluateHandles(map, vehicle, environments[i], story.options,
                                             "evaluating in " + story.waters[i].name + " water");

@@ -3,6 +3,7 @@
 
 #include "commands.h"
 #include "core/error.h"
+#include "core/shipped_file.h"
 #include "known_effects.h"
 #include "panel/panel_maps.h"
 #include "recording/rawlog.h"
@@ -25,7 +26,7 @@ WaterFitOptions::Gain gainNamed(const std::string& name) {
 }
 
 Environment defaultWater(const std::string& file) {
-  Environment environment = readEnvironment(file);
+  Environment environment = readEnvironment(shippedFile(file));
   if (environment.lamps_irradiance_1m)
     throw Error(file, "lamps_irradiance_1m",
                 "water is fitted in daylight only; take a default without lamps");

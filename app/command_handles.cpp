@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "core/error.h"
 #include "core/files.h"
+#include "core/shipped_file.h"
 #include "core/text.h"
 #include "handles/evidence_picture.h"
 #include "handles_report.h"
@@ -119,7 +120,7 @@ void writeResultsLog(const HandlesStory& story, const RecordingHeader& header, c
 SilWorld readWorld(const HandlesStory& story, const HandlesOptions& options) {
   SilWorld world{readVehicle(story.vehicle),
                  readPanelMaps(story.map),
-                 readEnvironment(options.water),
+                 readEnvironment(shippedFile(options.water)),
                  {},
                  seaFloorOf(options.recording)};
   if (!world.vehicle.camera) throw Error(story.vehicle, "camera", "the vehicle has none");

@@ -5,6 +5,7 @@
 #include "chain_options.h"
 #include "commands.h"
 #include "core/error.h"
+#include "core/shipped_file.h"
 #include "localization_batch.h"
 #include "localization_report.h"
 #include "tasks_report.h"
@@ -34,7 +35,7 @@ std::vector<TaskSpec> readTasks(const LocalizeOptions& options) {
     if (!names.insert(tasks.back().options.task).second)
       throw Error("--tasks", task, "there is another task of that name");
     if (!options.paper_only)
-      tasks.push_back({readLocalizationOptions(options.improved, tasks.back().options), true});
+      tasks.push_back({readLocalizationOptions(shippedFile(options.improved), tasks.back().options), true});
   }
   if (options.smooth)
     for (TaskSpec& task : tasks) task.options.smooth = true;

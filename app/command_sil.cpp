@@ -5,6 +5,7 @@
 #include "commands.h"
 #include "core/error.h"
 #include "core/files.h"
+#include "core/shipped_file.h"
 #include "effects/calibration.h"
 #include "panel/panel_maps.h"
 #include "sil_report.h"
@@ -62,7 +63,7 @@ void sil(const SilCommandOptions& options, const RunContext& context) {
 
   SilWorld world{readVehicle(story.vehicle),
                  readPanelMaps(story.map),
-                 readEnvironment(options.water),
+                 readEnvironment(shippedFile(options.water)),
                  {},
                  story.sea_floor};
   if (!world.vehicle.camera) throw Error(story.vehicle, "camera", "the vehicle has none");

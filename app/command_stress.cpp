@@ -4,6 +4,7 @@
 #include "chain_options.h"
 #include "commands.h"
 #include "core/error.h"
+#include "core/shipped_file.h"
 #include "core/text.h"
 #include "report/html_report.h"
 #include "simulation/read_trajectory.h"
@@ -138,9 +139,10 @@ void writeOutputs(const StressOptions& options, const TaskSpec& task, const std:
 }
 
 void stress(const StressOptions& options, const RunContext& context) {
-  const std::vector<StressFault> faults = readStress(options.faults);
+  const std::vector<StressFault> faults = readStress(shippedFile(options.faults));
   TaskSpec task{readTask(options.task), false};
-  if (!options.paper_only) task = {readLocalizationOptions(options.improved, task.options), true};
+  if (!options.paper_only)
+    task = {readLocalizationOptions(shippedFile(options.improved), task.options), true};
   task.options.smooth = false;
   const SampleChain chain(options.chain, task.fusesLandmarks());
   for (const std::string& remark : chain.remarks()) std::cout << "note: " << remark << "\n";

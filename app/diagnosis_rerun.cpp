@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/shipped_file.h"
 #include "tasks_report.h"
 
 namespace fathom {
@@ -28,7 +29,7 @@ RecordingJob rerunJob(const BatchRecordingOptions& recording, const std::string&
   job.chain.vehicle = recording.vehicle;
   job.chain.map = recording.map;
   job.start = recording.start;
-  job.tasks = {{readLocalizationOptions("config/improved.yaml", readTask("TL5")), true}};
+  job.tasks = {{readLocalizationOptions(shippedFile("config/improved.yaml"), readTask("TL5")), true}};
   job.command_line = command_line;
   return job;
 }

@@ -7,6 +7,7 @@
 #include "core/files.h"
 #include "core/fingerprint.h"
 #include "core/progress.h"
+#include "core/version.h"
 #include "evaluation/statistics.h"
 #include "localization_report.h"
 #include "panel/panel_maps.h"
@@ -39,10 +40,7 @@ void addCompanions(Fingerprint& print, const RecordingJob& job) {
 /// Tells whether a result is of the same inputs, by what the files hold.
 std::string fingerprintOf(const RecordingJob& job) {
   Fingerprint print;
-  print.add(std::string(FATHOM_VERSION))
-      .add(job.start)
-      .add(job.chain.backend)
-      .add(job.chain.panel_unknown ? 1.0 : 0.0);
+  print.add(programVersion()).add(job.start).add(job.chain.backend).add(job.chain.panel_unknown ? 1.0 : 0.0);
   print.add(readTextFile(job.chain.rawlog));
   addCompanions(print, job);
   for (const std::string& file : {job.chain.calibration, job.chain.sources, job.reference, job.faults})

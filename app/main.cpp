@@ -8,10 +8,13 @@
 #include <vector>
 
 #include "commands.h"
+#include "commit.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
+#include "core/shipped_file.h"
 #include "core/text.h"
+#include "core/version.h"
 
 namespace fathom {
 namespace {
@@ -62,6 +65,16 @@ void claimFolders(CLI::App& app, Claims& claims) {
   }
 }
 
+/// YAML files that are not where they are said to be may ship with the program.
+void findShippedFiles(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
+    findShippedFiles(*command);
+    for (CLI::Option* option : command->get_options())
+      if (option->get_type_name() == values::kYaml)
+        option->transform([](const std::string& file) { return shippedFile(file).string(); }, "");
+  }
+}
+
 /// CLI11 would only say that a command is needed.
 void rejectUnknownCommand(const CLI::App& app, const std::string& word) {
   std::vector<std::string> names;
@@ -74,7 +87,8 @@ void rejectUnknownCommand(const CLI::App& app, const std::string& word) {
 int run(int argc, char** argv) {
   CLI::App app(kAbout);
   app.name("fathom");
-  app.set_version_flag("--version", "fathom " FATHOM_VERSION, "Print the version and exit");
+  app.set_version_flag("--version", "fathom " + std::string(programVersion()) + " (commit " + commit() + ")",
+                       "Print the version and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.get_formatter()->column_width(34);
   app.footer(kMoreHelp);
@@ -83,6 +97,7 @@ int run(int argc, char** argv) {
   for (const auto add : kCommands) add(context);
   Claims claims;
   claimFolders(app, claims);
+  findShippedFiles(app);
   if (argc > 1) rejectUnknownCommand(app, argv[1]);
   try {
     app.parse(argc, argv);

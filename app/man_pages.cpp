@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "core/version.h"
+
 namespace fathom {
 namespace {
 
@@ -101,7 +103,8 @@ void addPages(const CLI::App& app, const std::string& parent, const std::string&
   std::replace(name.begin(), name.end(), ' ', '-');
   const std::string what = app.get_description();
   const Footer footer = splitFooter(app.get_footer());
-  std::string text = ".TH " + upperCase(name) + " 1 \"\" \"fathom " FATHOM_VERSION "\" \"fathom\"\n";
+  std::string text =
+      ".TH " + upperCase(name) + " 1 \"\" \"fathom " + std::string(programVersion()) + "\" \"fathom\"\n";
   text += section("NAME") + roff(name) + " \\- " + roff(what.substr(0, what.find('\n'))) + "\n";
   text += section("SYNOPSIS") + synopsis(app, words);
   if (const std::string arguments = options(app, true); !arguments.empty())

@@ -18,6 +18,7 @@
 #include "core/fingerprint.h"
 #include "core/for_each.h"
 #include "core/text.h"
+#include "core/version.h"
 #include "report/run_info.h"
 
 namespace fathom {
@@ -49,7 +50,7 @@ class Lock {
 /// nothing is to be done would take hours.
 std::string fingerprintOf(const BatchJob& job) {
   Fingerprint print;
-  print.add(std::string(FATHOM_VERSION));
+  print.add(programVersion());
   for (const std::string& word : job.words) print.add(word).add("\n");
   std::error_code missing;
   print.add(static_cast<double>(fs::file_size(job.recording, missing)));

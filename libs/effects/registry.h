@@ -17,6 +17,7 @@
 #include "effects/dvl_misalignment.h"
 #include "effects/dvl_scale.h"
 #include "effects/earth_rotation.h"
+#include "effects/extra_effects.h"
 #include "effects/flat_port_refraction.h"
 #include "effects/focal_scale.h"
 #include "effects/forward_scatter.h"
@@ -49,13 +50,16 @@ namespace fathom {
 /// The only registration. Effects at the same stage are applied in this order: a misalignment turns the
 /// mounting before a lever arm moves it, a scale acts on what the sensor would have read, a bias is added to
 /// that; of the veil's own attenuation, too, the line of sight is the way.
-using AllEffects =
+using Catalogue =
     std::tuple<DvlMisalignment, DvlLeverArm, DvlLatency, WaterCurrent, DvlScale, EarthRotation, GyroScale,
                GyroBias, AccelerometerBias, InsMisalignment, InsLatency, PressureDensity, PressureOffset,
                FlatPortRefraction, FocalScale, LensDistortion, CameraMisalignment, CameraLatency,
                RollingShutter, MarkerMoved, MarkerSize, PanelMoved, SunFlicker, Lamp, SeparateBackscatter,
                TurbidityPlume, SlantRange, ForwardScatter, Vignetting, AutoExposure, Gamma, DarkOffset,
                MotionBlur, MarineSnow>;
+
+/// The catalogue, and after it what the build was told to know besides.
+using AllEffects = decltype(std::tuple_cat(Catalogue{}, ExtraEffects{}));
 
 inline constexpr std::size_t kEffectCount = std::tuple_size_v<AllEffects>;
 

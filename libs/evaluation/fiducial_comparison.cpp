@@ -10,6 +10,7 @@
 
 #include "core/for_each.h"
 #include "core/text.h"
+#include "core/version.h"
 #include "effects/calibration.h"
 #include "evaluation/chunk_store.h"
 #include "evaluation/family_swap.h"
@@ -209,8 +210,8 @@ std::string effectsText(const FiducialGrid& grid, const std::vector<LampSheet>& 
 
 std::string inputsOf(const FiducialGrid& grid, const PanelMap& map, const Vehicle& vehicle) {
   std::string text = "What these results were made from; a run with other inputs removes them.\nversion " +
-                     std::string(FATHOM_VERSION) + "\ncamera " + fingerprintOf(*vehicle.camera) + "\npanel " +
-                     fingerprintOf(map) + "\n";
+                     std::string(programVersion()) + "\ncamera " + fingerprintOf(*vehicle.camera) +
+                     "\npanel " + fingerprintOf(map) + "\n";
   for (const auto& family : grid.families) text += "family " + family + "\n";
   for (const auto& reader : readersOf(grid.backends, grid.preprocessings))
     text += "reader " + reader.name() + "\n";

@@ -10,6 +10,7 @@
 #include "core/fingerprint.h"
 #include "core/for_each.h"
 #include "core/text.h"
+#include "core/version.h"
 #include "evaluation/chunk_store.h"
 #include "evaluation/timed_detection.h"
 #include "fiducials/image_file.h"
@@ -135,7 +136,7 @@ std::string inputsOf(const std::vector<RecordedImage>& images, const RecordedFid
     if (image.T_odom_robot) add(cameras, *image.T_odom_robot);
   }
   std::string text = "What these results were made from; a run with other inputs removes them.\nversion " +
-                     std::string(FATHOM_VERSION) + "\ncameras " + cameras.hex() + "\n";
+                     std::string(programVersion()) + "\ncameras " + cameras.hex() + "\n";
   if (options.map) text += "panel " + fingerprintOf(*options.map) + "\n";
   for (const auto& family : options.families) text += "family " + family + "\n";
   for (const FiducialReader& reader : options.readers) text += "reader " + reader.name() + "\n";

@@ -8,6 +8,7 @@
 #include "core/files.h"
 #include "core/fingerprint.h"
 #include "core/for_each.h"
+#include "core/version.h"
 #include "fiducials/image_file.h"
 #include "fiducials/one_opencv_thread.h"
 #include "imaging/fingerprints.h"
@@ -19,8 +20,8 @@ namespace {
 
 /// All that detections depend on besides image and camera.
 std::string inputsOf(const DetectionSettings& s) {
-  std::string text = "Markers found in images.\nversion " FATHOM_VERSION ", OpenCV " CV_VERSION "\nbackend " +
-                     std::string(nameOf(s.backend));
+  std::string text = "Markers found in images.\nversion " + std::string(programVersion()) +
+                     ", OpenCV " CV_VERSION "\nbackend " + std::string(nameOf(s.backend));
   if (s.fallback)
     text += ", below " + std::to_string(s.expected_markers) + " " + std::string(nameOf(*s.fallback));
   text += "\npreprocess " + std::string(nameOf(s.preprocess)) + (s.refine ? ", refined" : ", not refined") +

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/geometry.h"
+#include "core/version.h"
 
 namespace fathom {
 
@@ -14,7 +15,7 @@ namespace fathom {
 struct RunInfo {
   std::string command_line{};
   std::optional<std::uint64_t> seed{};  ///< absent: nothing in the run is random
-  std::string version = FATHOM_VERSION;
+  std::string version = programVersion();
 };
 
 /// {"program": "fathom", "version": …, "command_line": …, "seed": … or null}

@@ -13,6 +13,7 @@
 #include "core/files.h"
 #include "core/progress.h"
 #include "core/text.h"
+#include "core/version.h"
 #include "effects/calibration.h"
 #include "evaluation/contact_sheet.h"
 #include "fiducials/one_opencv_thread.h"
@@ -34,10 +35,9 @@ constexpr int kSheetTile_px = 400;
 
 std::string inputsOf(const SilWorld& world, const SilOptions& options,
                      const std::vector<SilColumn>& columns) {
-  std::string text =
-      "What these pairs were made from; a run with other inputs removes them.\nversion " FATHOM_VERSION
-      "\ncamera " +
-      fingerprintOf(*world.vehicle.camera) + "\nlamps " + fingerprintOf(world.vehicle.lamps) + "\n";
+  std::string text = "What these pairs were made from; a run with other inputs removes them.\nversion " +
+                     std::string(programVersion()) + "\ncamera " + fingerprintOf(*world.vehicle.camera) +
+                     "\nlamps " + fingerprintOf(world.vehicle.lamps) + "\n";
   for (const PanelMap& panel : world.panels) text += "panel " + fingerprintOf(panel) + "\n";
   text += "water and light " + fingerprintOf(world.environment) + "\n";
   if (world.sea_floor)

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "core/for_each.h"
+#include "core/version.h"
 #include "effects/calibration.h"
 #include "effects/drawn.h"
 #include "imaging/fingerprints.h"
@@ -76,10 +77,11 @@ std::string formatText(const ImageFormat& format) {
 std::string inputsOf(const Dive& dive, const CameraWorld& world, std::size_t count) {
   const SimulationOptions& options = dive.options;
   return "What these images were simulated from; a run with other inputs removes them.\n"
-         "version " FATHOM_VERSION "\ncamera " +
-         fingerprintOf(dive.sheet) + "\nmounting " + mountingFingerprint(dive.sheet) + "\nlamps " +
-         fingerprintOf(options.vehicle.lamps) + "\nwater and light " + fingerprintOf(world.environment) +
-         "\nscene " + fingerprintOf(sceneOf(world.panels, world.sea_floor_odom)) + "\nposes " +
+         "version " +
+         std::string(programVersion()) + "\ncamera " + fingerprintOf(dive.sheet) + "\nmounting " +
+         mountingFingerprint(dive.sheet) + "\nlamps " + fingerprintOf(options.vehicle.lamps) +
+         "\nwater and light " + fingerprintOf(world.environment) + "\nscene " +
+         fingerprintOf(sceneOf(world.panels, world.sea_floor_odom)) + "\nposes " +
          posesFingerprint(dive, count) + "\n" + (options.noise ? "noise" : "no noise, draws") + " of seed " +
          std::to_string(options.seed) + "\n" + formatText(options.image_format) +
          formatCalibration(options.effects);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/shipped_file.h"
+
 namespace fathom {
 
 bool TaskSpec::fusesLandmarks() const {
@@ -10,8 +12,7 @@ bool TaskSpec::fusesLandmarks() const {
 
 LocalizationOptions readTask(const std::string& task) {
   const bool is_file = task.ends_with(".yaml");
-  return readLocalizationOptions(is_file ? std::filesystem::path(task)
-                                         : std::filesystem::path("config") / (task + ".yaml"));
+  return readLocalizationOptions(shippedFile(is_file ? task : "config/" + task + ".yaml"));
 }
 
 }  // namespace fathom

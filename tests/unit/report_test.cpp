@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "core/version.h"
 #include "report/html_report.h"
 #include "report/run_info.h"
 #include "report/table.h"
@@ -54,7 +55,7 @@ TEST(Table, FixedNumbers) {
 TEST(RunInfo, SaysHowToRepeatTheRun) {
   const auto json = toJson(RunInfo{.command_line = "fathom simulate --seed 7", .seed = 7});
   EXPECT_EQ(json["program"], "fathom");
-  EXPECT_EQ(json["version"], FATHOM_VERSION);
+  EXPECT_EQ(json["version"], programVersion());
   EXPECT_EQ(json["command_line"], "fathom simulate --seed 7");
   EXPECT_EQ(json["seed"], 7);
   EXPECT_TRUE(toJson(RunInfo{})["seed"].is_null());
