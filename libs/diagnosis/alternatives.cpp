@@ -81,8 +81,8 @@ InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits,
   }
   if (!like) return found;
   try {
-    set.advice = adviseManoeuvre(fits.data(), *rest.model, fit.estimate.state, sized(fit, stated), *like,
-                                 fits.noise());
+    set.advice = adviseManoeuvre(fits.data(), *rest.model, fit.estimate.state, rest.estimate.state.effects,
+                                 sized(fit, stated), *like, fits.noise());
   } catch (const std::runtime_error&) {
     // A manoeuvre in which nothing holds the path tells nothing apart.
   }

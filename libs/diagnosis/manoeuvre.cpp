@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "diagnosis/manoeuvre_readings.h"
 #include "diagnosis/screening.h"
+#include "effects/catalogue.h"
 #include "effects/drawn.h"
 
 namespace fathom {
@@ -72,13 +73,30 @@ SizedEffect lasting(SizedEffect effect) {
   return effect;
 }
 
+/// What is known to be there besides, when and where the manoeuvre begins: on for good. What passes has
+/// passed.
+EffectParameters<double> lastingEffects(const EffectParameters<double>& known, double t_s) {
+  EffectParameters<double> lasting = known.at<double>(t_s);
+  for (std::size_t s = 0; s < lasting.values.size(); ++s) {
+    const std::size_t effect = effectOf(s);
+    if (!lasting.on[effect]) continue;
+    const ParameterKind kind = parameterOf(s).kind;
+    if (kind == ParameterKind::peak_time) lasting.on.reset(effect);
+    if (kind != ParameterKind::time) continue;
+    if (t_s < lasting.values[s]) lasting.on.reset(effect);
+    lasting.values[s] = 0;
+  }
+  return lasting;
+}
+
 WhitenedModel modelOf(const BatchData& data, const std::vector<double>& times_s,
-                      const std::vector<Pose>& poses, const BatchState& recorded, const NoiseModel& noise) {
+                      const std::vector<Pose>& poses, const BatchState& recorded,
+                      const EffectParameters<double>& effects, const NoiseModel& noise) {
   ProblemOptions options;
   noise.applyTo(options);
   options.robust_probability = 1;
   options.path_prior = PathPrior{poses.front(), 0.001, 0.001};
-  BatchState state = startState(data, times_s, poses, {}, 10.0);
+  BatchState state = startState(data, times_s, poses, effects, 10.0);
   if (recorded.T_odom_panel.size() == state.T_odom_panel.size()) state.T_odom_panel = recorded.T_odom_panel;
   state.water = recorded.water;
   state.flaws = recorded.flaws;
@@ -139,11 +157,13 @@ SizedEffect sized(const Refit& fit, const Candidate& effect) {
 }
 
 Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, const BatchState& recorded,
-                       const SizedEffect& first, const SizedEffect& second, const NoiseModel& noise) {
+                       const EffectParameters<double>& known, const SizedEffect& first,
+                       const SizedEffect& second, const NoiseModel& noise) {
   Advice advice;
   advice.separation_now = separation(without, first, second);
   if (!data.hasMotion()) return advice;  // nothing that could be driven
   advice.from_s = bestView_s(data);
+  const EffectParameters<double> effects = lastingEffects(known, advice.from_s);
   const PosePath& path = recorded.path;
   const Pose station = stationAt(motionOf(path, path.nodeAt(advice.from_s)).T_odom_robot);
   for (const Manoeuvre& manoeuvre : manoeuvres()) {
@@ -153,9 +173,9 @@ Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, cons
       times_s.push_back(t_s);
       poses.push_back(station * manoeuvre.in_first_minute(t_s));
     }
-    const BatchData readings = readingsAlong(data, times_s, poses);
-    const double reached =
-        separation(modelOf(readings, times_s, poses, recorded, noise), lasting(first), lasting(second));
+    const BatchData readings = readingsAlong(data, times_s, poses, effects);
+    const double reached = separation(modelOf(readings, times_s, poses, recorded, effects, noise),
+                                      lasting(first), lasting(second));
     if (reached <= advice.separation) continue;
     advice.separation = reached;
     advice.manoeuvre = manoeuvre.text;

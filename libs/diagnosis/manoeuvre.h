@@ -45,8 +45,10 @@ SizedEffect sized(const Refit& fit, const Candidate& effect);
 
 /// The best of the library for telling one of two effects from the other. By Jacobians alone: nothing is
 /// simulated, only predicted at the poses of each manoeuvre from the place where the recording saw most
-/// markers. `without`: the recording's model with neither; `recorded`: where the robot and the panels were.
+/// markers, with what is known to be there besides. `without`: the recording's model with neither;
+/// `recorded`: where the robot and the panels were; `known`: the effects of `without`.
 Advice adviseManoeuvre(const BatchData& data, const WhitenedModel& without, const BatchState& recorded,
-                       const SizedEffect& first, const SizedEffect& second, const NoiseModel& noise);
+                       const EffectParameters<double>& known, const SizedEffect& first,
+                       const SizedEffect& second, const NoiseModel& noise);
 
 }  // namespace fathom

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <tuple>
 
 #include "imaging/camera_geometry.h"
+#include "imaging/true_camera.h"
 
 namespace fathom {
 namespace {
@@ -37,11 +39,39 @@ void addNavigation(const BatchData& recording, double t_s, const Pose& pose, Bat
   addAt(recording.usbl, data.usbl);
 }
 
-/// One image of a manoeuvre.
+/// One image of a manoeuvre, by a robot that holds still in it.
 struct View {
+  EffectParameters<double> effects;
   double t_s = 0;
   std::size_t image = 0;
-  Pose T_odom_robot;
+  KinematicState<double> robot;
+
+  Pose T_odom_robot() const { return {robot.R_odom_robot, robot.position_odom}; }
+};
+
+/// The camera that takes it, port and all.
+class Eye {
+ public:
+  Eye(const View& view, const CameraModel& nominal, const Pose& T_robot_camera)
+      : camera_(trueCamera(nominal, T_robot_camera, view.robot, view.effects, view.t_s)),
+        T_odom_camera_(view.T_odom_robot() * camera_.T_robot_camera) {}
+
+  const Pose& T_odom_camera() const { return T_odom_camera_; }
+  /// Absent: behind it, or too near.
+  std::optional<Vector2d> pixelOf(const Vector3d& point_odom) const {
+    const Vector3d point = T_odom_camera_.inverse() * point_odom;
+    if (point.z() < kNearest_m) return std::nullopt;
+    return camera_.projector.project(point);
+  }
+  /// In odom, so long that it goes one along the optical axis.
+  Vector3d sightAt(const Vector2d& pixel) const {
+    const Vector3d direction = camera_.projector.lineOfSight(pixel).direction;
+    return T_odom_camera_.rotation * (direction / direction.z());
+  }
+
+ private:
+  TrueCamera camera_;
+  Pose T_odom_camera_;
 };
 
 void addMarkers(const BatchData& recording, const View& view, BatchData& data) {
@@ -51,12 +81,10 @@ void addMarkers(const BatchData& recording, const View& view, BatchData& data) {
   seen.T_left_right = {};
   seen.image = view.image;
   seen.t_s = view.t_s;
-  KinematicState<double> state;
-  state.position_odom = view.T_odom_robot.position;
-  state.R_odom_robot = view.T_odom_robot.rotation;
+  const Eye eye(view, seen.camera, seen.T_robot_camera);
   for (seen.panel = 0; seen.panel < data.panels.size(); ++seen.panel) {
     const Pose& T_odom_panel = data.panels[seen.panel].T_odom_panel;
-    const Pose T_camera_panel = (view.T_odom_robot * seen.T_robot_camera).inverse() * T_odom_panel;
+    const Pose T_camera_panel = eye.T_odom_camera().inverse() * T_odom_panel;
     for (const Marker& marker : data.panels[seen.panel].markers) {
       const Pose T_camera_marker = T_camera_panel * marker.T_panel_marker;
       const bool faces = T_camera_marker.position.z() > kNearest_m &&
@@ -64,8 +92,8 @@ void addMarkers(const BatchData& recording, const View& view, BatchData& data) {
       if (!faces) continue;
       seen.marker = marker;
       seen.detection.corners_px =
-          predictCorners<double>(state, nominalPlacement<double>(T_odom_panel, seen.t_s), marker, seen.camera,
-                                 seen.T_robot_camera, {}, seen.t_s);
+          predictCorners<double>(view.robot, nominalPlacement<double>(T_odom_panel, seen.t_s), marker,
+                                 seen.camera, seen.T_robot_camera, view.effects, seen.t_s);
       if (std::all_of(seen.detection.corners_px.begin(), seen.detection.corners_px.end(),
                       [&](const Vector2d& c) { return seen.camera.contains(c); }))
         data.markers.push_back(seen);
@@ -76,23 +104,22 @@ void addMarkers(const BatchData& recording, const View& view, BatchData& data) {
 /// Puts what stands for a place into a view; false where it is not seen there.
 template <class Reading>
 bool moveTo(const View& view, const CameraModel& camera, const Pose& T_odom_panel, Reading& reading) {
-  const Pose T_camera_panel = (view.T_odom_robot * reading.T_robot_camera).inverse() * T_odom_panel;
-  const Vector3d point = T_camera_panel * reading.point_panel;
-  if (point.z() < kNearest_m) return false;
+  const auto pixel = Eye(view, camera, reading.T_robot_camera).pixelOf(T_odom_panel * reading.point_panel);
+  if (!pixel || !camera.contains(*pixel)) return false;
   reading.t_s = view.t_s;
   reading.image = view.image;
-  reading.pixel = camera.project<double>(point);
-  return camera.contains(reading.pixel);
+  reading.pixel = *pixel;
+  return true;
 }
 
 /// What is above the horizon at the same place in the picture.
 bool moveWaterTo(const View& view, const CameraModel& camera, const Pose& T_odom_panel, ImagePatch& patch) {
-  const Pose T_odom_camera = view.T_odom_robot * patch.T_robot_camera;
-  const Vector3d direction = camera.idealAt(patch.pixel).homogeneous();
-  if ((T_odom_camera.rotation * direction).normalized().z() < kOpenWaterSteepness) return false;
+  const Eye eye(view, camera, patch.T_robot_camera);
+  const Vector3d sight_odom = eye.sightAt(patch.pixel);
+  if (sight_odom.normalized().z() < kOpenWaterSteepness) return false;
   patch.t_s = view.t_s;
   patch.image = view.image;
-  patch.point_panel = T_odom_panel.inverse() * (T_odom_camera * Vector3d(kOpenWater_m * direction));
+  patch.point_panel = T_odom_panel.inverse() * (eye.T_odom_camera().position + kOpenWater_m * sight_odom);
   patch.around_panel.fill(patch.point_panel);
   return true;
 }
@@ -145,7 +172,7 @@ void addLight(const BatchData& recording, const LightPlaces& places, const View&
 }  // namespace
 
 BatchData readingsAlong(const BatchData& recording, const std::vector<double>& times_s,
-                        const std::vector<Pose>& poses) {
+                        const std::vector<Pose>& poses, const EffectParameters<double>& effects) {
   BatchData data;
   data.vehicle = recording.vehicle;
   data.panels = recording.panels;
@@ -157,9 +184,11 @@ BatchData readingsAlong(const BatchData& recording, const std::vector<double>& t
   const LightPlaces places(recording);
   const auto stride = static_cast<std::size_t>(std::lround(kImageInterval_s / data.knot_s));
   View view;
+  view.effects = effects;
   for (std::size_t k = 0; k < times_s.size(); k += stride, ++view.image) {
     view.t_s = times_s[k];
-    view.T_odom_robot = poses[k];
+    view.robot.position_odom = poses[k].position;
+    view.robot.R_odom_robot = poses[k].rotation;
     addMarkers(recording, view, data);
     addLight(recording, places, view, data);
   }
