@@ -9,10 +9,10 @@
 #include "import_corners.h"
 #include "import_target.h"
 #include "import_tie_points.h"
-#include "recording/import_bag.h"
-#include "recording/import_csv.h"
 #include "recording/rawlog.h"
 #include "report/run_info.h"
+#include "ros_bag/import_bag.h"
+#include "sea_trial/import_sea_trial.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

@@ -2,7 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "core/files.h"
-#include "recording/import_csv.h"
+#include "sea_trial/conventions.h"
+#include "sea_trial/import_sea_trial.h"
 #include "sensors/vehicle.h"
 #include "support/shared_data.h"
 

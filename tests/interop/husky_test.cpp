@@ -7,8 +7,8 @@
 #include "core/files.h"
 #include "localization/localizer.h"
 #include "localization/measurements.h"
-#include "recording/import_bag.h"
-#include "recording/ros_messages.h"
+#include "ros_bag/import_bag.h"
+#include "ros_bag/ros_messages.h"
 #include "support/shared_data.h"
 
 namespace fathom {

@@ -6,7 +6,8 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/random.h"
-#include "recording/import_csv.h"
+#include "sea_trial/conventions.h"
+#include "sea_trial/import_sea_trial.h"
 #include "sensors/vehicle.h"
 #include "support/shared_data.h"
 

@@ -3,8 +3,8 @@
 #include <rosbag/bag.h>
 
 #include "core/files.h"
-#include "recording/import_bag.h"
-#include "recording/ros_messages.h"
+#include "ros_bag/import_bag.h"
+#include "ros_bag/ros_messages.h"
 #include "sensors/vehicle.h"
 #include "support/shared_data.h"
 

@@ -9,7 +9,7 @@
 #include "evaluation/fiducial_grid.h"
 #include "imaging/water.h"
 #include "localization/options.h"
-#include "recording/topic_map.h"
+#include "ros_bag/topic_map.h"
 #include "sensors/vehicle.h"
 #include "simulation/read_trajectory.h"
 #include "sources/make_source.h"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/time.h"
-#include "recording/topic_map.h"
+#include "ros_bag/topic_map.h"
 
 /// The vehicle file of a ROS 1 bag: what its messages say of the sensors, the rest generic.
 namespace fathom {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "recording/sampled_signal.h"
-#include "recording/sea_trial.h"
+#include "sea_trial/sampled_signal.h"
+#include "sea_trial/sea_trial.h"
 
 /// A sea trial's streams on one clock, and what every comparison between them needs.
 namespace fathom {

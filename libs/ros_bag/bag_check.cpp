@@ -1,4 +1,4 @@
-#include "recording/bag_check.h"
+#include "ros_bag/bag_check.h"
 
 #include <bzlib.h>
 #include <roslz4/lz4s.h>

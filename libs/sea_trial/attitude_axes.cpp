@@ -1,4 +1,4 @@
-#include "recording/sea_trial_axes.h"
+#include "sea_trial/attitude_axes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "recording/sea_trial_clocks.h"
+#include "sea_trial/clocks.h"
 
 #include <cmath>
 #include <stdexcept>
 
 #include "core/text.h"
-#include "recording/sea_trial_streams.h"
+#include "sea_trial/aligned_streams.h"
 
 namespace fathom {
 namespace {

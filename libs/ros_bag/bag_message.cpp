@@ -1,4 +1,4 @@
-#include "recording/bag_message.h"
+#include "ros_bag/bag_message.h"
 
 namespace fathom {
 

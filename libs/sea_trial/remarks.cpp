@@ -1,4 +1,4 @@
-#include "recording/sea_trial_remarks.h"
+#include "sea_trial/remarks.h"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "recording/mounting_checks.h"
+#include "ros_bag/mounting_checks.h"
 
 #include <algorithm>
 #include <cmath>

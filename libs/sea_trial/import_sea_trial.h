@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "recording/imported.h"
-#include "recording/sea_trial.h"
+#include "sea_trial/sea_trial.h"
 
 /// A sea trial as its authors publish it (A-KIT, Cohen & Klein 2025): three tables a section, gzip or plain.
 namespace fathom {

@@ -4,8 +4,8 @@
 #include <map>
 #include <optional>
 
-#include "recording/bag_message.h"
 #include "recording/samples.h"
+#include "ros_bag/bag_message.h"
 
 namespace fathom {
 

@@ -1,4 +1,4 @@
-#include "recording/bag_vehicle.h"
+#include "ros_bag/bag_vehicle.h"
 
 #include <cstdio>
 #include <sstream>

@@ -5,7 +5,7 @@
 
 #include "recording/axes.h"
 #include "recording/imported.h"
-#include "recording/topic_map.h"
+#include "ros_bag/topic_map.h"
 
 namespace fathom {
 

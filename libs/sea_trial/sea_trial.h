@@ -5,7 +5,7 @@
 #include "recording/axes.h"
 #include "recording/imported.h"
 
-/// What the axes, columns and stamps of a sea trial mean, established by consistency between its streams.
+/// A sea trial's tables, and what their axes, columns and stamps mean.
 /// Frames here: ned (north, east, down) and frd (the vehicle's forward, right, down).
 namespace fathom {
 
@@ -33,6 +33,7 @@ struct DvlRegression {
   Vector3d residual_m_s = Vector3d::Zero();
 };
 
+/// See establishConventions().
 struct SeaTrialConventions {
   bool position_columns_swapped = false;
   int altitude_sign = 1;  ///< -1: the column is a depth
@@ -49,14 +50,6 @@ struct SeaTrialConventions {
   Vector3d rate_excess_ned = Vector3d::Zero();
   std::vector<Conclusion> conclusions;
 };
-
-/// Method: clocks are aligned first, by what no axis convention can change (the angle turned in a row's
-/// interval). Then every combination of signs of roll, pitch and yaw is tried, and for each all 48
-/// assignments of the gyro's, the accelerometer's and the DVL's axes; the residuals' likelihood decides. What
-/// is published stays as it is unless the evidence against it is decisive (kDecisiveRatio).
-/// Needs at least 10 rows of DVL and navigation solution; throws std::invalid_argument below
-/// that, and where the streams do not overlap in time.
-SeaTrialConventions establishConventions(const SeaTrialData& data);
 
 /// Position of each row, metres east, north, up of the first row, on WGS-84, with the columns as concluded.
 std::vector<Vector3d> positionsEnu(const SeaTrialData& data, bool columns_swapped, int altitude_sign);

@@ -1,4 +1,4 @@
-#include "recording/sea_trial_streams.h"
+#include "sea_trial/aligned_streams.h"
 
 #include <algorithm>
 #include <cmath>

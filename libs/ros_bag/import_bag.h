@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "recording/imported.h"
-#include "recording/topic_map.h"
+#include "ros_bag/topic_map.h"
 
 /// ROS 1 bags.
 namespace fathom {

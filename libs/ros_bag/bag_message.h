@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "core/geometry.h"
 #include "core/time.h"
-#include "recording/ros_messages.h"
+#include "ros_bag/ros_messages.h"
 
 /// A message of a ROS 1 bag, and its fields as this program has them.
 namespace fathom {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "recording/sea_trial_streams.h"
+#include "sea_trial/aligned_streams.h"
 
 /// What is said of a sea trial's streams, once axes and clocks are settled, and not corrected.
 namespace fathom {

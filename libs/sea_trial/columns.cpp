@@ -1,10 +1,10 @@
-#include "recording/sea_trial_columns.h"
+#include "sea_trial/columns.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/text.h"
-#include "recording/sea_trial_streams.h"
+#include "sea_trial/aligned_streams.h"
 
 namespace fathom {
 namespace {

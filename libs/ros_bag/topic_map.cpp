@@ -1,4 +1,4 @@
-#include "recording/topic_map.h"
+#include "ros_bag/topic_map.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "recording/bag_image.h"
+#include "ros_bag/bag_image.h"
 
 #include <algorithm>
 #include <map>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "recording/sampled_signal.h"
-#include "recording/sea_trial.h"
+#include "sea_trial/sampled_signal.h"
+#include "sea_trial/sea_trial.h"
 
 namespace fathom {
 

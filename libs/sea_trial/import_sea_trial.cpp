@@ -1,4 +1,4 @@
-#include "recording/import_csv.h"
+#include "sea_trial/import_sea_trial.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "recording/csv.h"
+#include "sea_trial/conventions.h"
 
 namespace fathom {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "recording/axes.h"
-#include "recording/sea_trial_streams.h"
+#include "sea_trial/aligned_streams.h"
 
 /// Which way the axes of a sea trial's sensors point, and the signs of its attitude.
 namespace fathom {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "recording/bag_message.h"
+#include "ros_bag/bag_message.h"
 
 /// Images of a bag's messages as bytes of image files.
 namespace fathom {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "recording/sea_trial.h"
+#include "sea_trial/sea_trial.h"
 
 /// What the columns of a sea trial's navigation solution hold.
 namespace fathom {

@@ -1,4 +1,4 @@
-#include "recording/import_bag.h"
+#include "ros_bag/import_bag.h"
 
 #include <console_bridge/console.h>
 #include <rosbag/bag.h>
@@ -12,12 +12,12 @@
 
 #include "core/error.h"
 #include "core/files.h"
-#include "recording/bag_check.h"
-#include "recording/bag_image.h"
-#include "recording/bag_message.h"
-#include "recording/bag_vehicle.h"
-#include "recording/mounting_checks.h"
-#include "recording/reorder_buffer.h"
+#include "ros_bag/bag_check.h"
+#include "ros_bag/bag_image.h"
+#include "ros_bag/bag_message.h"
+#include "ros_bag/bag_vehicle.h"
+#include "ros_bag/mounting_checks.h"
+#include "ros_bag/reorder_buffer.h"
 
 namespace fathom {
 namespace {

@@ -1,0 +1,38 @@
+#include "sea_trial/conventions.h"
+
+#include <stdexcept>
+
+#include "sea_trial/attitude_axes.h"
+#include "sea_trial/clocks.h"
+#include "sea_trial/columns.h"
+#include "sea_trial/remarks.h"
+
+namespace fathom {
+
+SeaTrialConventions establishConventions(const SeaTrialData& data) {
+  if (data.gt_time_s.size() < 10 || data.dvl_time_s.size() < 10 || data.imu_time_s.size() < 10)
+    throw std::invalid_argument("too few rows to establish anything: 10 are needed");
+  SeaTrialConventions c;
+  settlePositionColumns(data, c);
+  settleAltitude(data, c);
+  settleClocks(data, SampledSignal(data.imu_time_s, data.rate_imu).integral(), c);
+
+  const AlignedStreams streams(data, c);
+  const auto ranked = rankAttitudes(streams);
+  const AttitudeHypothesis& best = ranked[0];
+  if (best.dvl_rows == 0) throw std::invalid_argument("DVL and navigation solution hardly overlap in time");
+  settleAttitude(ranked, c);
+  c.gyro = settleAxes("gyro axes", best.gyro, best.gyro_rows, "mean rate between rows, attitude against gyro",
+                      "rad/s", c);
+  c.accelerometer =
+      settleAxes("accelerometer axes (specific force)", best.accelerometer, best.accelerometer_rows,
+                 "change of velocity less gravity, in the body, against accelerometer", "m/s2", c);
+  concludeImuFrame(c);
+  c.dvl = settleAxes("DVL axes", best.dvl, best.dvl_rows,
+                     "velocity north, east, down turned into the body, against DVL", "m/s", c);
+  reportDvl(streams, c);
+  reportEarthRate(streams, c);
+  return c;
+}
+
+}  // namespace fathom
