@@ -7,10 +7,11 @@
 #include "core/fingerprint.h"
 #include "core/text.h"
 #include "effects/catalogue.h"
-#include "environment/image_patches.h"
+#include "environment/water_fit.h"
 #include "fiducials/jpeg.h"
 #include "landmarks/given_corners.h"
 #include "landmarks/tie_points.h"
+#include "observables/image_patches.h"
 #include "panel/panel_maps.h"
 #include "recording/tum.h"
 #include "tasks/companions.h"
@@ -71,8 +72,8 @@ void addPatches(const EffectParameters<double>& effects, bool open_water, BatchR
         print("images are JPEG of quality %d: their pixels are not compared", *quality));
     return;
   }
-  const PairMaker maker({data.vehicle, panels, {}, effects, {}}, {}, detectionSettings(panels));
-  ImagePatches patches = imagePatches(images.posed, maker, data.time_zero, open_water);
+  const CleanPairMaker maker({data.vehicle, panels, {}, effects, {}});
+  ImagePatches patches = imagePatches(images.posed, maker, data.time_zero, startWater, open_water);
   if (!patches.rejected.empty())
     recording.remarks.push_back(print("pixels of %zu images are not compared; %s: %s",
                                       patches.rejected.size(), patches.rejected[0].file.filename().c_str(),

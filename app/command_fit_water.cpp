@@ -59,7 +59,7 @@ void fitWaterTo(const FitWaterOptions& options, const RunContext& context) {
   const RecordingHeader header = RawlogReader(options.recording).header();
   story.vehicle = neededVehicleFile(options.vehicle, options.recording, header);
   story.map = neededPanelMapFile(options.map, options.recording, header);
-  SilWorld world{readVehicle(story.vehicle), readPanelMaps(story.map), defaultWater(options.water),
+  KnownWorld world{readVehicle(story.vehicle), readPanelMaps(story.map), defaultWater(options.water),
                  story.known.effects, seaFloorOf(options.recording)};
   if (!world.vehicle.camera) throw Error(story.vehicle, "camera", "the vehicle has none");
   DetectionSettings detection;

@@ -117,8 +117,8 @@ void writeResultsLog(const HandlesStory& story, const RecordingHeader& header, c
   rawlog.finish();
 }
 
-SilWorld readWorld(const HandlesStory& story, const HandlesOptions& options) {
-  SilWorld world{readVehicle(story.vehicle),
+KnownWorld readWorld(const HandlesStory& story, const HandlesOptions& options) {
+  KnownWorld world{readVehicle(story.vehicle),
                  readPanelMaps(story.map),
                  readEnvironment(shippedFile(options.water)),
                  {},
@@ -149,7 +149,7 @@ void readHandles(const HandlesOptions& options, const RunContext& context) {
   RecordingHeader header = RawlogReader(options.recording).header();
   story.vehicle = neededVehicleFile(options.vehicle, options.recording, header);
   story.map = neededPanelMapFile(options.map, options.recording, header);
-  SilWorld world = readWorld(story, options);
+  KnownWorld world = readWorld(story, options);
   if (!options.truth.empty()) story.true_panels = readTruth(options.truth, world.panels);
   DetectionSettings detection;
   detection.families = familiesOf(world.panels);

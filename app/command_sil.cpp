@@ -61,7 +61,7 @@ void sil(const SilCommandOptions& options, const RunContext& context) {
   story.options.pairs.noise = !options.no_noise;
   story.options.video = !options.no_video;
 
-  SilWorld world{readVehicle(story.vehicle),
+  KnownWorld world{readVehicle(story.vehicle),
                  readPanelMaps(story.map),
                  readEnvironment(shippedFile(options.water)),
                  {},

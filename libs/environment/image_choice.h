@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "sil/posed_images.h"
+#include "observables/posed_images.h"
 
 namespace fathom {
 

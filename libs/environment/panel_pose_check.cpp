@@ -26,7 +26,7 @@ struct TruePose {
 };
 
 std::vector<TruePose> truePoses(const fs::path& rawlog, const std::vector<PosedImage>& posed,
-                                const SilWorld& world, std::size_t count) {
+                                const KnownWorld& world, std::size_t count) {
   const PanelMap& panel = world.panels.front();
   const auto truth = truthByImage(rawlog);
   std::vector<TruePose> all;
@@ -67,7 +67,7 @@ bool agree(const MeanScore& a, const MeanScore& b) {
 }
 
 std::optional<PanelPoseCheck> checkPanelPoses(const fs::path& rawlog, const std::vector<PosedImage>& posed,
-                                              const SilWorld& world, const Environment& water,
+                                              const KnownWorld& world, const Environment& water,
                                               const PanelPoseCheckOptions& options) {
   if (world.panels.size() != 1) return std::nullopt;
   const PanelMap& panel = world.panels.front();

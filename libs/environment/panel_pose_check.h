@@ -31,7 +31,7 @@ struct PanelPoseCheckOptions {
 
 /// Nothing where the recording has no truth, or its map several panels.
 std::optional<PanelPoseCheck> checkPanelPoses(const std::filesystem::path& rawlog,
-                                              const std::vector<PosedImage>& posed, const SilWorld& world,
+                                              const std::vector<PosedImage>& posed, const KnownWorld& world,
                                               const Environment& water, const PanelPoseCheckOptions& options);
 
 }  // namespace fathom

@@ -144,4 +144,16 @@ WaterFit fitWater(const std::vector<Patch>& patches, std::size_t images, const W
   return fit;
 }
 
+std::optional<Environment> startWater(const SynchronizedImages& synchronized) {
+  constexpr std::size_t kEnough = 2000;
+  const std::size_t step = std::max<std::size_t>(1, synchronized.patches.size() / kEnough);
+  std::vector<Patch> some;
+  for (std::size_t i = 0; i < synchronized.patches.size(); i += step) some.push_back(synchronized.patches[i]);
+  WaterFitOptions options;
+  options.start.water = {Vector3d::Constant(0.1), Vector3d::Constant(0.1)};
+  options.gain = WaterFitOptions::Gain::fixed;
+  const WaterFit fit = fitWater(some, synchronized.images.size(), options);
+  return fit.solved ? std::optional(fit.environment) : std::nullopt;
+}
+
 }  // namespace fathom

@@ -2,11 +2,12 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "environment/patches.h"
 #include "imaging/water.h"
+#include "observables/synchronized_images.h"
 
 /// Task T_E: the paper's water, fitted. For each channel, attenuation a, veil b and ambient light E in
 ///
@@ -79,5 +80,9 @@ WaterFit fitWater(const std::vector<Patch>& patches, std::size_t images, const W
 Vector3d predictedRadiance(const Patch& patch, const Environment& environment, const KnownLight& known = {},
                            double log_gain = 0);
 Vector3d residualSigmas(const Patch& patch, const WaterFit& fit);
+
+/// The base model's water, near enough for an estimate to start from: by some of the patches, evenly. Nothing
+/// where none can be fitted.
+std::optional<Environment> startWater(const SynchronizedImages& synchronized);
 
 }  // namespace fathom

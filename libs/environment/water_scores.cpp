@@ -3,6 +3,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "imaging/image_model.h"
+
 namespace fathom {
 namespace {
 

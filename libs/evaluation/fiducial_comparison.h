@@ -6,7 +6,7 @@
 
 #include "evaluation/fiducial_grid.h"
 #include "evaluation/marker_score.h"
-#include "evaluation/views.h"
+#include "observables/views.h"
 #include "sensors/vehicle.h"
 
 /// Marker families and the libraries that read them, compared on images of one panel under water.

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "evaluation/statistics.h"
-#include "evaluation/views.h"
 #include "handles/handle_reader.h"
+#include "observables/views.h"
 
 /// Task T_H: how far the handles' angles are from truth, by the paper's chain (Mueller et al. 2018) and by
 /// matching renders, on the same images.

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "evaluation/statistics.h"
-#include "evaluation/views.h"
+#include "observables/views.h"
 
 namespace fathom {
 namespace {

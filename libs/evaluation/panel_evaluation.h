@@ -4,9 +4,9 @@
 #include <string>
 
 #include "evaluation/statistics.h"
-#include "evaluation/views.h"
 #include "fiducials/detector.h"
 #include "fiducials/panel_pose.h"
+#include "observables/views.h"
 
 /// Task T_P: how far the panel's pose is from truth, by the paper's averaging (Mueller et al. 2018) and by
 /// the joint solution, on the same images and the same detected corners. Poses are T_camera_panel.

@@ -20,7 +20,7 @@ constexpr double kContradicted_rad = radians(15);
 /// One thread's readers, a panel each.
 class Readers {
  public:
-  explicit Readers(const SilWorld& world) : world_(world) {}
+  explicit Readers(const KnownWorld& world) : world_(world) {}
 
   HandleReader& of(std::size_t panel) {
     auto it = readers_.find(panel);
@@ -33,7 +33,7 @@ class Readers {
   }
 
  private:
-  const SilWorld& world_;
+  const KnownWorld& world_;
   std::map<std::size_t, HandleReader> readers_;
 };
 
@@ -79,7 +79,7 @@ void addAverages(const std::vector<PanelMap>& panels, std::size_t window, std::v
 }
 
 /// `imageOf` gives an image's pixels, CV_8UC3 or CV_16UC3; empty where there is none.
-std::vector<HandleSight> readAll(const PosedImages& images, const SilWorld& world, std::size_t window,
+std::vector<HandleSight> readAll(const PosedImages& images, const KnownWorld& world, std::size_t window,
                                  const std::string& what,
                                  const std::function<cv::Mat(const PosedImage&)>& imageOf,
                                  const SeeHandles& see) {
@@ -113,8 +113,8 @@ UncertainPose T_camera_panelOf(const PosedImage& posed, const PanelMap& panel) {
   return {seen.pose, wrt_robot * posed.T_odom_robot.covariance * wrt_robot.transpose()};
 }
 
-std::vector<HandleSight> recordedHandles(const PosedImages& images, const SilWorld& world, std::size_t window,
-                                         const SeeHandles& see) {
+std::vector<HandleSight> recordedHandles(const PosedImages& images, const KnownWorld& world,
+                                         std::size_t window, const SeeHandles& see) {
   return readAll(
       images, world, window, "reading handles",
       [](const PosedImage& posed) {

@@ -47,8 +47,8 @@ using SeeHandles = std::function<void(const PosedImage& posed, const cv::Mat& im
 /// Reads every handle of the panel by which an image was posed, all cores at once; in the order of images and
 /// handles, averages over the last `window` confident angles included. `world`: its panels' handles' angles
 /// do not matter. Images that cannot be read are left out. Throws Interrupted.
-std::vector<HandleSight> recordedHandles(const PosedImages& images, const SilWorld& world, std::size_t window,
-                                         const SeeHandles& see = {});
+std::vector<HandleSight> recordedHandles(const PosedImages& images, const KnownWorld& world,
+                                         std::size_t window, const SeeHandles& see = {});
 /// The same in images that are simulated from where these were taken, of the world as it is.
 std::vector<HandleSight> simulatedHandles(const PosedImages& images, const PairMaker& maker,
                                           std::size_t window);

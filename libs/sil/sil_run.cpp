@@ -33,7 +33,7 @@ constexpr int kSheetTile_px = 400;
 
 // ---- what all pairs depend on
 
-std::string inputsOf(const SilWorld& world, const SilOptions& options,
+std::string inputsOf(const KnownWorld& world, const SilOptions& options,
                      const std::vector<SilColumn>& columns) {
   std::string text = "What these pairs were made from; a run with other inputs removes them.\nversion " +
                      std::string(programVersion()) + "\ncamera " + fingerprintOf(*world.vehicle.camera) +

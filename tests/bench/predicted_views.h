@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "core/random.h"
-#include "evaluation/views.h"
 #include "fiducials/predicted_search.h"
 #include "imaging/water.h"
+#include "observables/views.h"
 #include "sensors/vehicle.h"
 #include "support/shipped.h"
 

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kImages = 100;
 
 /// Views a second, each through the water and the sensor.
-double rendered(const PosedImages& images, const SilWorld& world) {
+double rendered(const PosedImages& images, const KnownWorld& world) {
   CameraSheet sheet = *world.vehicle.camera;
   sheet.model = images.posed.front().image.camera;
   const ImageModel model(sheet, world.environment.water);
@@ -59,7 +59,7 @@ double paired(const PosedImages& images, const PairMaker& maker, const SilOption
 
 int bench(const fs::path& rawlog) {
   const fs::path root = FATHOM_SOURCE_DIR;
-  SilWorld world{readVehicle(root / "config/trial_rov.yaml"),
+  KnownWorld world{readVehicle(root / "config/trial_rov.yaml"),
                  readPanelMaps(root / "maps/dexrov/panel.yaml"),
                  readEnvironment(root / "config/water_turbid.yaml"),
                  {},

@@ -8,7 +8,7 @@ namespace fathom::test {
 
 struct WaterImages {
   PosedImages images;
-  SilWorld world = silWorld();
+  KnownWorld world = silWorld();
   std::vector<std::size_t> nearest;  ///< so many, which have the most patches
 
   WaterImages(const std::string& name, std::size_t count) {

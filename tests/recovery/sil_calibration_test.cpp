@@ -16,7 +16,7 @@ struct Alike {
 
 /// What the loop makes of a recording when it is told of `known`.
 Alike alikeness(const RecordingFiles& recording, const EffectParameters<double>& known) {
-  SilWorld world = test::silWorld();
+  KnownWorld world = test::silWorld();
   world.effects = known;
   const DetectionSettings detection = test::silDetection();
   const PosedImages images = posedImages(recording.rawlog, world.panels, detection, known);

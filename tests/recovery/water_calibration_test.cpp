@@ -13,7 +13,7 @@ const char* const kWater = "water_moderate.yaml";
 /// What T_E makes of a recording when it is told of `known`: twelve images fitted, four held out, and as good
 /// as no search, which takes long.
 WaterStudy studied(const RecordingFiles& recording, const EffectParameters<double>& known) {
-  SilWorld world = test::silWorld();
+  KnownWorld world = test::silWorld();
   world.effects = known;
   const PosedImages images = posedImages(recording.rawlog, world.panels, test::silDetection(), world.effects);
   WaterStudyOptions options;

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/random.h"
-#include "environment/patches.h"
 #include "imaging/image_model.h"
 #include "imaging/water.h"
+#include "observables/patches.h"
 
 /// Patches as images of a panel would give them, without images.
 namespace fathom::test {

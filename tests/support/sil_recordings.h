@@ -3,10 +3,10 @@
 #include <map>
 
 #include "core/files.h"
+#include "observables/known_world.h"
+#include "observables/posed_images.h"
 #include "panel/panel_maps.h"
 #include "recording/rawlog.h"
-#include "sil/posed_images.h"
-#include "sil/sil_world.h"
 #include "simulation/read_trajectory.h"
 #include "simulation/simulate_recording.h"
 #include "support/shared_data.h"
@@ -75,7 +75,7 @@ inline RecordingFiles simulateForSil(const std::filesystem::path& folder,
 }
 
 /// What the simulator above knew. Its vehicle's camera differs from the vehicle file's in size only.
-inline SilWorld silWorld() {
+inline KnownWorld silWorld() {
   return {
       readVehicle(kRov), readPanelMaps(kDexrovMap), readEnvironment(kSilWater), {}, KnownSeaFloor{-6.0, 1}};
 }

@@ -1,6 +1,6 @@
 // How much softer a marker's edges are than rendered: of patterns that are blurred where pixels are eight
 // times as fine, then seen with noise, other light, and a little off.
-#include "environment/edge_blur.h"
+#include "observables/edge_blur.h"
 
 #include <gtest/gtest.h>
 

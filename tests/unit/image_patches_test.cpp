@@ -1,11 +1,12 @@
 // Patches, edges and specks of images: with every effect on light, what they should read is what the image
 // has.
-#include "environment/image_patches.h"
+#include "observables/image_patches.h"
 
 #include <gtest/gtest.h>
 
 #include "effects/catalogue.h"
 #include "effects/drawn.h"
+#include "environment/water_fit.h"
 #include "imaging/exposure_time.h"
 #include "imaging/image_patch.h"
 #include "imaging/marine_snow.h"
@@ -40,11 +41,11 @@ Seen seenWith(const EffectParameters<double>& effects, double exposure_s = 0.004
                                               {.images = 3, .effects = effects, .exposure_s = exposure_s});
   const PosedImages images = test::atTruth(
       posedImages(recording.rawlog, readPanelMaps(test::kDexrovMap), test::silDetection()), recording.rawlog);
-  SilWorld world = test::silWorld();
+  KnownWorld world = test::silWorld();
   world.vehicle.camera->exposure_s = exposure_s;
-  const PairMaker maker(world, {}, test::silDetection());
+  const CleanPairMaker maker(world);
   const Time time_zero = RawlogReader(recording.rawlog).next()->time;
-  ImagePatches found = imagePatches(images.posed, maker, time_zero);
+  ImagePatches found = imagePatches(images.posed, maker, time_zero, startWater);
   return {std::move(found.patches), std::move(found.blurs), std::move(found.specks), images.posed};
 }
 
@@ -61,7 +62,7 @@ class PatchesWithEffect : public testing::TestWithParam<std::size_t> {};
 TEST_P(PatchesWithEffect, ReadWhatTheImageHas) {
   const EffectInfo& effect = allEffects()[GetParam()];
   const EffectParameters<double> effects = withOnly(effect);
-  const SilWorld world = test::silWorld();
+  const KnownWorld world = test::silWorld();
   const Vector9d water = waterParameters(world.environment);
   const Seen seen = seenWith(effects);
   ASSERT_GT(seen.patches.size(), 30U);
@@ -89,7 +90,7 @@ TEST_P(PatchesWithEffect, ReadWhatTheImageHas) {
 
 // What is seen of one paint and what of another beside it would vary from image to image.
 TEST(ImagePatches, AreOfOnePaint) {
-  const SilWorld world = test::silWorld();
+  const KnownWorld world = test::silWorld();
   const Surface& body = world.panels[0].body;
   const Seen seen = seenWith({});
   std::size_t of_body = 0;
@@ -134,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(ImagePatches, PatchesWithEffect, testing::ValuesIn(effe
 
 /// Mean square of how far edges are from as soft as predicted with these effects, in units of their sigmas.
 double softnessError(const Seen& seen, const EffectParameters<double>& effects) {
-  const SilWorld world = test::silWorld();
+  const KnownWorld world = test::silWorld();
   const Trajectory path = test::silPath();
   double sum = 0;
   for (const MarkerBlur& blur : seen.blurs) {

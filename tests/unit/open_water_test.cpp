@@ -1,5 +1,5 @@
 // Where an image shows open water.
-#include "environment/open_water.h"
+#include "observables/open_water.h"
 
 #include <gtest/gtest.h>
 

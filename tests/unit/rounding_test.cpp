@@ -1,5 +1,5 @@
 // Means of rounded numbers, against numbers drawn and rounded.
-#include "environment/rounding.h"
+#include "observables/rounding.h"
 
 #include <gtest/gtest.h>
 

@@ -106,7 +106,7 @@ TEST(SilPairs, NoiseIsTheOptionsAndNotTheRecordings) {
 TEST(SilPairs, MaskIsThePanelWithAndWithoutSeaFloor) {
   const auto recording = test::simulateForSil(test::scratchFolder(), {.images = 1});
   const PosedImage posed = posedIn(recording).posed.at(0);
-  SilWorld hanging = test::silWorld();
+  KnownWorld hanging = test::silWorld();
   hanging.sea_floor.reset();
   const PairMaker with(test::silWorld(), {}, test::silDetection()),
       without(hanging, {}, test::silDetection());
@@ -207,7 +207,7 @@ TEST(SilPairs, ResidualPictureShowsWhichIsBrighter) {
   EXPECT_NEAR(luminanceResidual(pair).at<float>(0, 2), -100 / 255.0, 1e-6);
 }
 
-TEST(SilWorld, SeaFloorIsTheSimulationsOrUnknown) {
+TEST(KnownWorld, SeaFloorIsTheSimulationsOrUnknown) {
   const auto folder = test::scratchFolder();
   EXPECT_FALSE(seaFloorOf(folder / "r.rawlog"));
   writeTextFile(folder / "r_simulation.json", R"({"run": {"seed": 3}, "sea_floor_z_m": -5.5})");

@@ -1,6 +1,6 @@
 // Specks: as many of each class are counted as a known density of flakes makes in the volumes that are
 // stated, and none where there are none.
-#include "environment/specks.h"
+#include "observables/specks.h"
 
 #include <gtest/gtest.h>
 

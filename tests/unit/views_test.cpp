@@ -1,5 +1,5 @@
 // Views of a panel: where the camera stands, and what its image shows.
-#include "evaluation/views.h"
+#include "observables/views.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Patches of an image whose albedo, distance and water are known, and images that have none.
 #include <gtest/gtest.h>
 
-#include "environment/patches.h"
 #include "imaging/image_model.h"
+#include "observables/patches.h"
 #include "support/shipped.h"
 
 namespace fathom {

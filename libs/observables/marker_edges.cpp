@@ -1,13 +1,13 @@
-#include "environment/marker_edges.h"
+#include "observables/marker_edges.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "environment/edge_blur.h"
 #include "imaging/forward_scatter.h"
 #include "imaging/image_model.h"
+#include "observables/edge_blur.h"
 
 namespace fathom {
 namespace {

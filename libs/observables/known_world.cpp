@@ -1,4 +1,4 @@
-#include "sil/sil_world.h"
+#include "observables/known_world.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <vector>
 
-#include "environment/water_study.h"
 #include "imaging/image_patch.h"
 #include "imaging/marine_snow.h"
 #include "imaging/marker_blur.h"
+#include "observables/synchronized_images.h"
 
 /// The images of a whole recording, reduced to what a diagnosis of the image can see: white and black of each
 /// marker, the panel's body piece by piece, and open water, each a patch with place, albedo, and what the
@@ -20,9 +22,12 @@ struct ImagePatches {
   std::vector<RejectedImage> rejected;
 };
 
-/// All cores at once. No patches where no water can be fitted to them. `open_water`: whether there is nothing
-/// else above the horizon and beside the panels. Throws Interrupted.
-ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker& maker, Time time_zero,
-                          bool open_water = true);
+/// Fits the base model's water to patches; nothing where it cannot.
+using StartWater = std::function<std::optional<Environment>(const SynchronizedImages&)>;
+
+/// All cores at once. No patches where `startWater` has no water for them. `open_water`: whether there is
+/// nothing else above the horizon and beside the panels. Throws Interrupted.
+ImagePatches imagePatches(const std::vector<PosedImage>& posed, const CleanPairMaker& maker, Time time_zero,
+                          const StartWater& startWater, bool open_water = true);
 
 }  // namespace fathom

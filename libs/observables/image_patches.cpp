@@ -1,4 +1,4 @@
-#include "environment/image_patches.h"
+#include "observables/image_patches.h"
 
 #include <tbb/parallel_for.h>
 
@@ -9,10 +9,10 @@
 #include <numeric>
 #include <optional>
 
-#include "environment/marker_edges.h"
-#include "environment/open_water.h"
-#include "environment/specks.h"
 #include "imaging/fingerprints.h"
+#include "observables/marker_edges.h"
+#include "observables/open_water.h"
+#include "observables/specks.h"
 
 namespace fathom {
 namespace {
@@ -201,22 +201,10 @@ void setSeenShares(std::vector<ImagePatch>& patches, const std::vector<double>& 
     if (areas[i] > 0) patches[i].seen_share = areas[i] / most[patches[i].place];
 }
 
-/// Near enough for an estimate to start from: by some of the patches, evenly.
-WaterFit startWater(const SynchronizedImages& synchronized) {
-  constexpr std::size_t kEnough = 2000;
-  const std::size_t step = std::max<std::size_t>(1, synchronized.patches.size() / kEnough);
-  std::vector<Patch> some;
-  for (std::size_t i = 0; i < synchronized.patches.size(); i += step) some.push_back(synchronized.patches[i]);
-  WaterFitOptions options;
-  options.start.water = {Vector3d::Constant(0.1), Vector3d::Constant(0.1)};
-  options.gain = WaterFitOptions::Gain::fixed;
-  return fitWater(some, synchronized.images.size(), options);
-}
-
 }  // namespace
 
-ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker& maker, Time time_zero,
-                          bool open_water) {
+ImagePatches imagePatches(const std::vector<PosedImage>& posed, const CleanPairMaker& maker, Time time_zero,
+                          const StartWater& startWater, bool open_water) {
   const std::vector<PanelMap>& panels = maker.world().panels;
   const std::vector<Places> places = placesOf(panels);
   const std::map<std::string, cv::Mat> rays = raysByLens(posed);
@@ -257,13 +245,12 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const PairMaker&
     const PosedImage& seen = posed[synchronized.images[patch.image]];
     add(patch, places[seen.panel].surface(patch.label), seen);
   }
-  const WaterFit fit = result.patches.size() < kFewestPieces ? WaterFit{} : startWater(synchronized);
-  if (!fit.solved) {
+  const auto start = result.patches.size() < kFewestPieces ? std::nullopt : startWater(synchronized);
+  if (!start) {
     result.patches.clear();
     areas.clear();
-  }
-  result.start = fit.environment;
-  if (fit.solved) {
+  } else {
+    result.start = *start;
     result.specks = withSigmas(posed, specks, result.start, time_zero);
     for (std::size_t i = 0; i < posed.size(); ++i)
       for (Patch patch : beside[i]) {

@@ -1,4 +1,4 @@
-#include "environment/open_water.h"
+#include "observables/open_water.h"
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>

@@ -1,4 +1,4 @@
-#include "evaluation/views.h"
+#include "observables/views.h"
 
 #include <algorithm>
 #include <stdexcept>

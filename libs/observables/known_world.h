@@ -18,8 +18,8 @@ struct KnownSeaFloor {
   std::uint64_t sand_seed = 1;
 };
 
-/// What the simulation in the loop knows of the world.
-struct SilWorld {
+/// What is known of the world that a recording's images show.
+struct KnownWorld {
   Vehicle
       vehicle;  ///< must have a camera: its response and noise; mounting and intrinsics are the recording's
   std::vector<PanelMap> panels;

@@ -1,4 +1,4 @@
-#include "sil/posed_images.h"
+#include "observables/posed_images.h"
 
 #include <algorithm>
 #include <map>

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "imaging/marker_blur.h"
+#include "observables/clean_pair.h"
 #include "panel/panel_map.h"
-#include "sil/pair_maker.h"
 
 namespace fathom {
 

@@ -1,4 +1,4 @@
-#include "environment/patches.h"
+#include "observables/patches.h"
 
 #include <Eigen/Eigenvalues>
 #include <map>
@@ -6,8 +6,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/text.h"
-#include "environment/rounding.h"
 #include "imaging/image_model.h"
+#include "observables/rounding.h"
 
 namespace fathom {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "environment/patches.h"
-#include "sil/pair_maker.h"
+#include "observables/clean_pair.h"
+#include "observables/patches.h"
 
 /// Where an image shows nothing but water: what comes from there is the veil alone.
 namespace fathom {

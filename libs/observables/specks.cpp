@@ -1,4 +1,4 @@
-#include "environment/specks.h"
+#include "observables/specks.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "environment/edge_blur.h"
+#include "observables/edge_blur.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

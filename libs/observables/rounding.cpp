@@ -1,4 +1,4 @@
-#include "environment/rounding.h"
+#include "observables/rounding.h"
 
 #include <algorithm>
 #include <cmath>
