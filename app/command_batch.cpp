@@ -2,11 +2,11 @@
 #include <memory>
 
 #include "batch/slurm.h"
-#include "batch_report.h"
 #include "commands.h"
 #include "core/child_process.h"
 #include "core/error.h"
 #include "core/files.h"
+#include "reports/batch_report.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

@@ -4,14 +4,15 @@
 #include <stdexcept>
 
 #include "commands.h"
+#include "common_options.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "evaluation/contact_sheet.h"
 #include "evaluation/fiducial_sheet.h"
-#include "fiducial_report.h"
-#include "known_effects.h"
-#include "recorded_fiducials_report.h"
+#include "inputs/known_effects.h"
 #include "render/images.h"
+#include "reports/fiducial_report.h"
+#include "reports/recorded_fiducials_report.h"
 #include "tasks/companions.h"
 
 namespace fathom {

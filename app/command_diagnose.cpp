@@ -2,12 +2,13 @@
 #include <memory>
 
 #include "commands.h"
+#include "common_options.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/text.h"
-#include "diagnosis_report.h"
 #include "diagnosis_rerun.h"
 #include "effects/calibration.h"
+#include "reports/diagnosis_report.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

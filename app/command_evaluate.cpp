@@ -4,11 +4,12 @@
 #include <stdexcept>
 
 #include "commands.h"
+#include "common_options.h"
 #include "core/error.h"
 #include "core/shipped_file.h"
-#include "handle_evaluation_report.h"
-#include "known_effects.h"
-#include "panel_evaluation_report.h"
+#include "inputs/known_effects.h"
+#include "reports/handle_evaluation_report.h"
+#include "reports/panel_evaluation_report.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

@@ -2,13 +2,14 @@
 #include <memory>
 
 #include "commands.h"
+#include "common_options.h"
 #include "core/error.h"
 #include "core/shipped_file.h"
-#include "known_effects.h"
+#include "inputs/known_effects.h"
 #include "panel/panel_maps.h"
 #include "recording/rawlog.h"
+#include "reports/water_report.h"
 #include "tasks/companions.h"
-#include "water_report.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -60,7 +61,7 @@ void fitWaterTo(const FitWaterOptions& options, const RunContext& context) {
   story.vehicle = neededVehicleFile(options.vehicle, options.recording, header);
   story.map = neededPanelMapFile(options.map, options.recording, header);
   KnownWorld world{readVehicle(story.vehicle), readPanelMaps(story.map), defaultWater(options.water),
-                 story.known.effects, seaFloorOf(options.recording)};
+                   story.known.effects, seaFloorOf(options.recording)};
   if (!world.vehicle.camera) throw Error(story.vehicle, "camera", "the vehicle has none");
   DetectionSettings detection;
   detection.families = familiesOf(world.panels);

@@ -11,9 +11,9 @@
 #include "core/shipped_file.h"
 #include "core/text.h"
 #include "handles/evidence_picture.h"
-#include "handles_report.h"
 #include "panel/panel_maps.h"
 #include "recording/rawlog.h"
+#include "reports/handles_report.h"
 #include "simulation/copy_panel_map.h"
 #include "tasks/companions.h"
 
@@ -119,10 +119,10 @@ void writeResultsLog(const HandlesStory& story, const RecordingHeader& header, c
 
 KnownWorld readWorld(const HandlesStory& story, const HandlesOptions& options) {
   KnownWorld world{readVehicle(story.vehicle),
-                 readPanelMaps(story.map),
-                 readEnvironment(shippedFile(options.water)),
-                 {},
-                 seaFloorOf(options.recording)};
+                   readPanelMaps(story.map),
+                   readEnvironment(shippedFile(options.water)),
+                   {},
+                   seaFloorOf(options.recording)};
   if (!world.vehicle.camera) throw Error(story.vehicle, "camera", "the vehicle has none");
   if (std::all_of(world.panels.begin(), world.panels.end(),
                   [](const PanelMap& map) { return map.handles.empty(); }))

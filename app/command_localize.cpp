@@ -2,13 +2,13 @@
 #include <memory>
 #include <set>
 
-#include "chain_options.h"
 #include "commands.h"
+#include "common_options.h"
 #include "core/error.h"
 #include "core/shipped_file.h"
 #include "localization_batch.h"
-#include "localization_report.h"
-#include "tasks_report.h"
+#include "reports/localization_report.h"
+#include "reports/tasks_report.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

@@ -9,10 +9,10 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "panel/panel_maps.h"
-#include "panel_scene.h"
 #include "render/images.h"
 #include "render/renderer.h"
 #include "report/table.h"
+#include "reports/panel_scene.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

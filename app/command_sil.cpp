@@ -8,7 +8,7 @@
 #include "core/shipped_file.h"
 #include "effects/calibration.h"
 #include "panel/panel_maps.h"
-#include "sil_report.h"
+#include "reports/sil_report.h"
 #include "simulation/copy_panel_map.h"
 #include "tasks/companions.h"
 
@@ -62,10 +62,10 @@ void sil(const SilCommandOptions& options, const RunContext& context) {
   story.options.video = !options.no_video;
 
   KnownWorld world{readVehicle(story.vehicle),
-                 readPanelMaps(story.map),
-                 readEnvironment(shippedFile(options.water)),
-                 {},
-                 story.sea_floor};
+                   readPanelMaps(story.map),
+                   readEnvironment(shippedFile(options.water)),
+                   {},
+                   story.sea_floor};
   if (!world.vehicle.camera) throw Error(story.vehicle, "camera", "the vehicle has none");
   if (!options.calibration.empty()) world.effects = readCalibration(options.calibration);
   story.options.detection.families = familiesOf(world.panels);

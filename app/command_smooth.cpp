@@ -1,14 +1,15 @@
 #include <iostream>
 #include <memory>
 
-#include "batch_recording.h"
 #include "commands.h"
+#include "common_options.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/text.h"
 #include "effects/calibration.h"
 #include "effects/catalogue.h"
-#include "smooth_report.h"
+#include "inputs/batch_recording.h"
+#include "reports/smooth_report.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

@@ -1,8 +1,8 @@
 #include <iostream>
 #include <memory>
 
-#include "chain_options.h"
 #include "commands.h"
+#include "common_options.h"
 #include "core/error.h"
 #include "core/shipped_file.h"
 #include "core/text.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/shipped_file.h"
-#include "tasks_report.h"
+#include "reports/tasks_report.h"
 
 namespace fathom {
 namespace {

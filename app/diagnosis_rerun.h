@@ -1,6 +1,6 @@
 #pragma once
 
-#include "diagnosis_story.h"
+#include "reports/diagnosis_story.h"
 #include "tasks/recording_localization.h"
 
 namespace fathom {

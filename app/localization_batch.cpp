@@ -9,13 +9,13 @@
 #include "core/progress.h"
 #include "core/version.h"
 #include "evaluation/statistics.h"
-#include "localization_report.h"
 #include "panel/panel_maps.h"
 #include "recording/rawlog.h"
 #include "report/html_report.h"
-#include "results_scene.h"
+#include "reports/localization_report.h"
+#include "reports/results_scene.h"
+#include "reports/tasks_report.h"
 #include "tasks/companions.h"
-#include "tasks_report.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

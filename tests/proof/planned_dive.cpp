@@ -3,8 +3,8 @@
 #include <cmath>
 #include <map>
 
-#include "batch_recording.h"
 #include "imaging/exposure_time.h"
+#include "inputs/batch_recording.h"
 
 namespace fathom::proof {
 namespace fs = std::filesystem;

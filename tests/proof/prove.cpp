@@ -6,7 +6,6 @@
 
 #include "advised.h"
 #include "batch/share.h"
-#include "batch_recording.h"
 #include "core/child_process.h"
 #include "core/error.h"
 #include "core/files.h"
@@ -14,6 +13,7 @@
 #include "core/text.h"
 #include "effects/calibration.h"
 #include "gains.h"
+#include "inputs/batch_recording.h"
 #include "plan.h"
 #include "proof_measures.h"
 #include "proof_report.h"

@@ -1,5 +1,5 @@
 // What a diagnosis writes, for a diagnosis made by hand.
-#include "diagnosis_report.h"
+#include "reports/diagnosis_report.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <set>
 
 #include "core/files.h"
-#include "diagnosis_json.h"
 #include "effects/calibration.h"
 #include "effects/catalogue.h"
+#include "reports/diagnosis_json.h"
 #include "support/shared_data.h"
 
 namespace fathom {

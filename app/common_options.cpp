@@ -1,0 +1,46 @@
+#include "common_options.h"
+
+#include "commands.h"
+
+namespace fathom {
+
+void addChainOptions(CLI::App& command, ChainOptions& options) {
+  command.add_option("--vehicle", options.vehicle, "Vehicle file (default: the one the recording names)")
+      ->type_name(values::kYaml);
+  command.add_option("--map", options.map, "Panel map (default: the one the recording names)")
+      ->type_name(values::kYaml);
+  command.add_flag("--panel-unknown", options.panel_unknown,
+                   "Estimate the panels' poses too: the map's are not believed");
+  command.add_option("--calibration", options.calibration, "Effects known to be there")
+      ->type_name(values::kYaml);
+  command
+      .add_option("--sources", options.sources, "Which sensors come from a simulation or another recording")
+      ->type_name(values::kYaml);
+  command.add_option("--backend", options.backend, "Which library finds the markers")
+      ->check(CLI::IsMember(backendNames()))
+      ->capture_default_str();
+}
+
+void addBatchRecordingOptions(CLI::App& command, BatchRecordingOptions& options) {
+  command.add_option("RECORDING", options.rawlog, "The recording")->required()->type_name(values::kRawlog);
+  command.add_option("--out", options.folder, "Where the results go")->required()->type_name(values::kFolder);
+  command.add_option("--vehicle", options.vehicle, "Vehicle file (default: the one the recording names)")
+      ->type_name(values::kYaml);
+  command.add_option("--map", options.map, "Panel map (default: the one the recording names)")
+      ->type_name(values::kYaml);
+  command.add_option("--start", options.start, "auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]")
+      ->capture_default_str();
+}
+
+CLI::Option* addCalibrationOption(CLI::App& command, std::string& file, const std::string& help) {
+  return command.add_option("--calibration", file, help)->type_name(values::kYaml);
+}
+
+CLI::Option* addTimeOption(CLI::App& command, double& t_s, CLI::Option* calibration) {
+  return command
+      .add_option("--at", t_s, "When the views are taken, s since the recording's first entry, for effects")
+      ->needs(calibration)
+      ->capture_default_str();
+}
+
+}  // namespace fathom
