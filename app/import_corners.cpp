@@ -16,7 +16,6 @@
 #include "landmarks/given_corners.h"
 #include "recording/imported.h"
 #include "recording/rawlog.h"
-#include "recording/recorded_camera.h"
 #include "render/images.h"
 #include "report/run_info.h"
 

@@ -5,7 +5,6 @@
 #include "commands.h"
 #include "core/text.h"
 #include "recording/imported.h"
-#include "recording/recorded_camera.h"
 
 namespace fathom {
 
@@ -18,7 +17,7 @@ Time timelessBegin() { return fromUnixSeconds(946684800); }
 std::string cameraAloneYaml(const std::string& what, const CameraModel& camera, double rate_hz,
                             double corner_sigma_px) {
   return "# " + what + "\ngravity_m_s2: 9.80665\ncamera:\n" + print("  rate_hz: %.9g\n", rate_hz) +
-         cameraLines(recordedCamera(camera), corner_sigma_px) + "  pose: " + yamlPose(Pose{}) + "\n";
+         cameraLines(camera, corner_sigma_px) + "  pose: " + yamlPose(Pose{}) + "\n";
 }
 
 void addImportTarget(CLI::App& command, ImportTarget& target, const std::string& default_name) {

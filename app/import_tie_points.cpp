@@ -14,7 +14,6 @@
 #include "recording/csv.h"
 #include "recording/imported.h"
 #include "recording/rawlog.h"
-#include "recording/recorded_camera.h"
 #include "report/run_info.h"
 
 namespace fathom {

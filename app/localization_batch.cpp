@@ -77,13 +77,13 @@ std::vector<std::string> taskIds(const std::vector<BatchEntry>& entries) {
 /// The estimates of all tasks, the reference, the panels, and where these were seen from.
 ResultsScene sceneOf(const LocalizedRecording& done) {
   constexpr std::size_t kMostFrusta = 100;
-  const mrpt::img::TColor colours[] = {{0, 114, 178},   {213, 94, 0},  {0, 158, 115},
-                                       {204, 121, 167}, {230, 159, 0}, {86, 180, 233}};
+  constexpr std::array<std::uint8_t, 3> kColours[] = {{0, 114, 178},   {213, 94, 0},  {0, 158, 115},
+                                                      {204, 121, 167}, {230, 159, 0}, {86, 180, 233}};
   const RecordingStory& story = *done.story;
   ResultsScene scene;
   scene.panels = story.panels;
   for (const auto& task : done.tasks) {
-    NamedPath path{task->spec().name(), colours[scene.paths.size() % std::size(colours)], {}};
+    NamedPath path{task->spec().name(), kColours[scene.paths.size() % std::size(kColours)], {}};
     for (const TaskOutputs::Mark& mark : task->outputs().marks())
       path.points.push_back({mark.t_s, mark.T_odom_robot});
     scene.paths.push_back(std::move(path));

@@ -25,18 +25,6 @@ Matrix3d bodyRotationFromYawPitchRoll(const Vector3d& yaw_pitch_roll) {
   return J;
 }
 
-Pose Pose::fromMrpt(const mrpt::poses::CPose3D& pose) {
-  return {pose.getRotationMatrix().asEigen(), Vector3d(pose.x(), pose.y(), pose.z())};
-}
-
-mrpt::poses::CPose3D Pose::toMrpt() const {
-  mrpt::math::CMatrixDouble33 R;
-  R.asEigen() = rotation;
-  mrpt::math::CVectorFixedDouble<3> t;
-  t.asEigen() = position;
-  return {R, t};
-}
-
 double angleBetween(const Matrix3d& R_a, const Matrix3d& R_b) {
   return logSO3<double>(R_a.transpose() * R_b).norm();
 }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <mrpt/poses/CPose3D.h>
-
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cmath>
@@ -111,9 +109,6 @@ Matrix3d bodyRotationFromYawPitchRoll(const Vector3d& yaw_pitch_roll);
 struct Pose {
   Matrix3d rotation = Matrix3d::Identity();
   Vector3d position = Vector3d::Zero();
-
-  static Pose fromMrpt(const mrpt::poses::CPose3D& pose);
-  mrpt::poses::CPose3D toMrpt() const;
 
   Pose inverse() const { return {rotation.transpose(), -(rotation.transpose() * position)}; }
   friend Pose operator*(const Pose& T_a_b, const Pose& T_b_c) {

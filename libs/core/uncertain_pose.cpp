@@ -14,19 +14,17 @@ Matrix6d jacobianOf(const Pose& pose) {
 
 }  // namespace
 
-mrpt::poses::CPose3DPDFGaussian UncertainPose::toMrpt() const {
+YawPitchRollPose UncertainPose::toYawPitchRoll() const {
   constexpr double kDamping = 1e-12;  // a sigma of a degree stays below one of 10^6
   const Matrix6d J = jacobianOf(pose);
   const Matrix6d inverse =
       (J.transpose() * J + kDamping * Matrix6d::Identity()).ldlt().solve(Matrix6d(J.transpose()));
-  const Matrix6d cov = inverse * covariance * inverse.transpose();
-  return {pose.toMrpt(), mrpt::math::CMatrixDouble66(cov)};
+  return {pose, inverse * covariance * inverse.transpose()};
 }
 
-UncertainPose UncertainPose::fromMrpt(const mrpt::poses::CPose3DPDFGaussian& pdf) {
-  const Pose pose = Pose::fromMrpt(pdf.mean);
-  const Matrix6d J = jacobianOf(pose);
-  return {pose, J * pdf.cov.asEigen() * J.transpose()};
+UncertainPose UncertainPose::fromYawPitchRoll(const YawPitchRollPose& other) {
+  const Matrix6d J = jacobianOf(other.mean);
+  return {other.mean, J * other.covariance * J.transpose()};
 }
 
 UncertainPose UncertainPose::inverse() const {

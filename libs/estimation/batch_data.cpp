@@ -116,10 +116,10 @@ class Collector {
   }
 
   void addUsbl(const PoseSample& pose) {
-    const Matrix3d covariance = pose.T_odom_robot.cov.asEigen().topLeftCorner<3, 3>();
+    const Matrix3d covariance = pose.T_odom_robot.covariance.topLeftCorner<3, 3>();
     if (Eigen::LLT<Matrix3d>(covariance).info() != Eigen::Success)
       return leaveOut("USBL with a covariance that is none");
-    data_.usbl.push_back({t_s_, Pose::fromMrpt(pose.T_odom_robot.mean).position, covariance});
+    data_.usbl.push_back({t_s_, pose.T_odom_robot.mean.position, covariance});
   }
 
   void addImage(const ImageEntry& entry) {

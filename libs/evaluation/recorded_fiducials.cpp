@@ -17,7 +17,6 @@
 #include "fiducials/one_opencv_thread.h"
 #include "fiducials/single_marker_pose.h"
 #include "imaging/fingerprints.h"
-#include "recording/recorded_camera.h"
 #include "render/renderer.h"
 
 namespace fathom {
@@ -28,11 +27,11 @@ namespace {
 
 void addImages(const Sample& sample, const fs::path& folder, std::vector<RecordedImage>& images) {
   if (const auto* image = std::get_if<ImageSample>(&sample.reading))
-    images.push_back({folder / image->file, cameraModel(image->intrinsics), image->T_robot_camera, {}});
+    images.push_back({folder / image->file, image->intrinsics.model, image->T_robot_camera, {}});
   if (const auto* pair = std::get_if<StereoSample>(&sample.reading)) {
-    images.push_back({folder / pair->left_file, cameraModel(pair->left_intrinsics), pair->T_robot_left, {}});
+    images.push_back({folder / pair->left_file, pair->left_intrinsics.model, pair->T_robot_left, {}});
     images.push_back({folder / pair->right_file,
-                      cameraModel(pair->right_intrinsics),
+                      pair->right_intrinsics.model,
                       pair->T_robot_left * pair->T_left_right,
                       {}});
   }
@@ -159,7 +158,7 @@ std::vector<RecordedImage> recordedImages(RawlogReader& reader) {
       image_time = sample->time;
     }
     if (sample->label == labels::kTruth)
-      truth = {sample->time, Pose::fromMrpt(std::get<PoseSample>(sample->reading).T_odom_robot.mean)};
+      truth = {sample->time, std::get<PoseSample>(sample->reading).T_odom_robot.mean};
     if (truth && truth->first == image_time)
       for (std::size_t i = first_of_instant; i < images.size(); ++i) images[i].T_odom_robot = truth->second;
     progress.update(reader.fraction());

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <vector>
 
+#include "core/gauss_legendre.h"
 #include "imaging/water.h"
 #include "sensors/vehicle.h"
 
@@ -77,14 +77,13 @@ T rangeShare(const T& range_m) {
 /// Radiance that the lamps add along a line of sight up to a range: by Gauss' quadrature over w.
 template <class T>
 Vector3<T> lampsInWater(const std::vector<LampSheet>& lamps, const LitSight<T>& sight, const T& range_m) {
-  using Rule = boost::math::quadrature::gauss<double, 20>;
   const T end = rangeShare(range_m);
   Vector3<T> sum = Vector3<T>::Zero();
-  for (std::size_t i = 0; i < Rule::abscissa().size(); ++i)
+  for (const auto& [abscissa, weight] : GaussLegendre20::kPoints)
     for (const double side : {-1.0, 1.0}) {
-      const T w = 0.5 * end * (1.0 + side * Rule::abscissa()[i]);
+      const T w = 0.5 * end * (1.0 + side * abscissa);
       const T s_m = w / (1.0 - w);
-      sum += (0.5 * end * Rule::weights()[i] / ((1.0 - w) * (1.0 - w))) * sight.gain(lamps, s_m);
+      sum += (0.5 * end * weight / ((1.0 - w) * (1.0 - w))) * sight.gain(lamps, s_m);
     }
   return sum;
 }

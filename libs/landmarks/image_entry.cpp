@@ -3,7 +3,6 @@
 #include <set>
 
 #include "core/progress.h"
-#include "recording/recorded_camera.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -34,9 +33,8 @@ bool isImage(const Sample& sample) {
 }
 
 std::optional<ImageEntry> imageEntry(const Sample& sample, const fs::path& image_folder) {
-  const auto eye = [&](const std::string& file, const mrpt::img::TCamera& camera,
-                       const Pose& T_first_camera) {
-    return ImageEntry::Eye{{image_folder / file, cameraModel(camera)}, T_first_camera};
+  const auto eye = [&](const std::string& file, const RecordedCamera& camera, const Pose& T_first_camera) {
+    return ImageEntry::Eye{{image_folder / file, camera.model}, T_first_camera};
   };
   if (const auto* image = std::get_if<ImageSample>(&sample.reading))
     return ImageEntry{sample.time, image->T_robot_camera, {eye(image->file, image->intrinsics, {})}};

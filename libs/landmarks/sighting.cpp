@@ -58,8 +58,8 @@ std::optional<PoseSample> meanRobot(const std::vector<CameraDetections>& cameras
     }
   if (!mean.pose) return std::nullopt;
   PoseSample sample;
-  sample.T_odom_robot.mean = mean.pose->toMrpt();
-  sample.T_odom_robot.cov.asEigen() = Matrix6d::Identity();
+  sample.T_odom_robot.mean = *mean.pose;
+  sample.T_odom_robot.covariance = Matrix6d::Identity();
   sample.T_robot_sensor = T_robot_camera;
   return sample;
 }

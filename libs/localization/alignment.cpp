@@ -81,7 +81,7 @@ FirstReadings readAll(const LocalizationSetup& setup, const std::vector<Sample>&
     if (const auto* depth = std::get_if<DepthSample>(&sample.reading); depth && setup.vehicle.depth)
       first.depth_z.add({0, 0, height_m(*depth, t_s, setup)});
     if (const auto* pose = std::get_if<PoseSample>(&sample.reading); pose && sample.label == labels::kUsbl)
-      first.usbl.add(Pose::fromMrpt(pose->T_odom_robot.mean).position);
+      first.usbl.add(pose->T_odom_robot.mean.position);
   }
   return first;
 }

@@ -151,8 +151,8 @@ class Fuser {
     if (!uses(Channel::usbl)) return;
     const Pose T_robot_usbl = setup_.vehicle.usbl ? setup_.vehicle.usbl->T_robot_usbl : Pose{};
     update(Channel::usbl,
-           SensorMeasurements<N>::usbl(f.x, Pose::fromMrpt(s.T_odom_robot.mean).position, T_robot_usbl,
-                                       Matrix3d(s.T_odom_robot.cov.asEigen().topLeftCorner<3, 3>())));
+           SensorMeasurements<N>::usbl(f.x, s.T_odom_robot.mean.position, T_robot_usbl,
+                                       Matrix3d(s.T_odom_robot.covariance.topLeftCorner<3, 3>())));
   }
 
   static constexpr double kAlways = std::numeric_limits<double>::infinity();

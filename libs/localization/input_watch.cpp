@@ -22,8 +22,7 @@ bool isFinite(const Sample& sample) {
     }
     bool operator()(const DepthSample& s) const { return std::isfinite(s.pressure_pa); }
     bool operator()(const PoseSample& s) const {
-      return Pose::fromMrpt(s.T_odom_robot.mean).position.allFinite() &&
-             s.T_odom_robot.cov.asEigen().allFinite();
+      return s.T_odom_robot.mean.position.allFinite() && s.T_odom_robot.covariance.allFinite();
     }
     bool operator()(const ImageSample&) const { return true; }
     bool operator()(const StereoSample&) const { return true; }

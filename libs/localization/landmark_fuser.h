@@ -96,7 +96,7 @@ class LandmarkFuser {
   std::string nameOf(int panel) const { return panel == kNoPanel ? "markers" : "panel " + prior(panel).name; }
 
   Fix fixOf(const PoseSample& markers) const {
-    UncertainPose T_odom_robot{Pose::fromMrpt(markers.T_odom_robot.mean)};
+    UncertainPose T_odom_robot{markers.T_odom_robot.mean};
     T_odom_robot.covariance.diagonal() << Vector3d::Constant(options_.position_sigma_m),
         Vector3d::Constant(options_.angle_sigma_rad);
     T_odom_robot.covariance.diagonal() = T_odom_robot.covariance.diagonal().cwiseAbs2().eval();

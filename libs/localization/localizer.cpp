@@ -319,9 +319,10 @@ LocalizationSummary localize(const LocalizationSetup& setup,
   return localizer.finish();
 }
 
-mrpt::poses::CPose3DPDFGaussian posePdf(const Estimate& estimate) {
+YawPitchRollPose posePdf(const Estimate& estimate) {
   const auto& motion = estimate.state.motion;
-  return UncertainPose{{motion.R_odom_robot, motion.position_odom}, estimate.pose_covariance}.toMrpt();
+  return UncertainPose{{motion.R_odom_robot, motion.position_odom}, estimate.pose_covariance}
+      .toYawPitchRoll();
 }
 
 }  // namespace fathom

@@ -20,7 +20,7 @@ struct Estimate {
 };
 
 /// MRPT's Gaussian pose with its covariance in MRPT's order and angles.
-mrpt::poses::CPose3DPDFGaussian posePdf(const Estimate& estimate);
+YawPitchRollPose posePdf(const Estimate& estimate);
 
 /// One innovation: kept for the report whether it was fused or not.
 struct Innovation {

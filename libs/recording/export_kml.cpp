@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/text.h"
+#include "recording/mrpt_types.h"
 
 namespace fathom {
 namespace {
@@ -58,7 +59,7 @@ std::string placeOf(const StampedPose& pose, const GeoReference& reference, char
 /// 2023-11-14T22:13:20.000000Z
 std::string isoTime(const Time& time) {
   mrpt::system::TTimeParts parts;
-  mrpt::system::timestampToParts(time, parts);
+  mrpt::system::timestampToParts(toMrpt(time), parts);
   return print("%04d-%02d-%02dT%02d:%02d:%09.6fZ", parts.year, parts.month, parts.day, parts.hour,
                parts.minute, parts.second);
 }

@@ -114,10 +114,10 @@ struct AppendValues {
     values.push_back(depth.temperature_celsius);
   }
   void operator()(const PoseSample& sample) const {
-    const Pose T_odom_robot = Pose::fromMrpt(sample.T_odom_robot.mean);
+    const Pose T_odom_robot = sample.T_odom_robot.mean;
     append(values, std::optional(T_odom_robot.position));
     append(values, std::optional(T_odom_robot.rotation));
-    appendTriangle(values, sample.T_odom_robot.cov.asEigen());
+    appendTriangle(values, sample.T_odom_robot.covariance);
   }
   void operator()(const PanelSample& sample) const {
     for (const SeenPanel& seen : sample.panels) {
@@ -196,7 +196,7 @@ std::vector<std::string> absentParts(const Reading& reading) { return std::visit
 
 std::vector<Pose> mountings(const Reading& reading) { return std::visit(Mountings{}, reading); }
 
-std::vector<mrpt::img::TCamera> intrinsics(const Reading& reading) {
+std::vector<RecordedCamera> intrinsics(const Reading& reading) {
   if (const auto* image = std::get_if<ImageSample>(&reading)) return {image->intrinsics};
   if (const auto* stereo = std::get_if<StereoSample>(&reading))
     return {stereo->left_intrinsics, stereo->right_intrinsics};

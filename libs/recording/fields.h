@@ -20,7 +20,7 @@ void fieldValues(const Reading& reading, std::vector<std::optional<double>>& val
 std::vector<std::string> absentParts(const Reading& reading);
 /// T_robot_sensor; for STEREO T_robot_left, T_left_right; for DVL_BEAMS one a beam.
 std::vector<Pose> mountings(const Reading& reading);
-std::vector<mrpt::img::TCamera> intrinsics(const Reading& reading);
+std::vector<RecordedCamera> intrinsics(const Reading& reading);
 std::vector<std::string> imageFiles(const Reading& reading);
 
 }  // namespace fathom

@@ -27,7 +27,7 @@ std::string yamlPose(const Pose& pose);
 
 /// A vehicle file's camera as far as intrinsics and corners' sigma tell; the rest is generic. Without rate_hz
 /// and pose.
-std::string cameraLines(const mrpt::img::TCamera& camera, double corner_sigma_px = 0.15);
+std::string cameraLines(const CameraModel& camera, double corner_sigma_px = 0.15);
 
 /// A foreign recording in this program's convention.
 struct ImportedRecording {

@@ -21,6 +21,7 @@
 #include <string_view>
 
 #include "recording/header_text.h"
+#include "recording/mrpt_types.h"
 
 namespace fathom {
 namespace {
@@ -96,7 +97,7 @@ std::optional<Matrix3d> readAttitude(const CObservationIMU& imu) {
 }
 
 Reading readImu(const std::string& label, const CObservationIMU& imu) {
-  const Pose T_robot_sensor = Pose::fromMrpt(imu.sensorPose);
+  const Pose T_robot_sensor = fromMrpt(imu.sensorPose);
   if (label == labels::kIns)
     return InsSample{T_robot_sensor, readTriple(imu, kAngularVelocity), readTriple(imu, kSpecificForce),
                      readAttitude(imu)};
@@ -111,7 +112,7 @@ Reading readImu(const std::string& label, const CObservationIMU& imu) {
 Reading readBeams(const CObservationRange& range) {
   DvlBeamsSample beams;
   for (const auto& beam : range.sensedData) {
-    beams.beams.push_back({Pose::fromMrpt(CPose3D(beam.sensorPose)), {}});
+    beams.beams.push_back({fromMrpt(CPose3D(beam.sensorPose)), {}});
     if (beam.sensedDistance != 0.0F) beams.beams.back().range_m = static_cast<double>(beam.sensedDistance);
   }
   return beams;
@@ -119,10 +120,10 @@ Reading readBeams(const CObservationRange& range) {
 
 Reading readStereo(const CObservationStereoImages& stereo) {
   if (!stereo.hasImageRight) throw ConventionBreach{"a STEREO entry lacks its right image"};
-  return StereoSample{Pose::fromMrpt(CPose3D(stereo.cameraPose)),
-                      Pose::fromMrpt(CPose3D(stereo.rightCameraPose)),
-                      stereo.leftCamera,
-                      stereo.rightCamera,
+  return StereoSample{fromMrpt(CPose3D(stereo.cameraPose)),
+                      fromMrpt(CPose3D(stereo.rightCameraPose)),
+                      fromMrpt(stereo.leftCamera),
+                      fromMrpt(stereo.rightCamera),
                       stereo.imageLeft.getExternalStorageFile(),
                       stereo.imageRight.getExternalStorageFile()};
 }
@@ -137,12 +138,12 @@ std::optional<Matrix6d> inverseOf(const Matrix6d& matrix) {
 }
 
 Reading readPanels(const CObservation6DFeatures& features) {
-  PanelSample sample{Pose::fromMrpt(features.sensorPose), {}};
+  PanelSample sample{fromMrpt(features.sensorPose), {}};
   for (const auto& feature : features.sensedFeatures) {
     const auto covariance = inverseOf(feature.inf_matrix.asEigen());
-    SeenPanel seen{feature.id, {Pose::fromMrpt(feature.pose), {}}};
+    SeenPanel seen{feature.id, {fromMrpt(feature.pose), {}}};
     if (covariance)
-      seen.T_camera_panel = UncertainPose::fromMrpt({feature.pose, mrpt::math::CMatrixDouble66(*covariance)});
+      seen.T_camera_panel = UncertainPose::fromYawPitchRoll({fromMrpt(feature.pose), *covariance});
     else
       seen.T_camera_panel.covariance.setConstant(std::numeric_limits<double>::quiet_NaN());
     sample.panels.push_back(seen);
@@ -151,7 +152,7 @@ Reading readPanels(const CObservation6DFeatures& features) {
 }
 
 Reading readMarkers(const CObservationBearingRange& bearings) {
-  MarkersSample sample{Pose::fromMrpt(bearings.sensorLocationOnRobot), {}};
+  MarkersSample sample{fromMrpt(bearings.sensorLocationOnRobot), {}};
   const Vector3d sigmas(bearings.sensor_std_range, bearings.sensor_std_yaw, bearings.sensor_std_pitch);
   const Matrix3d common = sigmas.cwiseAbs2().asDiagonal();
   for (const auto& mark : bearings.sensedData)
@@ -167,11 +168,11 @@ void writeTriple(CObservationIMU& imu, const FieldTriple& fields, const std::opt
   for (std::size_t i = 0; i < fields.size(); ++i) imu.set(fields[i], (*value)[static_cast<Eigen::Index>(i)]);
 }
 
-CPose3DQuat toPoseQuat(const Pose& pose) { return CPose3DQuat(pose.toMrpt()); }
+CPose3DQuat toPoseQuat(const Pose& pose) { return CPose3DQuat(toMrpt(pose)); }
 
 void append(CObservation& observation, Time time, const std::string& label,
             std::vector<std::uint8_t>& bytes) {
-  observation.timestamp = time;
+  observation.timestamp = toMrpt(time);
   observation.sensorLabel = label;
   mrpt::io::CMemoryStream stream;
   mrpt::serialization::archiveFrom(stream) << observation;
@@ -189,7 +190,7 @@ struct Encoder {
   void operator()(const InsSample& ins) const {
     requireLabel(labels::kIns);
     CObservationIMU imu;
-    imu.sensorPose = ins.T_robot_ins.toMrpt();
+    imu.sensorPose = toMrpt(ins.T_robot_ins);
     writeTriple(imu, kAngularVelocity, ins.angular_velocity_ins);
     writeTriple(imu, kSpecificForce, ins.specific_force_ins);
     if (ins.R_odom_ins) {
@@ -201,14 +202,14 @@ struct Encoder {
   void operator()(const DvlSample& dvl) const {
     requireLabel(labels::kDvl);
     CObservationIMU imu;
-    imu.sensorPose = dvl.T_robot_dvl.toMrpt();
+    imu.sensorPose = toMrpt(dvl.T_robot_dvl);
     writeTriple(imu, kVelocity, dvl.velocity_dvl);
     write(imu);
   }
   void operator()(const DepthSample& depth) const {
     requireLabel(labels::kDepth);
     CObservationIMU imu;
-    imu.sensorPose = depth.T_robot_depth.toMrpt();
+    imu.sensorPose = toMrpt(depth.T_robot_depth);
     imu.set(IMU_PRESSURE, depth.pressure_pa);
     if (depth.temperature_celsius) imu.set(IMU_TEMPERATURE, *depth.temperature_celsius);
     write(imu);
@@ -221,7 +222,7 @@ struct Encoder {
     for (const DvlBeam& beam : beams.beams) {
       CObservationRange::TMeasurement measurement;
       measurement.sensorID = static_cast<std::uint16_t>(range.sensedData.size());
-      measurement.sensorPose = beam.T_robot_beam.toMrpt().asTPose();
+      measurement.sensorPose = toMrpt(beam.T_robot_beam).asTPose();
       measurement.sensedDistance = static_cast<float>(beam.range_m.value_or(0.0));
       range.sensedData.push_back(measurement);
     }
@@ -231,15 +232,15 @@ struct Encoder {
     const auto expected = classOf(sample.label);
     if (!expected.empty() && expected != kRobotPose) requireLabel(labels::kUsbl);
     CObservationRobotPose observation;
-    observation.pose = pose.T_odom_robot;
-    observation.sensorPose = pose.T_robot_sensor.toMrpt();
+    observation.pose = toMrpt(pose.T_odom_robot);
+    observation.sensorPose = toMrpt(pose.T_robot_sensor);
     write(observation);
   }
   void operator()(const ImageSample& image) const {
     if (sample.label != labels::kSimulated) requireLabel(labels::kCamera);
     CObservationImage observation;
-    observation.cameraPose = image.T_robot_camera.toMrpt();
-    observation.cameraParams = image.intrinsics;
+    observation.cameraPose = toMrpt(image.T_robot_camera);
+    observation.cameraParams = toMrpt(image.intrinsics);
     observation.image.setExternalStorage(image.file);
     write(observation);
   }
@@ -248,8 +249,8 @@ struct Encoder {
     CObservationStereoImages observation;
     observation.cameraPose = toPoseQuat(stereo.T_robot_left);
     observation.rightCameraPose = toPoseQuat(stereo.T_left_right);
-    observation.leftCamera = stereo.left_intrinsics;
-    observation.rightCamera = stereo.right_intrinsics;
+    observation.leftCamera = toMrpt(stereo.left_intrinsics);
+    observation.rightCamera = toMrpt(stereo.right_intrinsics);
     observation.imageLeft.setExternalStorage(stereo.left_file);
     observation.imageRight.setExternalStorage(stereo.right_file);
     observation.hasImageRight = true;
@@ -258,13 +259,13 @@ struct Encoder {
   void operator()(const PanelSample& sample_in) const {
     if (sample.label != labels::kHandles) requireLabel(labels::kPanel);
     CObservation6DFeatures observation;
-    observation.sensorPose = sample_in.T_robot_camera.toMrpt();
+    observation.sensorPose = toMrpt(sample_in.T_robot_camera);
     for (const SeenPanel& seen : sample_in.panels) {
-      const auto pdf = seen.T_camera_panel.toMrpt();
+      const YawPitchRollPose pose = seen.T_camera_panel.toYawPitchRoll();
       CObservation6DFeatures::TMeasurement feature;  // its information is zero
       feature.id = seen.panel;
-      feature.pose = pdf.mean;
-      if (const auto information = inverseOf(pdf.cov.asEigen())) feature.inf_matrix.asEigen() = *information;
+      feature.pose = toMrpt(pose.mean);
+      if (const auto information = inverseOf(pose.covariance)) feature.inf_matrix.asEigen() = *information;
       observation.sensedFeatures.push_back(feature);
     }
     write(observation);
@@ -272,7 +273,7 @@ struct Encoder {
   void operator()(const MarkersSample& markers) const {
     requireLabel(labels::kMarkerSights);
     CObservationBearingRange observation;
-    observation.sensorLocationOnRobot = markers.T_robot_camera_forward.toMrpt();
+    observation.sensorLocationOnRobot = toMrpt(markers.T_robot_camera_forward);
     observation.validCovariances = true;
     std::set<int> ids;  // MRPT refuses the same one twice
     for (const SeenMarker& marker : markers.markers) {
@@ -311,7 +312,7 @@ Reading decodeReading(const std::string& mrpt_class, const std::string& label,
   if (mrpt_class == kImu) return readImu(label, decode<CObservationIMU>(object));
   if (mrpt_class == kRobotPose) {
     const auto observation = decode<CObservationRobotPose>(object);
-    return PoseSample{observation.pose, Pose::fromMrpt(observation.sensorPose)};
+    return PoseSample{fromMrpt(observation.pose), fromMrpt(observation.sensorPose)};
   }
   if (label == labels::kPanel || label == labels::kHandles)
     return readPanels(decode<CObservation6DFeatures>(object));
@@ -320,7 +321,7 @@ Reading decodeReading(const std::string& mrpt_class, const std::string& label,
   if (label == labels::kStereo) return readStereo(decode<CObservationStereoImages>(object));
   if (label == labels::kCamera || label == labels::kSimulated) {
     const auto observation = decode<CObservationImage>(object);
-    return ImageSample{Pose::fromMrpt(observation.cameraPose), observation.cameraParams,
+    return ImageSample{fromMrpt(observation.cameraPose), fromMrpt(observation.cameraParams),
                        observation.image.getExternalStorageFile()};
   }
   return UnknownSample{mrpt_class};

@@ -13,7 +13,7 @@ std::vector<StampedPose> recordedPath(const std::filesystem::path& file, const s
   std::map<std::string, std::vector<StampedPose>> paths;
   while (const auto sample = reader.next())
     if (const auto* pose = std::get_if<PoseSample>(&sample->reading); pose != nullptr)
-      paths[sample->label].push_back({sample->time, Pose::fromMrpt(pose->T_odom_robot.mean)});
+      paths[sample->label].push_back({sample->time, pose->T_odom_robot.mean});
   std::string labels;
   for (const auto& [name, path] : paths) labels += (labels.empty() ? "" : ", ") + name;
   if (paths.empty()) throw Error(file.string(), label, "has no poses");

@@ -125,7 +125,7 @@ class LabelAccumulator {
 
   LabelInfo info_;
   std::vector<Pose> last_mountings_;
-  std::vector<mrpt::img::TCamera> last_intrinsics_;
+  std::vector<RecordedCamera> last_intrinsics_;
   std::vector<std::int64_t> times_;
   std::vector<std::optional<double>> values_;
 };
@@ -179,12 +179,13 @@ void describeLabel(const RecordingInfo& info, const LabelInfo& label, std::strin
   for (const auto& [part, count] : label.absent)
     text += "             without " + part + ": " + std::to_string(count) + "\n";
   for (const Pose& mounting : label.mountings) text += "             at " + poseText(mounting) + "\n";
-  for (const auto& camera : label.intrinsics)
+  for (const RecordedCamera& camera : label.intrinsics) {
+    const CameraModel& m = camera.model;
     text += print(
-        "             %u x %u px, fx %.3f fy %.3f cx %.3f cy %.3f px, k1 %.6f k2 %.6f p1 %.6f p2 %.6f k3 "
+        "             %d x %d px, fx %.3f fy %.3f cx %.3f cy %.3f px, k1 %.6f k2 %.6f p1 %.6f p2 %.6f k3 "
         "%.6f\n",
-        camera.ncols, camera.nrows, camera.fx(), camera.fy(), camera.cx(), camera.cy(), camera.k1(),
-        camera.k2(), camera.p1(), camera.p2(), camera.k3());
+        m.width_px, m.height_px, m.fx_px, m.fy_px, m.cx_px, m.cy_px, m.k1, m.k2, m.p1, m.p2, m.k3);
+  }
 }
 
 nlohmann::json toJson(const Pose& pose) {
@@ -193,11 +194,18 @@ nlohmann::json toJson(const Pose& pose) {
           {"yaw_deg", degrees(ypr[0])}, {"pitch_deg", degrees(ypr[1])}, {"roll_deg", degrees(ypr[2])}};
 }
 
-nlohmann::json toJson(const mrpt::img::TCamera& camera) {
-  return {{"width_px", camera.ncols}, {"height_px", camera.nrows}, {"fx_px", camera.fx()},
-          {"fy_px", camera.fy()},     {"cx_px", camera.cx()},      {"cy_px", camera.cy()},
-          {"k1", camera.k1()},        {"k2", camera.k2()},         {"p1", camera.p1()},
-          {"p2", camera.p2()},        {"k3", camera.k3()}};
+nlohmann::json toJson(const CameraModel& m) {
+  return {{"width_px", m.width_px},
+          {"height_px", m.height_px},
+          {"fx_px", m.fx_px},
+          {"fy_px", m.fy_px},
+          {"cx_px", m.cx_px},
+          {"cy_px", m.cy_px},
+          {"k1", m.k1},
+          {"k2", m.k2},
+          {"p1", m.p1},
+          {"p2", m.p2},
+          {"k3", m.k3}};
 }
 
 nlohmann::json toJson(const RecordingInfo& info, const LabelInfo& label) {
@@ -224,7 +232,7 @@ nlohmann::json toJson(const RecordingInfo& info, const LabelInfo& label) {
   json["mountings"] = nlohmann::json::array();
   for (const Pose& mounting : label.mountings) json["mountings"].push_back(toJson(mounting));
   json["intrinsics"] = nlohmann::json::array();
-  for (const auto& camera : label.intrinsics) json["intrinsics"].push_back(toJson(camera));
+  for (const auto& camera : label.intrinsics) json["intrinsics"].push_back(toJson(camera.model));
   return json;
 }
 

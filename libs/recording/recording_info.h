@@ -35,7 +35,7 @@ struct LabelInfo {
   std::map<std::string, std::uint64_t> absent;  ///< what is lacking (e.g. "bottom lock") in how many entries
   std::vector<Pose> mountings;                  ///< of the first entry, see mountings()
   std::uint64_t mounting_changes = 0;           ///< entries whose mounting is not the one before
-  std::vector<mrpt::img::TCamera> intrinsics;   ///< of the first entry
+  std::vector<RecordedCamera> intrinsics;       ///< of the first entry
   std::uint64_t intrinsics_changes = 0;
   std::vector<std::string> missing_images;  ///< files not in the image folder
 };

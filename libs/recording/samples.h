@@ -1,13 +1,12 @@
 #pragma once
 
-#include <mrpt/img/TCamera.h>
-#include <mrpt/poses/CPose3DPDFGaussian.h>
-
+#include <array>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "core/camera_model.h"
 #include "core/geometry.h"
 #include "core/time.h"
 #include "core/uncertain_pose.h"
@@ -69,19 +68,35 @@ struct DepthSample {
 
 /// A pose or position with covariance: USBL (orientation covariance huge), TRUTH, and derived results.
 struct PoseSample {
-  mrpt::poses::CPose3DPDFGaussian T_odom_robot;
+  YawPitchRollPose T_odom_robot;
   Pose T_robot_sensor{};  ///< mounting of what measured it, e.g. the USBL transponder
 };
 
+/// A camera as rawlogs keep it: what this program computes with, and what it only passes on.
+struct RecordedCamera {
+  CameraModel model;  ///< its window is not kept
+  enum class Distortion { none, plumb_bob, kannala_brandt } distortion = Distortion::plumb_bob;
+  std::array<double, 3> k4_k5_k6{};
+  double focal_length_m = 0;
+  std::string name = "camera1";
+
+  friend bool operator==(const RecordedCamera&, const RecordedCamera&) = default;
+};
+
+inline RecordedCamera recordedCamera(CameraModel model) {
+  model.window = {};
+  return {model};
+}
+
 struct ImageSample {
   Pose T_robot_camera;
-  mrpt::img::TCamera intrinsics;
+  RecordedCamera intrinsics;
   std::string file;  ///< external file's name, relative to the recording's image folder
 };
 
 struct StereoSample {
   Pose T_robot_left, T_left_right;
-  mrpt::img::TCamera left_intrinsics, right_intrinsics;
+  RecordedCamera left_intrinsics, right_intrinsics;
   std::string left_file, right_file;
 };
 

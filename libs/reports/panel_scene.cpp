@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "recording/mrpt_types.h"
+
 namespace fathom {
 namespace gl = mrpt::opengl;
 namespace {
@@ -36,7 +38,7 @@ gl::CSetOfTriangles::Ptr triangles(const Surface& surface) {
 
 void addAxes(gl::CSetOfObjects& parent, const Pose& T_parent_frame, double size_m) {
   auto axes = gl::stock_objects::CornerXYZSimple(static_cast<float>(size_m), 2.0f);
-  axes->setPose(T_parent_frame.toMrpt());
+  axes->setPose(toMrpt(T_parent_frame));
   parent.insert(axes);
 }
 
@@ -64,7 +66,7 @@ gl::CSetOfObjects::Ptr panelObject(const PanelMap& map) {
     addAxes(*panel, handle.T_panel_handle(), handle.length_m);
     addName(*panel, handle.position_panel + Vector3d(0.01, 0.01, handle.length_m), handle.id, 0.03);
   }
-  panel->setPose(map.T_odom_panel.toMrpt());
+  panel->setPose(toMrpt(map.T_odom_panel));
   return panel;
 }
 
@@ -81,7 +83,7 @@ Pose T_scene_odom(const Pose& T_odom_panel) {
 gl::CSetOfObjects::Ptr panelsInOdom(const std::vector<PanelMap>& panels) {
   auto odom = gl::CSetOfObjects::Create();
   odom->setName("odom");
-  if (!panels.empty()) odom->setPose(T_scene_odom(panels.front().T_odom_panel).toMrpt());
+  if (!panels.empty()) odom->setPose(toMrpt(T_scene_odom(panels.front().T_odom_panel)));
   addAxes(*odom, {}, 1.0);
   addName(*odom, {0.05, 0.05, 0.0}, "odom", 0.2);
   for (const PanelMap& panel : panels) odom->insert(panelObject(panel));

@@ -17,6 +17,8 @@ constexpr float kSigmas = 3.0F;
 constexpr double kFrustumDepth_m = 0.15;
 constexpr float kNameHeight_m = 0.12F;
 
+mrpt::img::TColor colourOf(const NamedPath& path) { return {path.colour[0], path.colour[1], path.colour[2]}; }
+
 void addLine(gl::CSetOfLines& lines, const Vector3d& from, const Vector3d& to) {
   lines.appendLine(from.x(), from.y(), from.z(), to.x(), to.y(), to.z());
 }
@@ -24,7 +26,7 @@ void addLine(gl::CSetOfLines& lines, const Vector3d& from, const Vector3d& to) {
 gl::CSetOfLines::Ptr linesOf(const NamedPath& path) {
   auto lines = gl::CSetOfLines::Create();
   lines->setName(path.name);
-  lines->setColor_u8(path.colour);
+  lines->setColor_u8(colourOf(path));
   lines->setLineWidth(2.0F);
   for (std::size_t i = 1; i < path.points.size(); ++i)
     addLine(*lines, path.points[i - 1].T_odom_robot.pose.position, path.points[i].T_odom_robot.pose.position);
@@ -52,7 +54,7 @@ void addEllipsoids(gl::CSetOfObjects& odom, const NamedPath& path, double every_
     const auto variance = T_odom_robot.covariance.diagonal().head<3>();
     const bool known = variance.minCoeff() > 0 && variance.maxCoeff() < kLargestSigma_m * kLargestSigma_m;
     if (!known || t_s < next_s) continue;
-    odom.insert(ellipsoidOf(T_odom_robot, path.colour));
+    odom.insert(ellipsoidOf(T_odom_robot, colourOf(path)));
     next_s = t_s + every_s;
   }
 }
@@ -60,7 +62,7 @@ void addEllipsoids(gl::CSetOfObjects& odom, const NamedPath& path, double every_
 void addName(gl::CSetOfObjects& odom, const NamedPath& path) {
   if (path.points.empty()) return;
   auto name = gl::CText3D::Create(path.name, "sans", kNameHeight_m, gl::FILL);
-  name->setColor_u8(path.colour);
+  name->setColor_u8(colourOf(path));
   const Vector3d& at = path.points.back().T_odom_robot.pose.position;
   name->setLocation(at.x(), at.y(), at.z());
   odom.insert(name);

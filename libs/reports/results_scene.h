@@ -1,7 +1,7 @@
 #pragma once
 
-#include <mrpt/img/TColor.h>
-
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -19,7 +19,7 @@ struct NamedPath {
     UncertainPose T_odom_robot;  ///< of a reference: its covariance zero
   };
   std::string name;
-  mrpt::img::TColor colour;
+  std::array<std::uint8_t, 3> colour;  ///< red green blue
   std::vector<Point> points;
 };
 

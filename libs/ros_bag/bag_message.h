@@ -19,7 +19,7 @@ inline Vector3d toVector(const ros1::Point& p) { return {p.x, p.y, p.z}; }
 
 /// To the nearest 100 ns, the unit of Time.
 inline Time toTime(const ros::Time& stamp) {
-  return fromUnixSeconds(stamp.sec) + mrpt::Clock::duration((stamp.nsec + 50) / 100);
+  return fromUnixSeconds(stamp.sec) + Time::duration((stamp.nsec + 50) / 100);
 }
 
 /// One message, where it stands for error messages, and the checks that every field goes through.

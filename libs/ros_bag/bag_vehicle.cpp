@@ -62,7 +62,7 @@ std::string sectionOf(const BagTopic& topic, const MessagePace& pace, const Mess
     case TopicRole::usbl:
       return "usbl:\n" + rateLine(pace) + sigmaLine("position_sigma_m", sigmas.position, 0.5);
     case TopicRole::camera:
-      return "camera:\n" + rateLine(pace) + cameraLines(*topic.intrinsics);
+      return "camera:\n" + rateLine(pace) + cameraLines(topic.intrinsics->model);
     case TopicRole::dvl_beams:
     case TopicRole::reference:
       break;

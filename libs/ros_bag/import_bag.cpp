@@ -207,14 +207,14 @@ void BagImporter::takeUsbl(const BagTopic& topic, const BagMessage& message) {
   const Vector3d position = message.finite(toVector(fix->pose.pose.position), "position");
   constexpr double kUnknownAngle = 1e6;  // rad²: a USBL measures no orientation
   PoseSample sample;
-  sample.T_odom_robot.mean = Pose{Matrix3d::Identity(), position}.toMrpt();
-  sample.T_odom_robot.cov.setZero();
+  sample.T_odom_robot.mean = Pose{Matrix3d::Identity(), position};
+  sample.T_odom_robot.covariance.setZero();
   const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(
       fix->pose.covariance.data());
   for (int i = 0; i < 3; ++i) {
-    sample.T_odom_robot.cov(i + 3, i + 3) = kUnknownAngle;
+    sample.T_odom_robot.covariance(i + 3, i + 3) = kUnknownAngle;
     for (int j = 0; j < 3; ++j)
-      sample.T_odom_robot.cov(i, j) = message.finite(covariance(i, j), "covariance");
+      sample.T_odom_robot.covariance(i, j) = message.finite(covariance(i, j), "covariance");
   }
   if (paces_[topic.as].count == 0) sigmas_.position = sigmaFrom(fix->pose.covariance, 0, 3);
   push(topic, toTime(fix->header.stamp), std::move(sample), message);
@@ -226,7 +226,9 @@ void BagImporter::takeImage(const BagTopic& topic, const BagMessage& message) {
   ros::Time stamp;
   if (message.is("sensor_msgs/Image")) {
     const auto image = message.as<ros1::Image>();
-    if (image->width != topic.intrinsics->ncols || image->height != topic.intrinsics->nrows)
+    const CameraModel& expected = topic.intrinsics->model;
+    if (image->width != static_cast<std::uint32_t>(expected.width_px) ||
+        image->height != static_cast<std::uint32_t>(expected.height_px))
       throw message.error("image is " + std::to_string(image->width) + " x " + std::to_string(image->height) +
                           " px, the map's intrinsics are for another size");
     bytes = encodePng(*image, message);

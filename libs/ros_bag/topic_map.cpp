@@ -45,18 +45,18 @@ void readInsFields(const YamlMap& y, BagTopic& topic) {
   }
 }
 
-mrpt::img::TCamera readIntrinsics(const YamlMap& y) {
+RecordedCamera readIntrinsics(const YamlMap& y) {
   const int width_px = y.integer("width_px"), height_px = y.integer("height_px");
   if (width_px <= 0 || height_px <= 0) throw y.error("width_px", "image size must be greater than zero");
-  mrpt::img::TCamera camera;
-  camera.ncols = static_cast<std::uint32_t>(width_px);
-  camera.nrows = static_cast<std::uint32_t>(height_px);
-  camera.setIntrinsicParamsFromValues(y.positive("fx_px"), y.positive("fy_px"), y.number("cx_px"),
-                                      y.number("cy_px"));
+  CameraModel camera{width_px,          height_px,        y.positive("fx_px"), y.positive("fy_px"),
+                     y.number("cx_px"), y.number("cy_px")};
   const YamlMap d = y.map("distortion");
-  camera.setDistortionPlumbBob(d.number("k1"), d.number("k2"), d.number("p1"), d.number("p2"),
-                               d.number("k3"));
-  return camera;
+  camera.k1 = d.number("k1");
+  camera.k2 = d.number("k2");
+  camera.p1 = d.number("p1");
+  camera.p2 = d.number("p2");
+  camera.k3 = d.number("k3");
+  return recordedCamera(camera);
 }
 
 BagTopic readTopic(const YamlMap& y) {

@@ -1,13 +1,12 @@
 #pragma once
 
-#include <mrpt/img/TCamera.h>
-
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/geometry.h"
+#include "recording/samples.h"
 
 namespace fathom {
 
@@ -27,8 +26,8 @@ struct BagTopic {
   Pose T_robot_sensor;
   // INS: which fields are used, and whose attitude `orientation` is.
   bool use_orientation = true, use_rate = true, use_acceleration = true;
-  bool orientation_is_robot = false;             ///< else the sensor's own, as ROS defines it
-  std::optional<mrpt::img::TCamera> intrinsics;  ///< CAMERA only
+  bool orientation_is_robot = false;         ///< else the sensor's own, as ROS defines it
+  std::optional<RecordedCamera> intrinsics;  ///< CAMERA only
 };
 
 /// Which topics of a bag become what, see config/husky_topics.yaml.

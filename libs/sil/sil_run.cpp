@@ -19,7 +19,6 @@
 #include "fiducials/one_opencv_thread.h"
 #include "imaging/fingerprints.h"
 #include "recording/rawlog.h"
-#include "recording/recorded_camera.h"
 #include "render/images.h"
 #include "sil/pair_video.h"
 
@@ -184,7 +183,7 @@ class Outputs {
     const PairFiles files = PairStore::filesOf(posed);
     writeImage(posed, labels::kCamera, files.recorded);
     writeImage(posed, labels::kSimulated, files.simulated);
-    rawlog_.write({posed.time, labels::kMarkers, PoseSample{posed.T_odom_robot.toMrpt(), {}}});
+    rawlog_.write({posed.time, labels::kMarkers, PoseSample{posed.T_odom_robot.toYawPitchRoll(), {}}});
     if (!finished.video_picture.empty()) video_.write(finished.video_picture);
     results_.taken_over += finished.taken_over ? 1 : 0;
     results_.pairs.push_back({posed, finished.record});

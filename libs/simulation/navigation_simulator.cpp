@@ -8,7 +8,6 @@
 #include "core/error.h"
 #include "core/gauss_markov.h"
 #include "core/random.h"
-#include "recording/recorded_camera.h"
 #include "sensors/models.h"
 
 namespace fathom {
@@ -234,8 +233,8 @@ class UsblChannel : public Channel {
     const Vector3d position = predictUsbl(scene_.at(seconds), sheet_.T_robot_usbl) + error;
     PoseSample sample;
     sample.T_robot_sensor = sheet_.T_robot_usbl;
-    sample.T_odom_robot.mean = Pose{Matrix3d::Identity(), position}.toMrpt();
-    auto covariance = sample.T_odom_robot.cov.asEigen();
+    sample.T_odom_robot.mean = Pose{Matrix3d::Identity(), position};
+    Matrix6d& covariance = sample.T_odom_robot.covariance;
     covariance.setZero();
     covariance.diagonal().head<3>().setConstant(std::pow(sheet_.position_sigma_m, 2));
     covariance.diagonal().tail<3>().setConstant(1e6);
@@ -255,7 +254,7 @@ class CameraChannel : public Channel {
  private:
   Reading read(double) override {
     const auto files = imageFiles(sheet_, scene_.options.image_format, image_++);
-    const mrpt::img::TCamera intrinsics = recordedCamera(sheet_.model);
+    const RecordedCamera intrinsics = recordedCamera(sheet_.model);
     if (!sheet_.T_left_right) return ImageSample{sheet_.T_robot_camera, intrinsics, files[0]};
     return StereoSample{
         sheet_.T_robot_camera, *sheet_.T_left_right, intrinsics, intrinsics, files[0], files[1]};
@@ -273,8 +272,8 @@ class TruthChannel : public Channel {
   Reading read(double seconds) override {
     const auto state = scene_.at(seconds);
     PoseSample sample;
-    sample.T_odom_robot.mean = Pose{state.R_odom_robot, state.position_odom}.toMrpt();
-    auto covariance = sample.T_odom_robot.cov.asEigen();
+    sample.T_odom_robot.mean = Pose{state.R_odom_robot, state.position_odom};
+    Matrix6d& covariance = sample.T_odom_robot.covariance;
     covariance.setZero();
     covariance.diagonal().setConstant(1e-12);
     return sample;

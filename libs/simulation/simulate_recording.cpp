@@ -47,7 +47,7 @@ void makeRawlog(const SimulationOptions& options, const Trajectory& trajectory, 
     rawlog.write(sample);
     if (sample.label != labels::kTruth) return;
     const auto& pose = std::get<PoseSample>(sample.reading).T_odom_robot.mean;
-    writeTumLine(truth_out, {sample.time, Pose::fromMrpt(pose)});
+    writeTumLine(truth_out, {sample.time, pose});
     progress.update(secondsBetween(options.start, sample.time) / std::max(duration_s, 1e-9));
   });
 

@@ -37,12 +37,6 @@ struct GarbageDraw {
   }
 };
 
-void setPosition(mrpt::poses::CPose3D& pose, const Vector3d& position) {
-  pose.x(position.x());
-  pose.y(position.y());
-  pose.z(position.z());
-}
-
 void replaceInLandmark(Sample& sample, const GarbageDraw& draw) {
   const Vector3d offset = draw.vector(kWildPosition_m);
   const Vector3d turn = logSO3<double>(GarbageDraw{Garbage::wild, draw.random}.rotation());
@@ -58,17 +52,14 @@ void addToRange(std::optional<double>& range_m, double amount_m) {
 }
 
 void addToUsbl(PoseSample& sample, const Vector3d& amount_m) {
-  mrpt::poses::CPose3D& pose = sample.T_odom_robot.mean;
-  setPosition(pose, Vector3d(pose.x(), pose.y(), pose.z()) + amount_m);
+  sample.T_odom_robot.mean.position += amount_m;
 }
 
 void moveRobot(Sample& sample, const Vector3d& offset_m, const Vector3d& turn_rad) {
   if (offset_m.isZero(0) && turn_rad.isZero(0)) return;
   const Pose D{expSO3<double>(turn_rad), offset_m};
   if (auto* pose = std::get_if<PoseSample>(&sample.reading)) {
-    const Pose T_odom_robot = Pose::fromMrpt(pose->T_odom_robot.mean) * D;
-    pose->T_odom_robot.mean = Pose{T_odom_robot.rotation, Vector3d::Zero()}.toMrpt();
-    setPosition(pose->T_odom_robot.mean, T_odom_robot.position);
+    pose->T_odom_robot.mean = pose->T_odom_robot.mean * D;
   } else if (auto* panels = std::get_if<PanelSample>(&sample.reading)) {
     const Pose change = panels->T_robot_camera.inverse() * D.inverse() * panels->T_robot_camera;
     for (SeenPanel& seen : panels->panels) seen.T_camera_panel.pose = change * seen.T_camera_panel.pose;
@@ -91,7 +82,7 @@ void replaceValues(Sample& sample, Garbage garbage, Random& random) {
   } else if (auto* depth = std::get_if<DepthSample>(&sample.reading)) {
     depth->pressure_pa = draw.value(0, kWildPressure_pa);
   } else if (sample.label == labels::kUsbl && std::holds_alternative<PoseSample>(sample.reading)) {
-    setPosition(std::get<PoseSample>(sample.reading).T_odom_robot.mean, draw.vector(kWildPosition_m));
+    std::get<PoseSample>(sample.reading).T_odom_robot.mean.position = draw.vector(kWildPosition_m);
   } else {
     replaceInLandmark(sample, draw);
   }

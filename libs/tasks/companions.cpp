@@ -54,23 +54,23 @@ struct Comparison {
 
   void intrinsics(const LabelInfo& label, const CameraSheet& sheet) {
     if (label.intrinsics.empty()) return;
-    const auto& recorded = label.intrinsics.front();
+    const CameraModel& recorded = label.intrinsics.front().model;
     const auto compare = [&](const char* name, double in_recording, double in_sheet, double tolerance) {
       if (std::abs(in_recording - in_sheet) <= tolerance) return;
       lines.push_back(label.label + ": " + name + " is " + fixed(in_recording, 6) + " in the recording, " +
                       fixed(in_sheet, 6) + " in the vehicle file");
     };
-    compare("width_px", recorded.ncols, sheet.model.width_px, 0);
-    compare("height_px", recorded.nrows, sheet.model.height_px, 0);
-    compare("fx_px", recorded.fx(), sheet.model.fx_px, kSamePixel_px);
-    compare("fy_px", recorded.fy(), sheet.model.fy_px, kSamePixel_px);
-    compare("cx_px", recorded.cx(), sheet.model.cx_px, kSamePixel_px);
-    compare("cy_px", recorded.cy(), sheet.model.cy_px, kSamePixel_px);
-    compare("k1", recorded.k1(), sheet.model.k1, kSameDistortion);
-    compare("k2", recorded.k2(), sheet.model.k2, kSameDistortion);
-    compare("p1", recorded.p1(), sheet.model.p1, kSameDistortion);
-    compare("p2", recorded.p2(), sheet.model.p2, kSameDistortion);
-    compare("k3", recorded.k3(), sheet.model.k3, kSameDistortion);
+    compare("width_px", recorded.width_px, sheet.model.width_px, 0);
+    compare("height_px", recorded.height_px, sheet.model.height_px, 0);
+    compare("fx_px", recorded.fx_px, sheet.model.fx_px, kSamePixel_px);
+    compare("fy_px", recorded.fy_px, sheet.model.fy_px, kSamePixel_px);
+    compare("cx_px", recorded.cx_px, sheet.model.cx_px, kSamePixel_px);
+    compare("cy_px", recorded.cy_px, sheet.model.cy_px, kSamePixel_px);
+    compare("k1", recorded.k1, sheet.model.k1, kSameDistortion);
+    compare("k2", recorded.k2, sheet.model.k2, kSameDistortion);
+    compare("p1", recorded.p1, sheet.model.p1, kSameDistortion);
+    compare("p2", recorded.p2, sheet.model.p2, kSameDistortion);
+    compare("k3", recorded.k3, sheet.model.k3, kSameDistortion);
   }
 
   void beams(const LabelInfo& label, const DvlSheet& sheet) {

@@ -6,7 +6,6 @@
 #include "core/progress.h"
 #include "localization/dead_reckoning.h"
 #include "localization/run_tasks.h"
-#include "recording/recorded_camera.h"
 #include "sources/degraded_source.h"
 #include "tasks/start_pose.h"
 
@@ -39,16 +38,16 @@ class Witness {
       seeImage(sample.time, pair->left_intrinsics, pair->T_robot_left);
     const auto* pose = std::get_if<PoseSample>(&sample.reading);
     if (pose == nullptr) return;
-    const StampedPose stamped{sample.time, Pose::fromMrpt(pose->T_odom_robot.mean)};
+    const StampedPose stamped{sample.time, pose->T_odom_robot.mean};
     if (sample.label == labels::kTruth && collect_truth_) story_.reference.push_back(stamped);
     if (sample.label == labels::kMarkers) story_.marker_poses.push_back(stamped);
   }
 
  private:
-  void seeImage(Time time, const mrpt::img::TCamera& intrinsics, const Pose& T_robot_camera) {
+  void seeImage(Time time, const RecordedCamera& intrinsics, const Pose& T_robot_camera) {
     story_.image_times.push_back(time);
     if (story_.camera) return;
-    story_.camera = cameraModel(intrinsics);
+    story_.camera = intrinsics.model;
     story_.T_robot_camera = T_robot_camera;
   }
 

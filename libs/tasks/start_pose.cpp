@@ -18,7 +18,7 @@ std::optional<StampedPose> firstTruth(const fs::path& rawlog) {
   while (const auto sample = reader.next())
     if (sample->label == labels::kTruth)
       if (const auto* pose = std::get_if<PoseSample>(&sample->reading))
-        return StampedPose{sample->time, Pose::fromMrpt(pose->T_odom_robot.mean)};
+        return StampedPose{sample->time, pose->T_odom_robot.mean};
   return std::nullopt;
 }
 

@@ -36,7 +36,7 @@ Vector3d strapdownError(const Trajectory& trajectory, double begin_s, double dur
     if (truth < samples.at(labels::kTruth).size() && samples.at(labels::kTruth)[truth].time == ins[i].time) {
       const auto& pose = std::get<PoseSample>(samples.at(labels::kTruth)[truth++].reading);
       const Pose T_odom_robot = T * T_robot_ins.inverse();
-      const Pose expected = Pose::fromMrpt(pose.T_odom_robot.mean);
+      const Pose expected = pose.T_odom_robot.mean;
       worst_m = std::max(worst_m, (T_odom_robot.position - expected.position).norm());
       worst_rad = std::max(worst_rad, angleBetween(T_odom_robot.rotation, expected.rotation));
     }

@@ -6,7 +6,6 @@
 
 #include "landmarks/landmark_source.h"
 #include "panel/panel_maps.h"
-#include "recording/recorded_camera.h"
 #include "support/detections.h"
 #include "support/shared_data.h"
 
@@ -31,7 +30,7 @@ std::vector<View> viewsOf(const PanelMap& panel) {
     if (const auto* image = std::get_if<ImageSample>(&sample->reading))
       views.push_back({sample->time, *image, {}});
     if (sample->label == labels::kTruth)
-      truth[sample->time] = Pose::fromMrpt(std::get<PoseSample>(sample->reading).T_odom_robot.mean);
+      truth[sample->time] = std::get<PoseSample>(sample->reading).T_odom_robot.mean;
   }
   for (View& view : views)
     if (truth.contains(view.time))
@@ -41,7 +40,7 @@ std::vector<View> viewsOf(const PanelMap& panel) {
 
 /// Whether two markers or more are whole in the image, at most 3 m away.
 bool isInView(const View& view, const PanelMap& panel) {
-  const CameraModel camera = cameraModel(view.image.intrinsics);
+  const CameraModel camera = view.image.intrinsics.model;
   int whole = 0;
   for (const Marker& marker : panel.markers) {
     const auto corners = marker.corners_panel();
@@ -62,7 +61,7 @@ TEST(Trial, PanelsAreSeenWhereTheyShouldBeAndAsWellAsTheySay) {
   EXPECT_GE(views.size(), 600U);
   std::vector<CameraImage> images;
   for (std::size_t i = 0; i < views.size(); i += 5)
-    images.push_back({kTrial / "trial_Images" / views[i].image.file, cameraModel(views[i].image.intrinsics)});
+    images.push_back({kTrial / "trial_Images" / views[i].image.file, views[i].image.intrinsics.model});
   DetectionSettings settings;
   settings.families = familiesOf(panels);
   const auto found = detectImages(images, settings, "");
@@ -75,8 +74,8 @@ TEST(Trial, PanelsAreSeenWhereTheyShouldBeAndAsWellAsTheySay) {
     const View& view = views[i];
     ASSERT_TRUE(view.T_camera_panel);
     const auto* detections = found.find(kTrial / "trial_Images" / view.image.file);
-    const Sighting sighting = sightingOf({{*detections, cameraModel(view.image.intrinsics), {}}},
-                                         view.image.T_robot_camera, panels);
+    const Sighting sighting =
+        sightingOf({{*detections, view.image.intrinsics.model, {}}}, view.image.T_robot_camera, panels);
     in_view += isInView(view, panels[0]) ? 1 : 0;
     seen_in_view += isInView(view, panels[0]) && !sighting.panels.panels.empty() ? 1 : 0;
     for (const SeenPanel& seen : sighting.panels.panels) {

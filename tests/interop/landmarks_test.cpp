@@ -54,7 +54,7 @@ Judged judge(const RecordingFiles& files) {
   RecordingSource first(files.rawlog);
   while (const auto sample = first.next())
     if (sample->label == labels::kTruth)
-      truth[sample->time] = Pose::fromMrpt(std::get<PoseSample>(sample->reading).T_odom_robot.mean);
+      truth[sample->time] = std::get<PoseSample>(sample->reading).T_odom_robot.mean;
   RecordingSource second(files.rawlog);
   DetectionSettings settings;
   settings.families = familiesOf(panels);
@@ -67,7 +67,7 @@ Judged judge(const RecordingFiles& files) {
   Judged judged;
   while (const auto sample = source.next()) {
     if (sample->label == labels::kMarkers) {
-      const Pose robot = Pose::fromMrpt(std::get<PoseSample>(sample->reading).T_odom_robot.mean);
+      const Pose robot = std::get<PoseSample>(sample->reading).T_odom_robot.mean;
       judged.worst_robot_m =
           std::max(judged.worst_robot_m, (robot.position - truth.at(sample->time).position).norm());
     }

@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
+#include "recording/mrpt_types.h"
 #include "support/panels.h"
 #include "support/run_program.h"
 
@@ -76,7 +77,7 @@ TEST(MapCommand, SceneIsReadByMrpt) {
   ASSERT_TRUE(panel);
 
   const PanelMap map = readPanelMap(kMaps + "panel.yaml");
-  const Pose T_odom_panel = Pose::fromMrpt(mrpt::poses::CPose3D(panel->getPose()));
+  const Pose T_odom_panel = fromMrpt(mrpt::poses::CPose3D(panel->getPose()));
   EXPECT_LT((T_odom_panel.position - map.T_odom_panel.position).norm(), 1e-6);
   EXPECT_LT(angleBetween(T_odom_panel.rotation, map.T_odom_panel.rotation), 1e-6);
   std::multiset<std::string> labels;
@@ -88,7 +89,7 @@ TEST(MapCommand, SceneIsReadByMrpt) {
     EXPECT_EQ(labels.count(name), 1U) << name;
 
   // What the viewer looks at first.
-  const Pose T_scene_panel = Pose::fromMrpt(mrpt::poses::CPose3D(odom->getPose())) * T_odom_panel;
+  const Pose T_scene_panel = fromMrpt(mrpt::poses::CPose3D(odom->getPose())) * T_odom_panel;
   EXPECT_LT(T_scene_panel.position.norm(), 1e-6);
   EXPECT_LT((T_scene_panel.rotation.col(2) - Vector3d(1, 1, 0).normalized()).norm(), 1e-6);
 }

@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdio>
 
+#include "recording/mrpt_types.h"
 #include "support/recordings.h"
 #include "support/shared_data.h"
 
@@ -41,13 +42,13 @@ TEST_F(RawlogMrpt, LoadsAsObservationsOnly) {
   ASSERT_EQ(rawlog.size(), samples.size());  // the comment is taken out, see below
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const auto observation = rawlog.getAsObservation(i);
-    ASSERT_EQ(observation->timestamp, samples[i].time);
+    ASSERT_EQ(observation->timestamp, toMrpt(samples[i].time));
     ASSERT_EQ(observation->sensorLabel, samples[i].label);
     mrpt::poses::CPose3D mounting;
     observation->getSensorPose(mounting);
     const Pose T_robot_sensor = mountings(samples[i].reading).at(0);
-    ASSERT_LT((Pose::fromMrpt(mounting).position - T_robot_sensor.position).norm(), 1e-13);
-    ASSERT_LT((Pose::fromMrpt(mounting).rotation - T_robot_sensor.rotation).norm(), 1e-13);
+    ASSERT_LT((fromMrpt(mounting).position - T_robot_sensor.position).norm(), 1e-13);
+    ASSERT_LT((fromMrpt(mounting).rotation - T_robot_sensor.rotation).norm(), 1e-13);
   }
 }
 
@@ -101,7 +102,7 @@ TEST_F(RawlogMrpt, FieldsAreWhereTheConventionPutsThem) {
     } else if (const auto* pose = std::get_if<PoseSample>(&samples[i].reading)) {
       const auto robot_pose = std::dynamic_pointer_cast<CObservationRobotPose>(observation);
       ASSERT_TRUE(robot_pose);
-      EXPECT_EQ(robot_pose->pose.cov.asEigen(), pose->T_odom_robot.cov.asEigen());
+      EXPECT_EQ(robot_pose->pose.cov.asEigen(), pose->T_odom_robot.covariance);
     } else if (const auto* image = std::get_if<ImageSample>(&samples[i].reading)) {
       const auto picture = std::dynamic_pointer_cast<CObservationImage>(observation);
       ASSERT_TRUE(picture);
@@ -116,7 +117,7 @@ TEST_F(RawlogMrpt, FieldsAreWhereTheConventionPutsThem) {
       // MRPT's own class for a pose with an information matrix says the same of it as for a covariance.
       mrpt::poses::CPose3DPDFGaussianInf told(features->sensedFeatures[0].pose,
                                               features->sensedFeatures[0].inf_matrix);
-      mrpt::poses::CPose3DPDFGaussian expected = seen.T_camera_panel.toMrpt(), converted;
+      mrpt::poses::CPose3DPDFGaussian expected = toMrpt(seen.T_camera_panel.toYawPitchRoll()), converted;
       converted.copyFrom(told);
       EXPECT_TRUE(converted.cov.asEigen().isApprox(expected.cov.asEigen(), 1e-6));
     } else if (const auto* markers = std::get_if<MarkersSample>(&samples[i].reading)) {

@@ -61,7 +61,7 @@ TEST(RosBag, Imu) {
   EXPECT_TRUE(ins.R_odom_ins->isApprox(rotationFromYawPitchRoll(radians(90), 0, 0), 1e-12));
   EXPECT_TRUE(ins.T_robot_ins.rotation.isApprox(topic.T_robot_sensor.rotation));
   EXPECT_TRUE(ins.T_robot_ins.position.isApprox(Vector3d(1, 2, 3)));
-  EXPECT_EQ(recording.start, fromUnixSeconds(1500000000) + mrpt::Clock::duration(1234568)) << "100 ns ticks";
+  EXPECT_EQ(recording.start, fromUnixSeconds(1500000000) + Time::duration(1234568)) << "100 ns ticks";
 
   const Vehicle vehicle = vehicleOf(recording);
   EXPECT_NEAR(vehicle.ins->gyro_sigma_rad_s, 0.002, 1e-12);
@@ -159,9 +159,9 @@ TEST(RosBag, PoseBecomesUsblPositionOfUnknownOrientation) {
   const auto recording = importBag(bagOf("/usbl", fix), topicMap({bagTopic("/usbl", TopicRole::usbl)}));
   const auto pdf = onlyReading<PoseSample>(recording, labels::kUsbl).T_odom_robot;
   EXPECT_EQ(pdf.mean.y(), 4.0);
-  EXPECT_EQ(pdf.cov(0, 0), 0.25);
-  EXPECT_EQ(pdf.cov(1, 0), 0.1);
-  EXPECT_GE(pdf.cov(3, 3), 1e6);
+  EXPECT_EQ(pdf.covariance(0, 0), 0.25);
+  EXPECT_EQ(pdf.covariance(1, 0), 0.1);
+  EXPECT_GE(pdf.covariance(3, 3), 1e6);
   EXPECT_EQ(vehicleOf(recording).usbl->position_sigma_m, 0.5);
 }
 
@@ -205,12 +205,9 @@ TEST(RosBag, RangesOfEqualStampBecomeBeamsOfOneEntry) {
   EXPECT_FALSE(beams(2)[0].range_m || beams(2)[1].range_m) << "out of its limits, and never sent";
 }
 
-BagTopic cameraTopic(unsigned width, unsigned height) {
+BagTopic cameraTopic(int width, int height) {
   BagTopic topic = bagTopic("/cam", TopicRole::camera);
-  topic.intrinsics.emplace();
-  topic.intrinsics->ncols = width;
-  topic.intrinsics->nrows = height;
-  topic.intrinsics->setIntrinsicParamsFromValues(10, 11, 2, 1);
+  topic.intrinsics = recordedCamera({width, height, 10, 11, 2, 1});
   return topic;
 }
 

@@ -10,7 +10,6 @@
 #include "core/files.h"
 #include "panel/panel_map.h"
 #include "recording/rawlog.h"
-#include "recording/recorded_camera.h"
 #include "simulation/copy_panel_map.h"
 #include "simulation/image_simulator.h"
 #include "simulation/read_trajectory.h"
@@ -108,7 +107,7 @@ Contents read(const fs::path& rawlog) {
     EXPECT_GE(sample->time, last);
     last = sample->time;
     if (sample->label == labels::kTruth)
-      contents.truth[sample->time] = Pose::fromMrpt(std::get<PoseSample>(sample->reading).T_odom_robot.mean);
+      contents.truth[sample->time] = std::get<PoseSample>(sample->reading).T_odom_robot.mean;
     if (const auto* image = std::get_if<ImageSample>(&sample->reading))
       contents.images.emplace_back(sample->time, *image);
     if (const auto* pair = std::get_if<StereoSample>(&sample->reading))
@@ -139,7 +138,7 @@ TEST(SimulatedImages, MarkersAreWhereTruthSaysTheyAre) {
       const auto corners_panel = marker.corners_panel();
       for (std::size_t k = 0; k < 4; ++k) {
         const Vector3d point = T_camera_panel * corners_panel[k];
-        const Vector2d error_px = cameraModel(image.intrinsics).project(point) - found.at(marker.id)[k];
+        const Vector2d error_px = image.intrinsics.model.project(point) - found.at(marker.id)[k];
         sum += error_px;
         squares += error_px.squaredNorm();
         largest = std::max(largest, error_px.norm());

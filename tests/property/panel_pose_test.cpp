@@ -160,7 +160,7 @@ TEST(UncertainPose, ConvertsToMrptAndToTheRobot) {
   const Pose T_odom_panel{rotationFromYawPitchRoll(2.9, 0.1, 1.6), {6, 0.4, -4}};
   const Pose T_robot_camera{rotationFromYawPitchRoll(-1.6, 0.1, -1.5), {0.35, 0, 0.05}};
   const UncertainPose robot = robotPose(panel, T_odom_panel, T_robot_camera);
-  const auto mrpt_panel = panel.toMrpt();
+  const YawPitchRollPose mrpt_panel = panel.toYawPitchRoll();
 
   Matrix6d robot_scatter = Matrix6d::Zero(), mrpt_scatter = Matrix6d::Zero();
   constexpr int kSamples = 20000;
@@ -182,8 +182,8 @@ TEST(UncertainPose, ConvertsToMrptAndToTheRobot) {
   }
   // 20000 samples: 1 % of the largest entries, and as much from the angles' curvature.
   EXPECT_LT((robot_scatter - robot.covariance).norm(), 0.03 * robot.covariance.norm());
-  EXPECT_LT((mrpt_scatter - mrpt_panel.cov.asEigen()).norm(), 0.03 * mrpt_scatter.norm());
-  EXPECT_LT((Pose::fromMrpt(mrpt_panel.mean).position - panel.pose.position).norm(), 1e-12);
+  EXPECT_LT((mrpt_scatter - mrpt_panel.covariance).norm(), 0.03 * mrpt_scatter.norm());
+  EXPECT_LT((mrpt_panel.mean.position - panel.pose.position).norm(), 1e-12);
 }
 
 const Pose kNarrowPair{expSO3<double>({0.01, -0.03, 0.02}), {0.15, 0.01, -0.02}};

@@ -36,8 +36,7 @@ class EffectCalibration : public testing::Test {
     std::vector<StampedPose> truth;
     simulateNavigation(simulation_, trajectory_, [&](const Sample& sample) {
       if (sample.label == labels::kTruth)
-        truth.push_back(
-            {sample.time, Pose::fromMrpt(std::get<PoseSample>(sample.reading).T_odom_robot.mean)});
+        truth.push_back({sample.time, std::get<PoseSample>(sample.reading).T_odom_robot.mean});
       else
         samples.push_back(sample);
     });

@@ -85,7 +85,7 @@ class EffectImages : public testing::Test {
     if (with.panels.panels.empty() || without.panels.panels.empty()) return found;
     found.joint_m = errorOf(with.panels, state);
     found.without_m = errorOf(without.panels, at_stamp);
-    found.mean_m = (Pose::fromMrpt(with.robot->T_odom_robot.mean).position - state.position_odom).norm();
+    found.mean_m = (with.robot->T_odom_robot.mean.position - state.position_odom).norm();
     return found;
   }
 

@@ -302,8 +302,8 @@ TEST(LandmarkHypotheses, MeansOverMarkersAreJudgedAlike) {
   pushed.fault = [&](Sample& sample, double t_s, Random&) {  // as the map has it still where it was
     if (auto* pose = std::get_if<PoseSample>(&sample.reading);
         pose && sample.label == labels::kMarkers && t_s > 30.0) {
-      const Pose T_panel_robot = pushed.panels[0].inverse() * Pose::fromMrpt(pose->T_odom_robot.mean);
-      pose->T_odom_robot.mean = (pushed.panels[0] * push.inverse() * T_panel_robot).toMrpt();
+      const Pose T_panel_robot = pushed.panels[0].inverse() * pose->T_odom_robot.mean;
+      pose->T_odom_robot.mean = (pushed.panels[0] * push.inverse() * T_panel_robot);
     }
     return true;
   };

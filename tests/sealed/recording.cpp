@@ -13,7 +13,6 @@
 #include "inertial.h"
 #include "panel_design.h"
 #include "recording/rawlog.h"
-#include "recording/recorded_camera.h"
 #include "truth.h"
 #include "vehicle.h"
 

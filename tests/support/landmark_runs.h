@@ -89,8 +89,7 @@ inline auto LandmarkRun::run(double duration_s) const -> Outcome {
   Outcome outcome;
   simulateNavigation(simulated, trajectory, [&](const Sample& sample) {
     if (sample.label == labels::kTruth)
-      outcome.truth.push_back(
-          {sample.time, Pose::fromMrpt(std::get<PoseSample>(sample.reading).T_odom_robot.mean)});
+      outcome.truth.push_back({sample.time, std::get<PoseSample>(sample.reading).T_odom_robot.mean});
     else
       samples.push_back(sample);
   });
@@ -120,8 +119,7 @@ inline auto LandmarkRun::run(double duration_s) const -> Outcome {
     const SeenPanel& seen = sample.panels.front();
     const Pose T_odom_robot =
         panels[static_cast<std::size_t>(seen.panel)] * (T_robot_camera * seen.T_camera_panel.pose).inverse();
-    mrpt::poses::CPose3DPDFGaussian pdf(T_odom_robot.toMrpt());
-    samples.push_back({after(zero, t), labels::kMarkers, PoseSample{pdf}});
+    samples.push_back({after(zero, t), labels::kMarkers, PoseSample{{T_odom_robot}}});
   }
   std::stable_sort(samples.begin(), samples.end(),
                    [](const Sample& a, const Sample& b) { return a.time < b.time; });

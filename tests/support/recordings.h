@@ -21,14 +21,14 @@ namespace fathom::test {
 
 inline const Time kStart = fromUnixSeconds(1'700'000'000.0);
 
-inline mrpt::img::TCamera randomCamera(Random& random) {
-  mrpt::img::TCamera camera;
-  camera.ncols = 640;
-  camera.nrows = 480;
-  camera.setIntrinsicParamsFromValues(random.uniform(500, 600), random.uniform(500, 600), 320.5, 240.25);
-  camera.distortion = mrpt::img::DistortionModel::plumb_bob;
-  for (double& coefficient : camera.dist) coefficient = 0.01 * random.normal();
-  camera.cameraName = "front";
+inline RecordedCamera randomCamera(Random& random) {
+  RecordedCamera camera;
+  CameraModel& model = camera.model;
+  model = {640, 480, random.uniform(500, 600), random.uniform(500, 600), 320.5, 240.25};
+  for (double* coefficient : {&model.k1, &model.k2, &model.p1, &model.p2, &model.k3})
+    *coefficient = 0.01 * random.normal();
+  for (double& coefficient : camera.k4_k5_k6) coefficient = 0.01 * random.normal();
+  camera.name = "front";
   return camera;
 }
 
@@ -64,10 +64,10 @@ inline Sample randomSample(int kind, Time time, Random& random) {
     case 4:
     case 5: {
       PoseSample pose;
-      pose.T_odom_robot.mean = randomPose(random).toMrpt();
+      pose.T_odom_robot.mean = randomPose(random);
       Eigen::Matrix<double, 6, 6> root;
       for (double& element : root.reshaped()) element = random.normal();
-      pose.T_odom_robot.cov.asEigen() = root * root.transpose();
+      pose.T_odom_robot.covariance = root * root.transpose();
       pose.T_robot_sensor = randomPose(random);
       return {time, kind == 4 ? labels::kUsbl : "EKF_TL2", pose};
     }
@@ -149,9 +149,10 @@ inline std::string fingerprint(const Sample& sample) {
     for (const double x : pose.position) add(x);
   }
   for (const auto& camera : intrinsics(sample.reading)) {
-    for (const double x : camera.intrinsicParams.asEigen().reshaped()) add(x);
-    for (const double x : camera.dist) add(x);
-    bytes += camera.cameraName + std::to_string(camera.ncols) + 'x' + std::to_string(camera.nrows);
+    const CameraModel& m = camera.model;
+    for (const double x : {m.fx_px, m.fy_px, m.cx_px, m.cy_px, m.k1, m.k2, m.p1, m.p2, m.k3}) add(x);
+    for (const double x : camera.k4_k5_k6) add(x);
+    bytes += camera.name + std::to_string(m.width_px) + 'x' + std::to_string(m.height_px);
   }
   for (const std::string& image : imageFiles(sample.reading)) bytes += '|' + image;
   return bytes;

@@ -94,7 +94,7 @@ inline PosedImages atTruth(PosedImages images, const std::filesystem::path& rawl
   while (const auto sample = reader.next()) {
     if (!time_zero) time_zero = sample->time;
     if (sample->label == labels::kTruth)
-      truth[sample->time] = Pose::fromMrpt(std::get<PoseSample>(sample->reading).T_odom_robot.mean);
+      truth[sample->time] = std::get<PoseSample>(sample->reading).T_odom_robot.mean;
   }
   const Trajectory path = readTrajectory(rawlog.parent_path() / "trajectory.yaml");
   for (PosedImage& posed : images.posed) {

@@ -72,7 +72,7 @@ inline std::vector<double> numbersOf(const Sample& sample) {
   } else if (const auto* depth = std::get_if<DepthSample>(&sample.reading)) {
     numbers.push_back(depth->pressure_pa);
   } else if (const auto* pose = std::get_if<PoseSample>(&sample.reading)) {
-    const Pose T = Pose::fromMrpt(pose->T_odom_robot.mean);
+    const Pose T = pose->T_odom_robot.mean;
     add(T.position);
     add(T.rotation);
   }

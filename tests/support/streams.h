@@ -59,8 +59,8 @@ struct LandmarkScene {
 
   Sample markers(Time time, const Pose& T_odom_robot) const {
     PoseSample sample;
-    sample.T_odom_robot.mean = T_odom_robot.toMrpt();
-    sample.T_odom_robot.cov.setIdentity();
+    sample.T_odom_robot.mean = T_odom_robot;
+    sample.T_odom_robot.covariance.setIdentity();
     return {time, labels::kMarkers, sample};
   }
   Sample panel(Time time, const Pose& T_odom_robot) const {
@@ -71,8 +71,7 @@ struct LandmarkScene {
   }
   /// The robot's pose that either form implies.
   Pose robot(const Sample& sample) const {
-    if (const auto* pose = std::get_if<PoseSample>(&sample.reading))
-      return Pose::fromMrpt(pose->T_odom_robot.mean);
+    if (const auto* pose = std::get_if<PoseSample>(&sample.reading)) return pose->T_odom_robot.mean;
     const auto& seen = std::get<PanelSample>(sample.reading);
     return T_odom_panel * (seen.T_robot_camera * seen.panels.at(0).T_camera_panel.pose).inverse();
   }

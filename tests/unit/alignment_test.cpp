@@ -46,7 +46,7 @@ struct Drifting {
             {time, labels::kDvl, dvl},
             {time, labels::kDvlBeams, beams},
             {time, labels::kDepth, depth},
-            {time, labels::kUsbl, PoseSample{mrpt::poses::CPose3DPDFGaussian(usbl.toMrpt()), {}}}};
+            {time, labels::kUsbl, PoseSample{{usbl}}}};
   }
 
   void expectFound() const {

@@ -4,7 +4,6 @@
 
 #include "core/error.h"
 #include "estimation/filter_start.h"
-#include "recording/recorded_camera.h"
 #include "support/batch_runs.h"
 
 namespace fathom {

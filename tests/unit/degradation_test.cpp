@@ -179,7 +179,7 @@ TEST(Degradation, BiasIsWhatItSays) {
   Random random(3);
   const Pose T = test::randomPose(random);
   PoseSample usbl;
-  usbl.T_odom_robot.mean = T.toMrpt();
+  usbl.T_odom_robot.mean = T;
   const std::vector<Sample> samples{
       {at(0), labels::kIns, InsSample{{}, Vector3d(1, 2, 3), Vector3d(4, 5, 6), T.rotation}},
       {at(0), labels::kDvl, DvlSample{{}, {}}},
@@ -202,7 +202,7 @@ TEST(Degradation, BiasIsWhatItSays) {
   EXPECT_EQ(beams[2].range_m, 1e-3);  // 0 would be "no echo"
   EXPECT_EQ(std::get<DepthSample>(out[3].reading).pressure_pa, 200100);
   const auto& moved = std::get<PoseSample>(out[4].reading).T_odom_robot.mean;
-  EXPECT_LT((Pose::fromMrpt(moved).position - T.position - Vector3d(1, 2, 3)).norm(), 1e-12);
+  EXPECT_LT((moved.position - T.position - Vector3d(1, 2, 3)).norm(), 1e-12);
 }
 
 TEST(Degradation, CorruptValuesAreGarbageOfTheKindsAsked) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "recording/mrpt_types.h"
 
 namespace fathom {
 namespace {
@@ -131,7 +132,7 @@ TEST(Geometry, YawPitchRollAtGimbalLock) {
         EXPECT_NEAR(ypr[1], sign * pi / 2, 1e-9);
         EXPECT_LT(angleBetween(rotationFromYawPitchRoll(ypr[0], ypr[1], ypr[2]), R), 1e-9);
         double mrpt_yaw = 0, mrpt_pitch = 0, mrpt_roll = 0;
-        Pose{R, Vector3d::Zero()}.toMrpt().getYawPitchRoll(mrpt_yaw, mrpt_pitch, mrpt_roll);
+        toMrpt(Pose{R, Vector3d::Zero()}).getYawPitchRoll(mrpt_yaw, mrpt_pitch, mrpt_roll);
         EXPECT_LT(angleBetween(rotationFromYawPitchRoll(mrpt_yaw, mrpt_pitch, mrpt_roll), R), 1e-6);
       }
 }
@@ -158,15 +159,15 @@ TEST(Pose, AgreesWithMrpt) {
     const Pose T_b_c{expSO3<double>(2 * random.normal3()), 5 * random.normal3()};
     const Vector3d point = random.normal3();
     const auto close = [](const Pose& ours, const mrpt::poses::CPose3D& theirs) {
-      const Pose other = Pose::fromMrpt(theirs);
+      const Pose other = fromMrpt(theirs);
       EXPECT_LT((ours.rotation - other.rotation).norm(), 1e-14);
       EXPECT_LT((ours.position - other.position).norm(), 1e-13);
     };
-    close(T_a_b, T_a_b.toMrpt());
-    close(T_a_b * T_b_c, T_a_b.toMrpt() + T_b_c.toMrpt());
-    close(T_a_b.inverse(), -T_a_b.toMrpt());
+    close(T_a_b, toMrpt(T_a_b));
+    close(T_a_b * T_b_c, toMrpt(T_a_b) + toMrpt(T_b_c));
+    close(T_a_b.inverse(), -toMrpt(T_a_b));
     mrpt::math::TPoint3D moved;
-    T_a_b.toMrpt().composePoint({point.x(), point.y(), point.z()}, moved);
+    toMrpt(T_a_b).composePoint({point.x(), point.y(), point.z()}, moved);
     EXPECT_LT((T_a_b * point - Vector3d(moved.x, moved.y, moved.z)).norm(), 1e-13);
   }
 }

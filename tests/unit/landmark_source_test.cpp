@@ -1,7 +1,6 @@
 // Derived samples in the stream: their order, times and labels, and that nothing else changes.
 #include "landmarks/landmark_source.h"
 
-#include "recording/recorded_camera.h"
 #include "support/detections.h"
 #include "support/recordings.h"
 #include "support/shared_data.h"
@@ -14,13 +13,8 @@ using test::drain;
 using test::gridPanel;
 using test::kStart;
 
-mrpt::img::TCamera intrinsics() {
-  mrpt::img::TCamera camera;
-  camera.ncols = 640;
-  camera.nrows = 480;
-  camera.setIntrinsicParamsFromValues(555, 553, 321, 245);
-  camera.setDistortionPlumbBob(-0.04, 0.01, 1e-3, -1e-3, 0.002);
-  return camera;
+RecordedCamera intrinsics() {
+  return recordedCamera({640, 480, 555, 553, 321, 245, -0.04, 0.01, 1e-3, -1e-3, 0.002});
 }
 
 const Pose kMountedCamera{rotationFromYawPitchRoll(radians(-90), 0, radians(-92)), {0.35, 0.02, 0.05}};
@@ -31,7 +25,7 @@ class LandmarkSourceTest : public testing::Test {
  protected:
   LandmarkSourceTest() {
     panels[0].T_odom_panel.position = {6, 0, -4};
-    const CameraModel camera = cameraModel(intrinsics());
+    const CameraModel camera = intrinsics().model;
     found.by_file["/images/left.png"] = detectionsOf(panels[0], camera, kT_camera_panel, 0.1, random);
     found.by_file["/images/right.png"] =
         detectionsOf(panels[0], camera, kT_left_right.inverse() * kT_camera_panel, 0.1, random);
@@ -84,7 +78,7 @@ TEST_F(LandmarkSourceTest, RobotAndPanelAgreeWithTruth) {
   const auto& seen = std::get<PanelSample>(samples.at(2).reading).panels.at(0);
   EXPECT_LT(test::poseError(seen.T_camera_panel.pose, kT_camera_panel).head<3>().norm(), 0.01);
   const Pose T_odom_robot = panels[0].T_odom_panel * kT_camera_panel.inverse() * kMountedCamera.inverse();
-  const Pose told = Pose::fromMrpt(std::get<PoseSample>(samples.at(1).reading).T_odom_robot.mean);
+  const Pose told = std::get<PoseSample>(samples.at(1).reading).T_odom_robot.mean;
   EXPECT_LT((told.position - T_odom_robot.position).norm(), 0.15);  // single markers, tilted
 }
 
@@ -104,7 +98,7 @@ TEST_F(LandmarkSourceTest, AmbiguousPanelsAreCounted) {
   panels = {gridPanel(1, 1)};
   Random draws(1);
   found.by_file["/images/far.png"] =
-      detectionsOf(panels[0], cameraModel(intrinsics()), test::lookingAtPanel(5, 0.1), 0.2, draws);
+      detectionsOf(panels[0], intrinsics().model, test::lookingAtPanel(5, 0.1), 0.2, draws);
   auto source = sourceOf({image(1, "far.png")});
   EXPECT_EQ(labelsOf(drain(source)), (std::vector<std::string>{"CAMERA", "MARKERS"}));
   EXPECT_EQ(sightings->panels_unused.at(kAmbiguous), 1U);

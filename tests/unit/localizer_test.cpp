@@ -28,8 +28,7 @@ class LocalizerTest : public testing::Test {
         readTrajectory(std::filesystem::path(FATHOM_SOURCE_DIR) / "config/dive_trajectory.yaml");
     simulateNavigation(simulation_, trajectory, [this](const Sample& sample) {
       if (sample.label == labels::kTruth)
-        truth_.push_back(
-            {sample.time, Pose::fromMrpt(std::get<PoseSample>(sample.reading).T_odom_robot.mean)});
+        truth_.push_back({sample.time, std::get<PoseSample>(sample.reading).T_odom_robot.mean});
       else
         samples_.push_back(sample);
     });

@@ -56,9 +56,9 @@ TEST(NavigationSimulator, ReadingsAtRest) {
               1e-6);
   EXPECT_EQ(reading<PoseSample>(samples, labels::kUsbl, 1).T_robot_sensor.position, Vector3d(0.1, 0, 0.4));
   const auto& usbl = reading<PoseSample>(samples, labels::kUsbl, 1).T_odom_robot;
-  EXPECT_LT((Pose::fromMrpt(usbl.mean).position - T_odom_robot * Vector3d(0.1, 0, 0.4)).norm(), 1e-12);
-  EXPECT_EQ(usbl.cov(0, 0), 0.25);
-  EXPECT_GE(usbl.cov(5, 5), 1e6);
+  EXPECT_LT((usbl.mean.position - T_odom_robot * Vector3d(0.1, 0, 0.4)).norm(), 1e-12);
+  EXPECT_EQ(usbl.covariance(0, 0), 0.25);
+  EXPECT_GE(usbl.covariance(5, 5), 1e6);
 }
 
 // Finite differences of the sensor's own path, as seen through Pose products alone.
@@ -95,8 +95,7 @@ TEST(NavigationSimulator, ReadingsInMotion) {
     }
     EXPECT_NEAR(reading<DepthSample>(samples, labels::kDepth, 5 * k + 2).pressure_pa,
                 101325 - 1025 * 9.80665 * poseOf(options.vehicle.depth->T_robot_depth, t).position.z(), 1e-6);
-    const auto truth =
-        Pose::fromMrpt(reading<PoseSample>(samples, labels::kTruth, 10 * k + 4).T_odom_robot.mean);
+    const auto truth = reading<PoseSample>(samples, labels::kTruth, 10 * k + 4).T_odom_robot.mean;
     EXPECT_LT((truth.position - test::sinePose(t).position).norm(), 1e-9);  // a knot
   }
 }
@@ -311,7 +310,7 @@ TEST(NavigationSimulator, BeginsWhereItIsTold) {
   options.begin_s = 4;
   const auto samples = simulated(options, trajectory);
   EXPECT_EQ(samples.at(labels::kIns).front().time, options.start);
-  const auto truth = Pose::fromMrpt(reading<PoseSample>(samples, labels::kTruth, 0).T_odom_robot.mean);
+  const auto truth = reading<PoseSample>(samples, labels::kTruth, 0).T_odom_robot.mean;
   EXPECT_LT((truth.position - test::sinePose(4).position).norm(), 1e-9);
   EXPECT_EQ(samples.at(labels::kTruth).size(), 61U);
 }

@@ -16,6 +16,7 @@
 #include <mrpt/serialization/CArchive.h>
 
 #include "core/files.h"
+#include "recording/mrpt_types.h"
 #include "support/recordings.h"
 #include "support/shared_data.h"
 
@@ -40,7 +41,7 @@ ObjectExtent measureBytes(const std::string& bytes) {
 
 /// Label and time are found, and the length is MRPT's, whatever follows.
 void expectMeasured(CObservation& observation, bool labelled = true) {
-  observation.timestamp = kStart;
+  observation.timestamp = toMrpt(kStart);
   if (labelled) observation.sensorLabel = "LABEL";
   const std::string bytes = serialized(observation);
   const ObjectExtent extent = measureBytes(bytes + "anything");
@@ -120,7 +121,7 @@ TEST(ObjectLayout, ImpossibleLengthsCostNothing) {
   CObservationRange range;
   range.sensedData.resize(1);
   range.sensorLabel = "LABEL";
-  range.timestamp = kStart;
+  range.timestamp = toMrpt(kStart);
   std::string bytes = serialized(range);
   const std::string count("\x01\0\0\0", 4);
   const auto at = bytes.find(count, 32);
@@ -136,7 +137,7 @@ TEST(ObjectLayout, OtherObservationsEndWhereTheNextBegins) {
   CObservation2DRangeScan scan;
   scan.resizeScan(100);
   CObservationIMU imu;
-  imu.timestamp = kStart;
+  imu.timestamp = toMrpt(kStart);
   for (const CObservation* unknown : std::initializer_list<const CObservation*>{&odometry, &scan}) {
     const std::string bytes = serialized(*unknown);
     for (const std::string& next : {std::string(), serialized(imu), serialized(scan)}) {

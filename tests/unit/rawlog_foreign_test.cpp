@@ -13,6 +13,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "recording/mrpt_types.h"
 #include "recording/rawlog.h"
 #include "support/recordings.h"
 #include "support/shared_data.h"
@@ -48,7 +49,7 @@ std::string rawlogErrorOf(const fs::path& file) {
 CObservationIMU imuLabelled(const std::string& label, double seconds = 0.0) {
   CObservationIMU imu;
   imu.sensorLabel = label;
-  imu.timestamp = after(kStart, seconds);
+  imu.timestamp = toMrpt(after(kStart, seconds));
   return imu;
 }
 
@@ -68,7 +69,7 @@ TEST(Rawlog, FilesThatAreNone) {
 TEST(Rawlog, WrongClassIsNamedWithItsByte) {
   const CObservationIMU first = imuLabelled("DVL");
   CObservationRange range;
-  range.timestamp = kStart;
+  range.timestamp = toMrpt(kStart);
   range.sensorLabel = "INS";
   const auto file = writePlain({&first, &range});
   mrpt::io::CMemoryStream stream;
@@ -85,7 +86,7 @@ TEST(Rawlog, DepthNeedsPressure) {
 
 TEST(Rawlog, ImagesMustBeFiles) {
   CObservationImage image;
-  image.timestamp = kStart;
+  image.timestamp = toMrpt(kStart);
   image.sensorLabel = "CAMERA";
   image.image = mrpt::img::CImage(40, 30, mrpt::img::CH_RGB);
   EXPECT_NE(rawlogErrorOf(writePlain({&image})).find("byte 0: an image is stored in the rawlog"),
@@ -107,12 +108,12 @@ TEST(Rawlog, UnknownEntriesArePassedOver) {
                         last = imuLabelled("DVL", 4.0);
   CObservationComment remark;
   remark.text = "[recording]\nvehicle = another\n";
-  remark.timestamp = after(kStart, 3.0);
+  remark.timestamp = toMrpt(after(kStart, 3.0));
   CObservationOdometry odometry;
   odometry.sensorLabel = "WHEELS";
   CObservationBearingRange bearing;
   bearing.sensorLabel = "MARKERS";
-  bearing.timestamp = after(kStart, 3.0);
+  bearing.timestamp = toMrpt(after(kStart, 3.0));
   const ReadBack back = readRecording(writePlain({&ins, &other, &odometry, &remark, &bearing, &last}));
   EXPECT_FALSE(back.loss);
   ASSERT_EQ(back.samples.size(), 6U);
@@ -139,7 +140,7 @@ TEST(Rawlog, BadAttitudeIsNan) {
 TEST(Rawlog, MarkersOfOthersShareTheirSigmas) {
   CObservationBearingRange bearing;
   bearing.sensorLabel = "MARKER_SIGHTS";
-  bearing.timestamp = kStart;
+  bearing.timestamp = toMrpt(kStart);
   bearing.sensor_std_range = 0.5F;
   bearing.sensor_std_yaw = 0.25F;
   bearing.sensor_std_pitch = 0.125F;

@@ -81,8 +81,8 @@ TEST(Rawlog, PoseRoundTrip) {
     const auto& pose = as<PoseSample>(sample);
     const Sample read = throughFile(sample);
     const auto& back = as<PoseSample>(read);
-    expectNear(Pose::fromMrpt(back.T_odom_robot.mean), Pose::fromMrpt(pose.T_odom_robot.mean), 1e-300);
-    EXPECT_EQ(back.T_odom_robot.cov.asEigen(), pose.T_odom_robot.cov.asEigen());
+    expectNear(back.T_odom_robot.mean, pose.T_odom_robot.mean, 1e-300);
+    EXPECT_EQ(back.T_odom_robot.covariance, pose.T_odom_robot.covariance);
     expectNear(back.T_robot_sensor, pose.T_robot_sensor, 1e-300);
   }
 }

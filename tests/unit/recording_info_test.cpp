@@ -112,7 +112,7 @@ TEST_F(RecordingInfoTest, MountingsAndCameras) {
   Sample image = randomSample(6, after(kStart, 1.0), random);
   Sample other = image;
   other.time = after(kStart, 2.0);
-  std::get<ImageSample>(other.reading).intrinsics.fx(123.0);
+  std::get<ImageSample>(other.reading).intrinsics.model.fx_px = 123.0;
   std::get<ImageSample>(other.reading).file = "there.png";
   std::filesystem::create_directories(folder / "a_Images");
   writeTextFile(folder / "a_Images" / "there.png", "");
@@ -153,7 +153,7 @@ TEST_F(RecordingInfoTest, SharedSample) {
   EXPECT_NEAR(labelOf(info, "INS").rate_hz, 100.0, 1e-6);
   EXPECT_NEAR(labelOf(info, "DVL").rate_hz, 5.0, 1e-6);
   EXPECT_EQ(labelOf(info, "DVL_BEAMS").mountings.size(), 4U);
-  EXPECT_EQ(labelOf(info, "CAMERA").intrinsics.at(0).ncols, 640U);
+  EXPECT_EQ(labelOf(info, "CAMERA").intrinsics.at(0).model.width_px, 640);
   EXPECT_EQ(info.header.panel_map, "panel/panel.yaml");
   EXPECT_TRUE(remarks(info).empty());
 }

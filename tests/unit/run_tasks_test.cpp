@@ -57,15 +57,15 @@ class RunTasks : public testing::Test {
     simulation.duration_s = 60.0;
     simulation.sea_floor_z_m = -6.0;
     const test::LandmarkScene scene;
-    simulateNavigation(
-        simulation, readTrajectory(test::kConfig / "dive_trajectory.yaml"), [&](const Sample& sample) {
-          samples_.push_back(sample);
-          if (sample.label != labels::kTruth || truths_++ % 5 != 0) return;
-          const Pose T_odom_robot = Pose::fromMrpt(std::get<PoseSample>(sample.reading).T_odom_robot.mean);
-          if (!start_) start_ = T_odom_robot;
-          samples_.push_back(scene.markers(sample.time, T_odom_robot));
-          samples_.push_back(scene.panel(sample.time, T_odom_robot));
-        });
+    simulateNavigation(simulation, readTrajectory(test::kConfig / "dive_trajectory.yaml"),
+                       [&](const Sample& sample) {
+                         samples_.push_back(sample);
+                         if (sample.label != labels::kTruth || truths_++ % 5 != 0) return;
+                         const Pose T_odom_robot = std::get<PoseSample>(sample.reading).T_odom_robot.mean;
+                         if (!start_) start_ = T_odom_robot;
+                         samples_.push_back(scene.markers(sample.time, T_odom_robot));
+                         samples_.push_back(scene.panel(sample.time, T_odom_robot));
+                       });
     for (const char* name : {"TL1", "TL2", "TL3", "TL5"}) {
       LocalizationSetup setup;
       setup.vehicle = simulation.vehicle;

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "fiducials/single_marker_pose.h"
+#include "recording/mrpt_types.h"
 #include "support/detections.h"
 
 namespace fathom {
@@ -62,9 +63,9 @@ TEST(Sighting, MeanOfMarkersIsTheRobotsPose) {
   SightedScene scene;
   const auto exact = sightingOf({scene.seen(1e-6)}, kT_robot_camera, scene.panels).robot;
   ASSERT_TRUE(exact);
-  const Vector6d error = poseError(Pose::fromMrpt(exact->T_odom_robot.mean), scene.T_odom_robot());
+  const Vector6d error = poseError(exact->T_odom_robot.mean, scene.T_odom_robot());
   EXPECT_LT(error.norm(), 1e-3);  // a single marker is near a double root of the equations that IPPE solves
-  EXPECT_EQ(exact->T_odom_robot.cov.asEigen(), Matrix6d(Matrix6d::Identity()));
+  EXPECT_EQ(exact->T_odom_robot.covariance, Matrix6d(Matrix6d::Identity()));
 }
 
 TEST(Sighting, OfOnePanelTheMeanIsThePapers) {
@@ -84,7 +85,7 @@ TEST(Sighting, OfOnePanelTheMeanIsThePapers) {
     mean.rotation = slerp(mean.rotation, pose.rotation, 1.0 / (i + 1));
   }
   const Pose expected = one[0].T_odom_panel * mean.inverse() * kT_robot_camera.inverse();
-  EXPECT_LT(poseError(Pose::fromMrpt(robot->T_odom_robot.mean), expected).norm(), 1e-9);
+  EXPECT_LT(poseError(robot->T_odom_robot.mean, expected).norm(), 1e-9);
 }
 
 TEST(Sighting, MarkersAreWhereMrptPutsThem) {
@@ -98,7 +99,7 @@ TEST(Sighting, MarkersAreWhereMrptPutsThem) {
       const Vector3d centre = scene.panels[i].T_odom_panel * marker.T_panel_marker.position;
       const Pose T_odom_forward = scene.T_odom_robot() * markers.T_robot_camera_forward;
       double range = 0, yaw = 0, pitch = 0;
-      T_odom_forward.toMrpt().sphericalCoordinates({centre.x(), centre.y(), centre.z()}, range, yaw, pitch);
+      toMrpt(T_odom_forward).sphericalCoordinates({centre.x(), centre.y(), centre.z()}, range, yaw, pitch);
       EXPECT_NEAR(seen.range_m, range, 6 * std::sqrt(seen.covariance(0, 0)));
       EXPECT_NEAR(seen.yaw_rad, yaw, 6 * std::sqrt(seen.covariance(1, 1)));
       EXPECT_NEAR(seen.pitch_rad, pitch, 6 * std::sqrt(seen.covariance(2, 2)));

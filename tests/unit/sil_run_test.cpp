@@ -75,7 +75,7 @@ TEST(SilRun, MeasuresARecordingOfItsOwnWorldAsAlike) {
     if (const auto* image = std::get_if<ImageSample>(&sample->reading)) {
       files.push_back(image->file);
       EXPECT_TRUE(fs::exists(rawlog.imageFolder() / image->file)) << image->file;
-      EXPECT_EQ(image->intrinsics.ncols, 320U);
+      EXPECT_EQ(image->intrinsics.model.width_px, 320);
     }
   }
   ASSERT_EQ(labels.size(), 10U);  // the header first

@@ -70,7 +70,7 @@ TEST(SimulatedSource, AlignedToARecordingItTellsTheTruthAtThoseTimes) {
   EXPECT_GT(samples.back().time, after(begin, 11.98));
   for (const Sample& s : test::labelled(samples, labels::kTruth)) {
     const Pose expected = test::sinePose(secondsBetween(begin, s.time));
-    const Pose got = Pose::fromMrpt(std::get<PoseSample>(s.reading).T_odom_robot.mean);
+    const Pose got = std::get<PoseSample>(s.reading).T_odom_robot.mean;
     EXPECT_LT((expected.position - got.position).norm(), 1e-4);  // a spline through poses 0.1 s apart
   }
 }

@@ -45,11 +45,11 @@ TEST(TopicMap, ReadsIntrinsicsOfACamera) {
       readTopics("topics:\n  - {topic: /cam, as: CAMERA, " + kPose +
                  ", intrinsics: {width_px: 64, height_px: 48, fx_px: 50, fy_px: 51, cx_px: 32, cy_px: 24,"
                  " distortion: {k1: 0.1, k2: 0.2, p1: 0.3, p2: 0.4, k3: 0.5}}}\n");
-  const auto& camera = *map.topics[0].intrinsics;
-  EXPECT_EQ(camera.ncols, 64U);
-  EXPECT_EQ(camera.fy(), 51);
-  EXPECT_EQ(camera.p2(), 0.4);
-  EXPECT_EQ(camera.k3(), 0.5);
+  const CameraModel& camera = map.topics[0].intrinsics->model;
+  EXPECT_EQ(camera.width_px, 64);
+  EXPECT_EQ(camera.fy_px, 51);
+  EXPECT_EQ(camera.p2, 0.4);
+  EXPECT_EQ(camera.k3, 0.5);
 }
 
 TEST(TopicMap, RefusesWhatItDoesNotKnow) {

@@ -149,7 +149,7 @@ TEST(Recorded, GoesWhereTheRecordingWent) {
     const auto state = original.at(0.1 * i);
     poses.push_back({after(fromUnixSeconds(1e9), 0.1 * i), {state.R_odom_robot, state.position_odom}});
     PoseSample truth;
-    truth.T_odom_robot.mean = poses.back().T_odom_robot.toMrpt();
+    truth.T_odom_robot.mean = poses.back().T_odom_robot;
     rawlog.write({poses.back().time, labels::kTruth, truth});
   }
   rawlog.finish();
