@@ -33,11 +33,13 @@ KinematicState<T> extrapolated(const KinematicState<T>& state, const T& seconds)
   return later;
 }
 
+inline constexpr double kStandardGravity_m_s2 = 9.80665;  ///< where nothing better is known
+
 /// What is true of the world around the vehicle.
 template <class T>
 struct World {
-  Vector3d gravity_odom{0.0, 0.0, -9.80665};  ///< m/s²
-  T sea_floor_z_m = T(0);                     ///< height in odom of the flat floor under the vehicle
+  Vector3d gravity_odom{0.0, 0.0, -kStandardGravity_m_s2};  ///< m/s²
+  T sea_floor_z_m = T(0);  ///< height in odom of the flat floor under the vehicle
 };
 
 }  // namespace fathom

@@ -9,6 +9,8 @@
 namespace fathom {
 
 struct EarthRotation {
+  static constexpr double kRate_rad_s = 7.292115e-5;  ///< WGS-84
+
   template <class T>
   using Stage = GyroReading<T>;
   static constexpr std::string_view id = "earth-rotation";

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "core/kinematics.h"
 #include "recording/samples.h"
 
 namespace fathom {
@@ -34,7 +35,7 @@ struct BagTopic {
 struct TopicMap {
   std::string file;  ///< for error messages
   std::string description;
-  double gravity_m_s2 = 9.80665;
+  double gravity_m_s2 = kStandardGravity_m_s2;
   std::vector<BagTopic> topics;
 };
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sensors/models.h"
+
 namespace fathom {
 namespace {
-
-constexpr double kGravity = 9.80665;  // m/s²; a local value 0.1 % off changes no conclusion
 
 /// Ratio of residuals as the product over the axes, from the log likelihoods of `count` rows.
 double residualRatio(double best, double other, std::size_t count) {
@@ -27,13 +27,17 @@ AxesEvidence gyroEvidence(const AlignedStreams& s, const std::vector<Matrix3d>& 
 
 /// Mean specific force over two intervals: accelerometer against change of velocity less gravity.
 AxesEvidence accelerometerEvidence(const AlignedStreams& s, const std::vector<Matrix3d>& R_ned_frd) {
+  const World<double> ned{-World<double>{}.gravity_odom};  // 0.1 % off locally, which changes no conclusion
   AxesEvidence evidence;
   for (std::size_t k = 1; k + 1 < R_ned_frd.size(); ++k) {
     const double from = s.gt_time_s[k - 1], to = s.gt_time_s[k + 1];
     if (!s.pushed_imu.covers(from, to)) continue;
     const Vector3d acceleration_ned = (s.data.velocity_ned[k + 1] - s.data.velocity_ned[k - 1]) / (to - from);
-    const Vector3d force_frd = R_ned_frd[k].transpose() * (acceleration_ned - Vector3d(0, 0, kGravity));
-    evidence.add(force_frd, (s.pushed_imu.at(to) - s.pushed_imu.at(from)) / (to - from));
+    KinematicState<double> state;
+    state.R_odom_robot = R_ned_frd[k];
+    state.acceleration_robot = R_ned_frd[k].transpose() * acceleration_ned;
+    evidence.add(predictSpecificForce(state, ned, Pose{}, {}, 0),
+                 (s.pushed_imu.at(to) - s.pushed_imu.at(from)) / (to - from));
   }
   return evidence;
 }

@@ -1,16 +1,17 @@
 #include "sea_trial/remarks.h"
 
+#include <ceres/jet.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "core/median.h"
 #include "core/text.h"
+#include "sensors/models.h"
 
 namespace fathom {
 namespace {
-
-constexpr double kEarthRate = 7.292115e-5;  // rad/s, WGS-84
 
 Vector3d median(const std::vector<Vector3d>& values) {
   Vector3d result = Vector3d::Zero();
@@ -23,8 +24,38 @@ Vector3d median(const std::vector<Vector3d>& values) {
   return result;
 }
 
-/// Columns: scale, rotation (3), lever arm (3).
-using DvlDesign = Eigen::Matrix<double, 3, 7>;
+/// What the DVL should read by its sensor's model, and that model's derivative by what the fit looks for,
+/// where there is nothing of it. Columns: scale, rotation (3), lever arm (3).
+class DvlModel {
+ public:
+  using Jet = ceres::Jet<double, 7>;
+  using Design = Eigen::Matrix<double, 3, 7>;
+
+  DvlModel() {
+    effects_.add<DvlScale>({Jet(0, 0)});
+    const auto ofDegrees = [](int column) {
+      Jet angle_deg(0);
+      angle_deg.v[column] = degrees(1.0);
+      return angle_deg;
+    };
+    effects_.add<DvlMisalignment>({ofDegrees(1), ofDegrees(2), ofDegrees(3)});
+    effects_.add<DvlLeverArm>({Jet(0, 4), Jet(0, 5), Jet(0, 6)});
+  }
+
+  /// Of a robot that moves and turns so, in its axes.
+  Design design(const Vector3d& velocity, const Vector3d& rate) const {
+    KinematicState<Jet> state;
+    state.velocity_robot = velocity.cast<Jet>();
+    state.angular_velocity_robot = rate.cast<Jet>();
+    const Vector3<Jet> reading = predictDvlVelocity(state, Pose{}, effects_, 0);
+    Design design;
+    for (int i = 0; i < 3; ++i) design.row(i) = reading[i].v;
+    return design;
+  }
+
+ private:
+  EffectParameters<Jet> effects_;
+};
 
 struct DvlFit {
   Eigen::Matrix<double, 7, 1> parameters, sigmas;
@@ -32,7 +63,7 @@ struct DvlFit {
   double sum = 1e300;
 };
 
-DvlFit fitDvl(const std::vector<DvlDesign>& designs, const std::vector<Vector3d>& differences) {
+DvlFit fitDvl(const std::vector<DvlModel::Design>& designs, const std::vector<Vector3d>& differences) {
   Eigen::Matrix<double, 7, 7> normal = Eigen::Matrix<double, 7, 7>::Identity() * 1e-9;
   Eigen::Matrix<double, 7, 1> right = Eigen::Matrix<double, 7, 1>::Zero();
   for (std::size_t k = 0; k < designs.size(); ++k) {
@@ -58,16 +89,15 @@ DvlFit fitDvl(const std::vector<DvlDesign>& designs, const std::vector<Vector3d>
 DvlFit fitDvlAtDelay(const AlignedStreams& s, const SeaTrialConventions& c, const SampledSignal& velocity_frd,
                      double delay_s) {
   const Matrix3d to_robot = flipFrdRobot();
-  std::vector<DvlDesign> designs;
+  const DvlModel model;
+  std::vector<DvlModel::Design> designs;
   std::vector<Vector3d> differences;
   for (std::size_t k = 0; k < s.dvl_time_s.size(); ++k) {
     const double t = s.dvl_time_s[k] + delay_s;
     if (!velocity_frd.covers(t, t) || !s.turned_imu.covers(t - 0.5, t + 0.5)) continue;
     const Vector3d velocity = to_robot * velocity_frd.at(t);
     const Vector3d rate = to_robot * c.gyro.matrix() * (s.turned_imu.at(t + 0.5) - s.turned_imu.at(t - 0.5));
-    DvlDesign design;
-    design << velocity, crossMatrix<double>(velocity), crossMatrix<double>(rate);
-    designs.push_back(design);
+    designs.push_back(model.design(velocity, rate));
     differences.emplace_back(to_robot * c.dvl.matrix() * s.data.velocity_dvl[k] - velocity);
   }
   return designs.size() * 2 < s.dvl_time_s.size() ? DvlFit{} : fitDvl(designs, differences);
@@ -119,7 +149,7 @@ void reportEarthRate(const AlignedStreams& s, SeaTrialConventions& c) {
   }
   c.rate_excess_ned = median(excess);
   const double latitude = c.position_columns_swapped ? s.data.longitude_rad[0] : s.data.latitude_rad[0];
-  const Vector3d earth(kEarthRate * std::cos(latitude), 0.0, -kEarthRate * std::sin(latitude));
+  const Vector3d earth = EarthRotation::kRate_rad_s * Vector3d(std::cos(latitude), 0.0, -std::sin(latitude));
   const double with = (c.rate_excess_ned - earth).norm(), without = c.rate_excess_ned.norm();
   const bool contained = with < without;
   constexpr const char *kContained = "contained (not compensated, not corrected)", *kNone = "not contained";
