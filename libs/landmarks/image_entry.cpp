@@ -2,7 +2,9 @@
 
 #include <set>
 
+#include "core/affine.h"
 #include "core/progress.h"
+#include "sensors/models.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -15,13 +17,22 @@ struct LatestMotion {
   Vector3d velocity_robot = Vector3d::Zero(), angular_velocity_robot = Vector3d::Zero();
 
   void look(const Sample& sample) {
-    const auto* ins = std::get_if<InsSample>(&sample.reading);
-    if (ins != nullptr && ins->angular_velocity_ins)
-      angular_velocity_robot = ins->T_robot_ins.rotation * *ins->angular_velocity_ins;
-    const auto* dvl = std::get_if<DvlSample>(&sample.reading);
-    if (dvl != nullptr && dvl->velocity_dvl)
-      velocity_robot = dvl->T_robot_dvl.rotation * *dvl->velocity_dvl -
-                       angular_velocity_robot.cross(dvl->T_robot_dvl.position);
+    KinematicState<double> state;
+    if (const auto* ins = std::get_if<InsSample>(&sample.reading); ins && ins->angular_velocity_ins) {
+      const auto turnedBy = [&](const Vector3d& rate_robot) {
+        state.angular_velocity_robot = rate_robot;
+        return predictGyro(state, ins->T_robot_ins, {}, 0);
+      };
+      angular_velocity_robot = affineInverse<3>(turnedBy, *ins->angular_velocity_ins);
+    }
+    if (const auto* dvl = std::get_if<DvlSample>(&sample.reading); dvl && dvl->velocity_dvl) {
+      state.angular_velocity_robot = angular_velocity_robot;
+      const auto movedBy = [&](const Vector3d& velocity) {
+        state.velocity_robot = velocity;
+        return predictDvlVelocity(state, dvl->T_robot_dvl, {}, 0);
+      };
+      velocity_robot = affineInverse<3>(movedBy, *dvl->velocity_dvl);
+    }
   }
 };
 

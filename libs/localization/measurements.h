@@ -11,7 +11,7 @@ namespace fathom {
 
 /// What a reading is judged against: the world, the calibration and the data sheet's noise.
 struct MeasurementContext {
-  Vector3d gravity_odom{0.0, 0.0, -9.80665};
+  Vector3d gravity_odom = World<double>{}.gravity_odom;
   EffectParameters<double> calibration;  ///< effects known to be there
   double t_s = 0.0;                      ///< the reading's time stamp, since the recording's first entry
 };
