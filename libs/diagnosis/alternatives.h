@@ -3,8 +3,8 @@
 #include <optional>
 #include <set>
 
-#include "diagnosis/diagnosis.h"
 #include "diagnosis/fits.h"
+#include "diagnosis/result.h"
 
 namespace fathom {
 

@@ -6,6 +6,7 @@
 #include "core/median.h"
 #include "core/random.h"
 #include "diagnosis/saturated.h"
+#include "diagnosis/shown_scatter.h"
 
 namespace fathom {
 namespace {

@@ -2,13 +2,12 @@
 
 #include <cmath>
 #include <map>
+#include <vector>
 
 #include "estimation/linearization.h"
 
 /// Panels are not quite as their maps: markers lie a little elsewhere, print is a little brighter or darker.
 namespace fathom {
-
-struct Saturated;
 
 /// What the panel's markers scatter by about where the map has them; at least what corners are off by however
 /// often they are seen. 0: no markers.
@@ -53,21 +52,26 @@ struct PrintScatter {
 /// free.
 bool isCameraAlone(const Linearization& linear);
 
-/// What the markers' places scatter by beyond their own uncertainty. Panels bend more than prints stretch.
-MarkerScatter markerScatter(const Saturated& saturated, const Linearization& linear);
-
-/// What the places' albedos and edges scatter by beyond what their readings' noise would have them.
-/// `saturated`: without any such scatter. `parts` is left.
-PrintScatter printScatter(const Saturated& saturated, const Linearization& linear);
-
-/// What places differ by in parts, from how much more they scatter the less of them is seen. `saturated`:
-/// with the scatter of all of them.
-double partScatter(const Saturated& saturated, const Linearization& linear);
-
 /// The variance, in units of the row's noise, by which a place that is seen in part reads otherwise than all
 /// of it would, were `parts` 1: of the mean over a part of what varies over short distances, about the mean
 /// over all of it. 0: is no patch of a panel.
 double partVariance(const RowInfo& row);
+
+/// A place's readings in one colour, or of a marker's edges along one axis, by row.
+struct PrintedPlace {
+  Printed what;
+  int component;
+  std::vector<std::size_t> rows;
+};
+std::vector<PrintedPlace> printedPlaces(const Linearization& linear);
+/// What a row changes by, in units of its noise, as it is weighted, where its place is as much brighter as
+/// its albedo is, or its edges softer by 1 px².
+double sigmasPerUnit(const RowInfo& row);
+/// The same of each place's rows, a column a place.
+Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::vector<PrintedPlace>& places);
+
+/// Of MarkerMoved's columns the one out of the face.
+inline constexpr Eigen::Index kOffFace = 2;
 
 /// Columns over a linearization's rows of what is estimated too, each with the sigma that holds it.
 struct HeldColumns {

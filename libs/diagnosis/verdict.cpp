@@ -126,20 +126,6 @@ void judgeNothingFound(Diagnosis& diagnosis, const Linearization& nominal) {
 
 }  // namespace
 
-std::string nameOf(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::none:
-      return "none";
-    case Verdict::explained:
-      return "explained";
-    case Verdict::unexplained:
-      return "unexplained";
-    case Verdict::insufficient:
-      break;
-  }
-  return "insufficient";
-}
-
 void judge(Diagnosis& diagnosis, const Linearization& nominal, const EffectParameters<double>& known) {
   remarkOnNoise(diagnosis);
   const std::vector<std::string> failures = failuresOf(diagnosis);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "diagnosis/diagnosis.h"
+#include "diagnosis/result.h"
 
 namespace fathom {
 

@@ -3,7 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "environment/water_fit.h"
+#include "environment/fitted_water.h"
+#include "observables/patches.h"
 
 namespace fathom {
 

@@ -6,8 +6,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "environment/water_fit.h"
+#include "environment/fitted_water.h"
 #include "imaging/image_patch.h"
+#include "observables/patches.h"
 
 /// What fitWater() solves, again and again. Used within this room only.
 namespace fathom {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <optional>
 
-#include "panel/panel_map.h"
+#include "panel/marker.h"
+#include "panel/surface.h"
 
 /// Markers and the face they lie on.
 namespace fathom {

@@ -1,37 +1,6 @@
-#include "panel/face.h"
-#include "panel/marker_family.h"
-#include "panel/panel_map.h"
+#include "panel/marker.h"
 
 namespace fathom {
-namespace {
-
-/// A marker printed on nothing is lifted so much, lest it fight with the face for the pixels.
-constexpr double kInk_m = 0.0002;
-
-void addCell(const Vector3d& top_left, double side_m, float albedo, Surface& surface) {
-  const auto first = static_cast<std::uint32_t>(surface.vertices.size());
-  for (const auto& [right, down] : {std::pair(0, 0), std::pair(0, 1), std::pair(1, 1), std::pair(1, 0)}) {
-    const Vector3d corner = top_left + side_m * Vector3d(right, -down, 0);
-    surface.vertices.push_back(
-        {corner.cast<float>(), Eigen::Vector3f::UnitZ(), Eigen::Vector3f::Constant(albedo)});
-  }
-  surface.triangles.push_back({first, first + 1, first + 2});
-  surface.triangles.push_back({first, first + 2, first + 3});
-}
-
-/// Marker frame. Every cell is a square of its own: joined to bars they would be fewer triangles, but
-/// slivers, whose corners a renderer loses, and with corners on each other's edges, which leak.
-Surface cellsOf(const MarkerPattern& pattern, double border_m, float white_albedo, float black_albedo) {
-  const double cell_m = border_m / pattern.border_cells, half_m = cell_m * pattern.cells / 2;
-  Surface surface;
-  for (int row = 0; row < pattern.cells; ++row)
-    for (int column = 0; column < pattern.cells; ++column)
-      addCell({column * cell_m - half_m, half_m - row * cell_m, 0}, cell_m,
-              pattern.whiteAt(row, column) ? white_albedo : black_albedo, surface);
-  return surface;
-}
-
-}  // namespace
 
 std::array<Vector3d, 4> Marker::corners_panel() const {
   std::array<Vector3d, 4> corners;
@@ -42,18 +11,6 @@ std::array<Vector3d, 4> Marker::corners_panel() const {
   return corners;
 }
 
-Surface surfaceOf(const PanelMap& map) {
-  Surface surface = map.body;
-  for (const Marker& marker : map.markers) {
-    Pose T_panel_cells = marker.T_panel_marker;
-    if (const auto face_z = faceHeight_m(map.body, T_panel_cells.position))
-      T_panel_cells.position.z() = std::max(T_panel_cells.position.z(), *face_z + kInk_m);
-    surface.add(cellsOf(markerPattern(marker.family, marker.id), marker.size_m,
-                        static_cast<float>(map.white_albedo), static_cast<float>(map.black_albedo)),
-                T_panel_cells);
-  }
-  for (const Handle& handle : map.handles) surface.add(surfaceOf(handle), handle.T_panel_handle());
-  return surface;
-}
+std::string nameOf(const Marker& marker) { return marker.family + " " + std::to_string(marker.id); }
 
 }  // namespace fathom

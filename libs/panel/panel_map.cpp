@@ -143,20 +143,6 @@ void checkHandles(const std::vector<YamlMap>& listed, const std::vector<Handle>&
 
 }  // namespace
 
-std::string nameOf(const Marker& marker) { return marker.family + " " + std::to_string(marker.id); }
-
-std::string_view nameOf(HandleKind kind) {
-  switch (kind) {
-    case HandleKind::lever:
-      return "lever";
-    case HandleKind::valve:
-      return "valve";
-    case HandleKind::wheel:
-      return "wheel";
-  }
-  return "";
-}
-
 void PanelMap::turnHandle(std::string_view id, double angle_rad) {
   const auto handle =
       std::find_if(handles.begin(), handles.end(), [&](const Handle& h) { return h.id == id; });

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "panel/surface.h"
-#include "render/renderer.h"
+#include "render/lighting.h"
 
 namespace fathom {
 

@@ -1,6 +1,6 @@
-#include <numbers>
+#include "panel/handle.h"
 
-#include "panel/panel_map.h"
+#include <numbers>
 
 /// Handles as lathe work and bars. Handle frame: x where the handle points, z out of the face.
 namespace fathom {
@@ -156,6 +156,18 @@ double edgeHeight_m(const Handle& handle) {
       return kMarkedSpokeTop;
   }
   return 0;
+}
+
+std::string_view nameOf(HandleKind kind) {
+  switch (kind) {
+    case HandleKind::lever:
+      return "lever";
+    case HandleKind::valve:
+      return "valve";
+    case HandleKind::wheel:
+      return "wheel";
+  }
+  return "";
 }
 
 }  // namespace fathom

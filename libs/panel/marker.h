@@ -1,0 +1,29 @@
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "core/geometry.h"
+
+namespace fathom {
+
+/// Corners of a marker's border square in its own axes, right and up, in units of half its size: top-left,
+/// top-right, bottom-right, bottom-left. Every list of corners has this order.
+inline constexpr std::array<std::array<int, 2>, 4> kMarkerCorners{{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}};
+
+/// A planar square fiducial on the face. Marker frame: centre of the marker; x right, y up, z out of the
+/// face, seen upright (see marker_family.h).
+struct Marker {
+  std::string family;  ///< see marker_family.h
+  int id = 0;
+  double size_m = 0;    ///< side of the border square
+  Pose T_panel_marker;  ///< turned about the panel's z axis, counter-clockwise seen from in front
+
+  /// In the order of kMarkerCorners; panel frame, m.
+  std::array<Vector3d, 4> corners_panel() const;
+};
+
+/// "family id", as in messages.
+std::string nameOf(const Marker& marker);
+
+}  // namespace fathom
