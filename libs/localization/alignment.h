@@ -1,6 +1,11 @@
 #pragma once
 
-#include "localization/localizer.h"
+#include <string>
+#include <vector>
+
+#include "localization/navigation_state.h"
+#include "localization/setup.h"
+#include "recording/samples.h"
 
 namespace fathom {
 

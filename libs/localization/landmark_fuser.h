@@ -6,8 +6,9 @@
 #include "core/chi_square.h"
 #include "core/text.h"
 #include "localization/landmark_monitor.h"
-#include "localization/localizer.h"
 #include "localization/measurements.h"
+#include "localization/result.h"
+#include "localization/setup.h"
 
 namespace fathom {
 
