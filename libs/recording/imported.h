@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,14 @@ struct ImportedRecording {
   std::vector<StampedPose> reference;
   std::string vehicle_yaml;  ///< text of a vehicle file, with comments that say where each number is from
   std::vector<Conclusion> conclusions;
+};
+
+/// Where an import goes: FOLDER/NAME.rawlog and its companions.
+struct ImportTarget {
+  std::filesystem::path folder;
+  std::string name;
+
+  std::filesystem::path file(const std::string& ending) const { return folder / (name + ending); }
 };
 
 }  // namespace fathom

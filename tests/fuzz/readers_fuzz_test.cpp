@@ -10,13 +10,13 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "batch/batch_plan.h"
+#include "camera_tables/board_corners.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "effects/calibration.h"
 #include "fiducials/image_file.h"
 #include "imaging/camera_files.h"
 #include "imaging/water.h"
-#include "landmarks/board_corners.h"
 #include "landmarks/given_corners.h"
 #include "landmarks/tie_points.h"
 #include "panel/mesh.h"

@@ -1,5 +1,5 @@
 // Checkerboard corners taken for markers: wherever the rows begin, the markers are where the corners were.
-#include "landmarks/board_corners.h"
+#include "camera_tables/board_corners.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "landmarks/board_corners.h"
+#include "camera_tables/board_corners.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

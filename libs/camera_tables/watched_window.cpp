@@ -1,4 +1,4 @@
-#include "landmarks/watched_window.h"
+#include "camera_tables/watched_window.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
