@@ -16,21 +16,21 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS gnuplot-nox)  # the reports' plots
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "localizes underwater robots and diagnoses their sensor models
- Reads recordings (MRPT rawlogs) of a dive: inertial sensor, Doppler velocity
- log, pressure, camera. Estimates the robot's path, reproduces the dive in
- simulation, and tells which physics the sensors' models leave out.")
+Reads recordings (MRPT rawlogs) of a dive: inertial sensor, Doppler velocity
+log, pressure, camera. Estimates the robot's path, reproduces the dive in
+simulation, and tells which physics the sensors' models leave out.")
 
 # The filter's user shall not have to install a renderer: what only some rooms need is recommended.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libfathom-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "libceres-dev, libeigen3-dev, libmrpt-dev, libtbb-dev, libyaml-cpp-dev, nlohmann-json3-dev, zlib1g-dev")
+    "libceres-dev, libeigen3-dev, libmrpt-obs-dev, libmrpt-topography-dev, libtbb-dev, libyaml-cpp-dev, nlohmann-json3-dev, zlib1g-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS
     "libapriltag-dev, libgeometry-msgs-dev, libnav-msgs-dev, libopencv-contrib-dev, libopencv-dev, libopenmesh-dev, libosmesa6-dev, librosbag-storage-dev, libsensor-msgs-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "underwater localization and its diagnosis, as libraries
- Headers, static libraries and the CMake package for programs of one's own:
- find_package(fathom COMPONENTS localization) and the like. Examples are in
- /usr/share/doc/libfathom-dev/examples.")
+Headers, static libraries and the CMake package for programs of one's own:
+find_package(fathom COMPONENTS localization) and the like. Examples are in
+/usr/share/doc/libfathom-dev/examples.")
 
 # What Debian wants of every package.
 configure_file(${PROJECT_SOURCE_DIR}/scripts/debian/changelog.in ${PROJECT_BINARY_DIR}/changelog)

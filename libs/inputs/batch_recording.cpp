@@ -111,6 +111,7 @@ BatchRecording readBatchRecording(const BatchRecordingOptions& options,
   };
   const RecordingHeader header = open()->header();
   BatchRecording recording;
+  recording.calibration = calibration;
   recording.vehicle = neededVehicleFile(options.vehicle, options.rawlog, header);
   recording.map = panelMapFile(options.map, options.rawlog, header);
   recording.files = filesOf(options, recording);

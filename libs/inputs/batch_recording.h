@@ -38,6 +38,7 @@ DetectionSettings detectionSettings(const std::vector<PanelMap>& panels);
 
 struct BatchRecording {
   BatchInput input;
+  EffectParameters<double> calibration;  ///< effects known before
   FoundMarkers found;
   std::filesystem::path vehicle;
   std::optional<std::filesystem::path> map;
