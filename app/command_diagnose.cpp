@@ -6,9 +6,9 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/text.h"
-#include "diagnosis_rerun.h"
 #include "effects/calibration.h"
 #include "reports/diagnosis_report.h"
+#include "reports/diagnosis_rerun.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

@@ -6,7 +6,7 @@
 #include "common_options.h"
 #include "core/error.h"
 #include "core/shipped_file.h"
-#include "localization_batch.h"
+#include "reports/localization_batch.h"
 #include "reports/localization_report.h"
 #include "reports/tasks_report.h"
 
@@ -115,7 +115,16 @@ void localizeOne(const RecordingJob& job) {
 
 void localizeMany(const std::vector<RecordingJob>& jobs, const LocalizeOptions& options,
                   const RunContext& context) {
-  const std::vector<BatchEntry> entries = runBatch(jobs);
+  std::size_t count = 0;
+  const std::vector<BatchEntry> entries = runBatch(jobs, [&](const BatchEntry& entry) {
+    if (!entry.failure.empty()) std::cerr << "fathom: " << entry.failure << "\n";
+    std::cout << ++count << "/" << jobs.size() << " " << entry.recording.string() << ": "
+              << (!entry.failure.empty() ? "failed"
+                  : entry.done_before    ? "done before"
+                                         : "done")
+              << "\n"
+              << std::flush;
+  });
   writeBatchReport(options.folder, entries, {.command_line = context.command_line});
   std::cout << "\n"
             << formatTable(batchTable(entries)) << "\nwrote "

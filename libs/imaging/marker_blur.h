@@ -8,7 +8,7 @@
 /// How much softer a marker's edges are in an image than rendered.
 namespace fathom {
 
-/// Standard deviation of the smoothing under which edges are compared, see environment/edge_blur.h.
+/// Standard deviation of the smoothing under which edges are compared, see observables/edge_blur.h.
 inline constexpr double kEdgeSmoothing_px = 1.5;
 
 /// Of one marker in one image: a normal blur's covariance, as xx, xy, yy.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "report/run_info.h"
@@ -24,8 +25,9 @@ LocalizedRecording localizeAndReport(const RecordingJob& job);
 BatchEntry runJob(const RecordingJob& job);
 
 /// Runs all jobs, one after the other, each on all cores. A recording that cannot be localized is an entry
-/// with its failure, and does not stop the rest.
-std::vector<BatchEntry> runBatch(const std::vector<RecordingJob>& jobs);
+/// with its failure, and does not stop the rest. `done` hears of each one. Throws Interrupted.
+std::vector<BatchEntry> runBatch(const std::vector<RecordingJob>& jobs,
+                                 const std::function<void(const BatchEntry&)>& done);
 
 /// A row for each task over all recordings that were done: how many, mean, median and largest of their mean
 /// errors against S and against M, and how many ended lost.

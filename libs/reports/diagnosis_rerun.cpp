@@ -1,4 +1,4 @@
-#include "diagnosis_rerun.h"
+#include "reports/diagnosis_rerun.h"
 
 #include <algorithm>
 

@@ -1,7 +1,6 @@
-#include "localization_batch.h"
+#include "reports/localization_batch.h"
 
 #include <algorithm>
-#include <iostream>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -130,21 +129,16 @@ BatchEntry runJob(const RecordingJob& job) {
   return entry;
 }
 
-std::vector<BatchEntry> runBatch(const std::vector<RecordingJob>& jobs) {
+std::vector<BatchEntry> runBatch(const std::vector<RecordingJob>& jobs,
+                                 const std::function<void(const BatchEntry&)>& done) {
   std::vector<BatchEntry> entries;
   for (const RecordingJob& job : jobs) {
     try {
       entries.push_back(runJob(job));
     } catch (const Error& error) {
       entries.push_back({job.chain.rawlog, job.folder, error.what(), false, {}});
-      std::cerr << "fathom: " << error.what() << "\n";
     }
-    std::cout << entries.size() << "/" << jobs.size() << " " << job.chain.rawlog.string() << ": "
-              << (!entries.back().failure.empty() ? "failed"
-                  : entries.back().done_before    ? "done before"
-                                                  : "done")
-              << "\n"
-              << std::flush;
+    done(entries.back());
   }
   return entries;
 }
