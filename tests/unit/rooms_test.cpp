@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
@@ -36,6 +37,24 @@ Uses usesInReadme() {
       rooms.insert(it->str());
   }
   return uses;
+}
+
+/// The lines of the drawing, from above.
+std::vector<std::set<std::string>> drawing() {
+  std::vector<std::set<std::string>> lines;
+  std::istringstream readme(readTextFile(kSource / "libs/README.md"));
+  bool drawn = false;
+  for (std::string line; std::getline(readme, line);) {
+    if (line.starts_with("Drawn, ")) drawn = true;
+    if (!drawn || line.empty()) continue;
+    if (line.starts_with("    ")) {
+      std::istringstream words(line);
+      lines.emplace_back(std::istream_iterator<std::string>(words), std::istream_iterator<std::string>());
+    } else if (!lines.empty()) {
+      break;
+    }
+  }
+  return lines;
 }
 
 std::vector<fs::path> roomsOnDisk() {
@@ -137,6 +156,20 @@ TEST(Rooms, IncludesKeepToTheTable) {
       EXPECT_TRUE(include.room() == room.filename() || uses.at(room.filename()).contains(include.room()))
           << include.file << " includes \"" << include.path << "\"";
   }
+}
+
+TEST(Rooms, DrawingIsTheTables) {
+  const Uses uses = usesInReadme();
+  std::set<std::string> above;
+  for (const std::set<std::string>& line : drawing()) {
+    for (const std::string& room : line) {
+      ASSERT_TRUE(uses.contains(room)) << room << " is drawn, but not in the table";
+      for (const std::string& used : uses.at(room))
+        EXPECT_TRUE(used == "all" || above.contains(used)) << room << " is drawn above or beside " << used;
+    }
+    above.insert(line.begin(), line.end());
+  }
+  for (const auto& [room, used] : uses) EXPECT_TRUE(above.contains(room)) << room << " is not drawn";
 }
 
 TEST(Rooms, NoRoomUsesItselfThroughOthers) { EXPECT_EQ(inCycles(usesInReadme()), std::set<std::string>{}); }
