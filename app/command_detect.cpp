@@ -11,7 +11,7 @@
 #include "core/progress.h"
 #include "core/text.h"
 #include "fiducials/detector.h"
-#include "fiducials/image_file.h"
+#include "image_files/image_file.h"
 #include "panel/marker_family.h"
 #include "sensors/vehicle.h"
 

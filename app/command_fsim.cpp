@@ -4,7 +4,7 @@
 #include "commands.h"
 #include "core/error.h"
 #include "core/text.h"
-#include "fiducials/image_file.h"
+#include "image_files/image_file.h"
 #include "report/run_info.h"
 #include "similarity/fsim.h"
 

@@ -12,10 +12,10 @@
 #include "core/for_each.h"
 #include "core/text.h"
 #include "core/yaml.h"
+#include "image_files/encode_image.h"
 #include "imaging/camera_files.h"
 #include "landmarks/given_corners.h"
 #include "recording/rawlog.h"
-#include "render/images.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

@@ -1,6 +1,6 @@
 #include "environment/water_camera.h"
 
-#include "fiducials/jpeg.h"
+#include "image_files/jpeg.h"
 
 namespace fathom {
 namespace {

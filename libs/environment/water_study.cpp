@@ -12,8 +12,8 @@
 #include "core/for_each.h"
 #include "core/text.h"
 #include "evaluation/contact_sheet.h"
-#include "fiducials/jpeg.h"
-#include "fiducials/one_opencv_thread.h"
+#include "image_files/jpeg.h"
+#include "image_files/one_opencv_thread.h"
 #include "sil/pair_picture.h"
 
 namespace fathom {

@@ -15,7 +15,7 @@
 #include "evaluation/chunk_store.h"
 #include "evaluation/family_swap.h"
 #include "evaluation/timed_detection.h"
-#include "fiducials/one_opencv_thread.h"
+#include "image_files/one_opencv_thread.h"
 #include "imaging/fingerprints.h"
 #include "imaging/true_panel.h"
 

@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "core/for_each.h"
-#include "fiducials/jpeg.h"
 #include "fiducials/single_marker_pose.h"
+#include "image_files/jpeg.h"
 
 namespace fathom {
 namespace {

@@ -13,9 +13,9 @@
 #include "core/version.h"
 #include "evaluation/chunk_store.h"
 #include "evaluation/timed_detection.h"
-#include "fiducials/image_file.h"
-#include "fiducials/one_opencv_thread.h"
 #include "fiducials/single_marker_pose.h"
+#include "image_files/image_file.h"
+#include "image_files/one_opencv_thread.h"
 #include "imaging/fingerprints.h"
 #include "render/renderer.h"
 

@@ -7,7 +7,7 @@
 #include "core/text.h"
 #include "effects/catalogue.h"
 #include "environment/water_fit.h"
-#include "fiducials/jpeg.h"
+#include "image_files/jpeg.h"
 #include "landmarks/given_corners.h"
 #include "landmarks/tie_points.h"
 #include "observables/image_patches.h"

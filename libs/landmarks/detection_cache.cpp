@@ -9,8 +9,8 @@
 #include "core/fingerprint.h"
 #include "core/for_each.h"
 #include "core/version.h"
-#include "fiducials/image_file.h"
-#include "fiducials/one_opencv_thread.h"
+#include "image_files/image_file.h"
+#include "image_files/one_opencv_thread.h"
 #include "imaging/fingerprints.h"
 #include "landmarks/kept_detections.h"
 

@@ -9,8 +9,8 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "fiducials/image_file.h"
 #include "fiducials/single_marker_pose.h"
+#include "image_files/image_file.h"
 #include "imaging/camera_geometry.h"
 #include "imaging/true_panel.h"
 #include "render/scene.h"

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "core/for_each.h"
-#include "fiducials/one_opencv_thread.h"
+#include "image_files/one_opencv_thread.h"
 #include "imaging/fingerprints.h"
 
 namespace fathom {

@@ -8,7 +8,7 @@
 #include "core/files.h"
 #include "core/text.h"
 #include "evaluation/statistics.h"
-#include "render/images.h"
+#include "image_files/encode_image.h"
 #include "report/html_report.h"
 
 namespace fathom {

@@ -5,8 +5,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
-#include "fiducials/image_file.h"
-#include "fiducials/jpeg.h"
+#include "image_files/image_file.h"
+#include "image_files/jpeg.h"
 #include "imaging/fingerprints.h"
 #include "similarity/measures.h"
 

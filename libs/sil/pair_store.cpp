@@ -7,9 +7,9 @@
 #include "core/files.h"
 #include "core/fingerprint.h"
 #include "core/text.h"
-#include "fiducials/image_file.h"
+#include "image_files/encode_image.h"
+#include "image_files/image_file.h"
 #include "imaging/fingerprints.h"
-#include "render/images.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

@@ -9,8 +9,8 @@
 
 #include "core/error.h"
 #include "core/for_each.h"
-#include "fiducials/jpeg.h"
 #include "handles/circular_average.h"
+#include "image_files/jpeg.h"
 
 namespace fathom {
 namespace {

@@ -16,10 +16,10 @@
 #include "core/version.h"
 #include "effects/calibration.h"
 #include "evaluation/contact_sheet.h"
-#include "fiducials/one_opencv_thread.h"
+#include "image_files/encode_image.h"
+#include "image_files/one_opencv_thread.h"
 #include "imaging/fingerprints.h"
 #include "recording/rawlog.h"
-#include "render/images.h"
 #include "sil/pair_video.h"
 
 namespace fathom {

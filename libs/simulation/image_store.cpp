@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
-#include "render/images.h"
+#include "image_files/encode_image.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

@@ -14,7 +14,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "effects/calibration.h"
-#include "fiducials/image_file.h"
+#include "image_files/image_file.h"
 #include "imaging/camera_files.h"
 #include "imaging/water.h"
 #include "landmarks/given_corners.h"

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <iostream>
 
-#include "fiducials/image_file.h"
 #include "fiducials/panel_pose.h"
 #include "fiducials/predicted_search.h"
 #include "fiducials/single_marker_pose.h"
+#include "image_files/image_file.h"
 #include "panel/panel_map.h"
 #include "recording/rawlog.h"
 #include "recording/tum.h"

@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "evaluation/handle_evaluation.h"
-#include "fiducials/jpeg.h"
+#include "image_files/jpeg.h"
 
 namespace fathom {
 namespace {

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "fiducials/image_file.h"
+#include "image_files/image_file.h"
 #include "similarity/phase_congruency.h"
 #include "support/shared_data.h"
 #include "support/textured_images.h"

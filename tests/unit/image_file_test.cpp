@@ -1,5 +1,5 @@
 // Damaged images are refused with the reason; whole ones come as stored.
-#include "fiducials/image_file.h"
+#include "image_files/image_file.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "render/images.h"
+#include "image_files/encode_image.h"
 #include "render/sea_floor.h"
 #include "support/render_scenes.h"
 

@@ -4,7 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/error.h"
-#include "fiducials/image_file.h"
+#include "image_files/image_file.h"
 #include "imaging/image_model.h"
 #include "sil/pair_maker.h"
 #include "sil/pair_picture.h"

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "core/files.h"
-#include "fiducials/jpeg.h"
+#include "image_files/jpeg.h"
 #include "support/shared_data.h"
 #include "support/shipped.h"
 

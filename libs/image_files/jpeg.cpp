@@ -1,4 +1,4 @@
-#include "fiducials/jpeg.h"
+#include "image_files/jpeg.h"
 
 #include <algorithm>
 #include <cmath>

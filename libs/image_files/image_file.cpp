@@ -1,4 +1,4 @@
-#include "fiducials/image_file.h"
+#include "image_files/image_file.h"
 
 #include <zlib.h>
 

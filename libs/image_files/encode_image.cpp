@@ -1,4 +1,4 @@
-#include "render/images.h"
+#include "image_files/encode_image.h"
 
 #include <algorithm>
 #include <cmath>
