@@ -1,14 +1,13 @@
 #include "camera_tables/watched_window.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <optional>
 #include <stdexcept>
 
+#include "core/linear_algebra.h"
 #include "core/text.h"
 #include "core/uncertain_pose.h"
 #include "core/yaml.h"
@@ -32,10 +31,11 @@ struct Plane {
 std::optional<Plane> planeOf(const std::vector<Vector3d>& corners) {
   const Eigen::Map<const Eigen::Matrix3Xd> all(corners[0].data(), 3, std::ssize(corners));
   const Vector3d centre = all.rowwise().mean();
-  const Eigen::JacobiSVD<Eigen::Matrix3Xd> svd(all.colwise() - centre, Eigen::ComputeFullU);
-  const Vector3d spread = svd.singularValues();
-  if (spread[1] < kFlat * spread[0] || spread[2] > kFlat * spread[0]) return std::nullopt;
-  return Plane{centre, svd.matrixU().col(2)};
+  const Eigen::Matrix3Xd off = all.colwise() - centre;
+  const SymmetricEigen scatter = eigenOf(off * off.transpose());
+  const Vector3d spread = scatter.values.cwiseMax(0).cwiseSqrt();
+  if (spread[1] < kFlat * spread[2] || spread[0] > kFlat * spread[2]) return std::nullopt;
+  return Plane{centre, scatter.vectors.col(0)};
 }
 
 Vector2d straightIdeal(const WatchedWindow& window, const Vector2d& pixel) {
@@ -86,7 +86,7 @@ UncertainPose placed(const WatchedWindow& window, double corner_sigma_px) {
   }
   const double freedom = 2 * static_cast<double>(corners.size()) - 6;
   const double stated = std::pow(corner_sigma_px / window.pinhole.fx_px, 2);
-  result.covariance = std::max(stated, square / freedom) * normal.inverse();
+  result.covariance = std::max(stated, square / freedom) * inverseOf(normal);
   return result;
 }
 

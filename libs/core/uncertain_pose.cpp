@@ -1,6 +1,6 @@
 #include "core/uncertain_pose.h"
 
-#include <Eigen/Cholesky>
+#include "core/linear_algebra.h"
 
 namespace fathom {
 namespace {
@@ -17,8 +17,7 @@ Matrix6d jacobianOf(const Pose& pose) {
 YawPitchRollPose UncertainPose::toYawPitchRoll() const {
   constexpr double kDamping = 1e-12;  // a sigma of a degree stays below one of 10^6
   const Matrix6d J = jacobianOf(pose);
-  const Matrix6d inverse =
-      (J.transpose() * J + kDamping * Matrix6d::Identity()).ldlt().solve(Matrix6d(J.transpose()));
+  const Matrix6d inverse = solveSymmetric(J.transpose() * J + kDamping * Matrix6d::Identity(), J.transpose());
   return {pose, inverse * covariance * inverse.transpose()};
 }
 

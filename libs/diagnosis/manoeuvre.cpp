@@ -1,6 +1,5 @@
 #include "diagnosis/manoeuvre.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>

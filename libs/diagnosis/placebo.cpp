@@ -1,8 +1,8 @@
 #include "diagnosis/placebo.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "core/linear_algebra.h"
 #include "diagnosis/screening.h"
 
 namespace fathom {
@@ -59,7 +59,7 @@ double Placebo::gainOf(std::size_t candidate, Eigen::Index draw) const {
   for (const Fold& fold : folds_) {
     Eigen::MatrixXd A = fold.A_train.block(k, k, n, n);
     A.diagonal() += sigma_.segment(k, n).array().square().inverse().matrix();
-    const Eigen::VectorXd value = -A.ldlt().solve(fold.g_train.col(draw).segment(k, n));
+    const Eigen::VectorXd value = -solveSymmetric(A, fold.g_train.col(draw).segment(k, n));
     gain -= fold.g_test.col(draw).segment(k, n).dot(value) +
             0.5 * value.dot(fold.A_test.block(k, k, n, n) * value);
   }

@@ -1,12 +1,12 @@
 #include "diagnosis/refit.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>
 
 #include "core/chi_square.h"
+#include "core/linear_algebra.h"
 #include "diagnosis/lasting_bias.h"
 #include "effects/catalogue.h"
 #include "estimation/wide_prior.h"
@@ -232,7 +232,7 @@ double sqrtLambda(const Refit& fit, std::size_t effect) {
     for (Eigen::Index b = 0; b < size; ++b)
       covariance(a, b) = fit.covariance(i, own[static_cast<std::size_t>(b)]);
   }
-  const Eigen::MatrixXd information = covariance.inverse() - Eigen::MatrixXd(precision.asDiagonal());
+  const Eigen::MatrixXd information = inverseOf(covariance) - Eigen::MatrixXd(precision.asDiagonal());
   return std::sqrt(std::max(0.0, value.dot(information * value)));
 }
 

@@ -1,7 +1,8 @@
 #include "diagnosis/rows_alone.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
+
+#include "core/linear_algebra.h"
 
 namespace fathom {
 namespace {
@@ -65,7 +66,7 @@ Eigen::VectorXd fitted(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score
   if (score.size() == 0) return {};
   Eigen::MatrixXd A = gram;
   A.diagonal() += prior_sigma.array().square().inverse().matrix();
-  return -A.ldlt().solve(score);
+  return -solveSymmetric(A, score);
 }
 
 }  // namespace fathom

@@ -2,8 +2,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,6 +9,7 @@
 #include <numeric>
 
 #include "core/chi_square.h"
+#include "core/linear_algebra.h"
 #include "core/median.h"
 #include "core/random.h"
 #include "diagnosis/finer_edges.h"
@@ -36,7 +35,7 @@ double logPriorOf(const Candidate& candidate, int segments) {
 double support(const Eigen::MatrixXd& A, const Eigen::VectorXd& g, const Eigen::VectorXd& prior_sigma) {
   const Eigen::MatrixXd S = prior_sigma.asDiagonal();
   const Eigen::MatrixXd scaled = S * A * S;
-  const Eigen::LLT<Eigen::MatrixXd> M(Eigen::MatrixXd::Identity(A.rows(), A.rows()) + scaled);
+  const SymmetricFactors M(Eigen::MatrixXd::Identity(A.rows(), A.rows()) + scaled);
   const double freedom = M.solve(scaled).trace();
   const Eigen::VectorXd own = S * g;
   return freedom > 1e-6 ? -chiSquareLogTail(freedom, own.dot(M.solve(own))) : 0;
@@ -45,11 +44,11 @@ double support(const Eigen::MatrixXd& A, const Eigen::VectorXd& g, const Eigen::
 Information::Information(const Eigen::MatrixXd& A, const Eigen::VectorXd& norms)
     : inverse(Eigen::MatrixXd::Zero(A.rows(), A.rows())) {
   const Eigen::VectorXd unit = norms.unaryExpr([](double n) { return n > 0 ? 1 / n : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.asDiagonal() * A * unit.asDiagonal());
+  const SymmetricEigen eigen = eigenOf(unit.asDiagonal() * A * unit.asDiagonal());
   for (Eigen::Index i = 0; i < A.rows(); ++i) {
-    if (eigen.eigenvalues()[i] < kLeastKept * kLeastKept) continue;
-    const Eigen::VectorXd direction = unit.asDiagonal() * eigen.eigenvectors().col(i);
-    inverse += direction * direction.transpose() / eigen.eigenvalues()[i];
+    if (eigen.values[i] < kLeastKept * kLeastKept) continue;
+    const Eigen::VectorXd direction = unit.asDiagonal() * eigen.vectors.col(i);
+    inverse += direction * direction.transpose() / eigen.values[i];
     ++rank;
   }
 }
@@ -339,14 +338,14 @@ std::vector<TestedSet> Screening::bestSets(std::size_t size, std::size_t count, 
 
 double Screening::alignment(std::size_t a, std::size_t b) const {
   const auto root = [&](std::size_t m) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gramOf(m, m));
-    const double least = kLeastKept * kLeastKept * eigen.eigenvalues().maxCoeff();
+    const SymmetricEigen eigen = eigenOf(gramOf(m, m));
+    const double least = kLeastKept * kLeastKept * eigen.values.maxCoeff();
     const Eigen::VectorXd inverse =
-        eigen.eigenvalues().unaryExpr([&](double l) { return l > least ? 1 / std::sqrt(l) : 0.0; });
-    return Eigen::MatrixXd(eigen.eigenvectors() * inverse.asDiagonal());
+        eigen.values.unaryExpr([&](double l) { return l > least ? 1 / std::sqrt(l) : 0.0; });
+    return Eigen::MatrixXd(eigen.vectors * inverse.asDiagonal());
   };
   const Eigen::MatrixXd cosines = root(a).transpose() * gramOf(a, b) * root(b);
-  return std::min(1.0, cosines.jacobiSvd().singularValues()[0]);
+  return std::min(1.0, singularValues(cosines)[0]);
 }
 
 Looks Screening::independentLooks(std::uint64_t seed) const {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/chi_square.h"
+#include "core/linear_algebra.h"
 #include "core/median.h"
 #include "diagnosis/lasting_bias.h"
 #include "effects/catalogue.h"
@@ -62,7 +63,7 @@ double scatterOf(const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance, Ei
     Eigen::MatrixXd S = covariance(kept, kept);
     S.diagonal().array() += sigma * sigma;
     const Eigen::VectorXd own = x(kept);
-    return own.dot(S.ldlt().solve(own));
+    return normalizedSquare(S, own);
   };
   const Eigen::Index count = x.size() / together;
   Eigen::Index most = 0;
@@ -79,10 +80,9 @@ double scatterOf(const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance, Ei
 double evidence(const Eigen::MatrixXd& information, const Eigen::VectorXd& score,
                 const Eigen::VectorXd& sigma) {
   const Eigen::MatrixXd S = sigma.asDiagonal();
-  const Eigen::LLT<Eigen::MatrixXd> M(Eigen::MatrixXd::Identity(score.size(), score.size()) +
-                                      S * information * S);
+  const SymmetricFactors M(Eigen::MatrixXd::Identity(score.size(), score.size()) + S * information * S);
   const Eigen::VectorXd own = S * score;
-  return 0.5 * own.dot(M.solve(own)) - Eigen::MatrixXd(M.matrixL()).diagonal().array().log().sum();
+  return 0.5 * (own.dot(M.solve(own)) - M.logDeterminant());
 }
 
 /// Where effects can make up for a panel that is not plane, and no single one does it as well as a panel that

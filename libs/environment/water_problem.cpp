@@ -2,12 +2,12 @@
 
 #include <ceres/ceres.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 
+#include "core/linear_algebra.h"
 #include "effects/drawn.h"
 
 namespace fathom {
@@ -247,7 +247,7 @@ void WaterProblem::covariance(Eigen::MatrixXd& least_squares, Vector9d& growth) 
     information.selfadjointView<Eigen::Lower>().rankUpdate(gradient);
   }
   information = information.selfadjointView<Eigen::Lower>();
-  least_squares = information.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
+  least_squares = solveSymmetric(information, Eigen::MatrixXd::Identity(size, size));
   growth = growthByGroups(jacobian, least_squares,
                           [&](const Patch& patch, int) { return static_cast<long>(patch.image); });
   for (const double numbers : kSharedNumbers)

@@ -1,9 +1,9 @@
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "core/linear_algebra.h"
 #include "environment/water_problem.h"
 
 namespace fathom {
@@ -63,7 +63,7 @@ LinearFit linearFit(const std::vector<LinearReading>& readings) {
       score += row * seen / (1 + off * off);
     }
     if (round > 0) fit.cost = cost;
-    const Vector2d solution = information.ldlt().solve(score);
+    const Vector2d solution = solveSymmetric(information, score);
     fit.ambient = solution[0];
     fit.veil = solution[1];
   }

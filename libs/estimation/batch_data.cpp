@@ -1,11 +1,11 @@
 #include "estimation/batch_data.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/error.h"
+#include "core/linear_algebra.h"
 #include "estimation/tie_point_gate.h"
 #include "landmarks/image_entry.h"
 #include "localization/input_watch.h"
@@ -117,8 +117,7 @@ class Collector {
 
   void addUsbl(const PoseSample& pose) {
     const Matrix3d covariance = pose.T_odom_robot.covariance.topLeftCorner<3, 3>();
-    if (Eigen::LLT<Matrix3d>(covariance).info() != Eigen::Success)
-      return leaveOut("USBL with a covariance that is none");
+    if (!isPositiveDefinite(covariance)) return leaveOut("USBL with a covariance that is none");
     data_.usbl.push_back({t_s_, pose.T_odom_robot.mean.position, covariance});
   }
 
@@ -169,7 +168,7 @@ class Collector {
   void addMarker(const Detection& detection, BatchMarker& seen) {
     const bool finite = std::all_of(detection.corners_px.begin(), detection.corners_px.end(),
                                     [](const Vector2d& corner) { return corner.allFinite(); });
-    if (!finite || Eigen::LLT<Matrix8d>(detection.covariance_px2).info() != Eigen::Success)
+    if (!finite || !isPositiveDefinite(detection.covariance_px2))
       return leaveOut("marker with corners or a covariance that are none");
     for (std::size_t panel = 0; panel < data_.panels.size(); ++panel)
       for (const Marker& marker : data_.panels[panel].markers) {

@@ -1,11 +1,11 @@
 #include "estimation/batch_problem.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <set>
 
+#include "core/linear_algebra.h"
 #include "estimation/batch_priors.h"
 #include "estimation/reading_cost.h"
 
@@ -13,9 +13,7 @@ namespace fathom {
 namespace {
 
 /// W with W C W^T = 1. The symmetric one, so that each row stays as near to its own coordinate as can be.
-Eigen::MatrixXd whitener(const Eigen::MatrixXd& covariance) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(covariance).operatorInverseSqrt();
-}
+Eigen::MatrixXd whitener(const Eigen::MatrixXd& covariance) { return symmetricWhitener(covariance); }
 
 Eigen::MatrixXd whitener(const Eigen::VectorXd& sigma) {
   return sigma.cwiseInverse().asDiagonal().toDenseMatrix();

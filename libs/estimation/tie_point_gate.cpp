@@ -1,11 +1,11 @@
 #include "estimation/tie_point_gate.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "core/linear_algebra.h"
 #include "core/median.h"
 #include "estimation/readings.h"
 
@@ -47,7 +47,7 @@ Eigen::VectorXd contradictionsOf(const std::vector<BatchTiePoint>& points, const
     const Eigen::ArrayXd weight = (kRobust * sigma / left.array().abs()).min(1.0) / (sigma * sigma);
     Matrix6d normal = J.transpose() * weight.matrix().asDiagonal() * J;
     normal.diagonal() += prior.cwiseAbs2().cwiseInverse();
-    const Vector6d moved = normal.ldlt().solve(-J.transpose() * (weight * nominal.array()).matrix());
+    const Vector6d moved = -solveSymmetric(normal, J.transpose() * (weight * nominal.array()).matrix());
     left = nominal + J * moved;
   }
   sizes(meeting) = left / std::max(1.0, kSigmaByMedian * medianOf(left.cwiseAbs()));

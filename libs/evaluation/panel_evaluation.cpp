@@ -2,11 +2,11 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
-#include <Eigen/Cholesky>
 #include <functional>
 #include <stdexcept>
 
 #include "core/for_each.h"
+#include "core/linear_algebra.h"
 #include "fiducials/single_marker_pose.h"
 #include "image_files/jpeg.h"
 
@@ -89,7 +89,7 @@ PanelPoseError panelPoseError(const Pose& estimate, const Pose& truth) {
 
 double neesOf(const UncertainPose& estimate, const Pose& truth) {
   const Vector6d error = errorOf(estimate.pose, truth);
-  return error.dot(estimate.covariance.ldlt().solve(error));
+  return normalizedSquare(estimate.covariance, error);
 }
 
 void judge(const std::vector<Detection>& detections, const PanelMap& map, const CameraModel& camera,

@@ -2,12 +2,12 @@
 
 #include <ceres/jet.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "core/chi_square.h"
+#include "core/linear_algebra.h"
 #include "core/median.h"
 #include "fiducials/single_marker_pose.h"
 
@@ -41,11 +41,10 @@ std::vector<Sighting> sightingsOf(const std::vector<CameraDetections>& cameras, 
       const Detection& detection = cameras[c].detections[i];
       const Marker* marker = markerOf(detection, map);
       if (marker == nullptr) continue;
-      const Eigen::LLT<Matrix8d> root(detection.covariance_px2);
-      if (root.info() != Eigen::Success) continue;
-      const Matrix8d whitener = root.matrixL().solve(Matrix8d::Identity());
+      const auto whitener = lowerWhitener(detection.covariance_px2);
+      if (!whitener) continue;
       sightings.push_back({cameras[c].trueProjector(), cameras[c].T_first_camera.inverse(), c, i, marker,
-                           detection.corners_px, marker->corners_panel(), whitener});
+                           detection.corners_px, marker->corners_panel(), *whitener});
     }
   return sightings;
 }
@@ -113,7 +112,7 @@ class Solver {
       best.information = H;
       Matrix6d damped = H;
       damped.diagonal() *= 1.0 + damping;
-      const Vector6d step = -damped.ldlt().solve(g);
+      const Vector6d step = -solveSymmetric(damped, g);
       if (!step.allFinite()) break;
       const Pose trial = moved(best.pose, step);
       const double trial_cost = cost(trial, soft);
@@ -332,7 +331,7 @@ PanelPoseEstimate solvePanelPose(const std::vector<CameraDetections>& cameras, c
   Solver::Minimum minimum = solver.minimize(*robust, false, 50);
   Solver::Minimum mirrored = solver.minimize(mirrorImage(minimum.pose, centreOf(inliers)), false, 50);
   if (mirrored.cost < minimum.cost) std::swap(minimum, mirrored);
-  const Eigen::LDLT<Matrix6d> information(minimum.information);
+  const SymmetricFactors information(minimum.information);
   const Matrix6d covariance = information.solve(Matrix6d::Identity());
   if (!std::isfinite(minimum.cost) || !covariance.allFinite() || !information.isPositive())
     return failed("the corners do not determine a pose");

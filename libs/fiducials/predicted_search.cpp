@@ -2,10 +2,11 @@
 
 #include <ceres/jet.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
+
+#include "core/linear_algebra.h"
 
 namespace fathom {
 namespace {
@@ -143,7 +144,7 @@ void correct(PanelPrediction& prediction, const PredictedCorners& predicted, con
   const auto& J = predicted.J;
   const Eigen::Matrix<double, 6, 8> PJt = prediction.covariance * J.transpose();
   const Matrix8d S = J * PJt + detection.covariance_px2 + kMapSigma_px * kMapSigma_px * Matrix8d::Identity();
-  const Eigen::LDLT<Matrix8d> solver(S);
+  const SymmetricFactors solver(S);
   const Eigen::Matrix<double, 6, 1> step = PJt * solver.solve(innovation);
   prediction.T_camera_panel.position += step.head<3>();
   prediction.T_camera_panel.rotation *= expSO3<double>(step.tail<3>());

@@ -1,12 +1,12 @@
 #include "handles/contour.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <vector>
+
+#include "core/linear_algebra.h"
 
 namespace fathom {
 namespace {
@@ -30,8 +30,7 @@ class Normal {
     const Colours off = colours.rowwise() - mean_.transpose();
     Matrix3d covariance = off.transpose() * off / static_cast<double>(colours.rows());
     covariance.diagonal().array() += kLeastSigma * kLeastSigma;
-    const Eigen::LLT<Matrix3d> llt(covariance);
-    whiten_ = Matrix3d(llt.matrixL()).inverse();
+    whiten_ = *lowerWhitener(covariance);
     constant_ =
         std::log(share) + whiten_.diagonal().array().log().sum() - 1.5 * std::log(2 * std::numbers::pi);
   }
@@ -103,11 +102,11 @@ class ColourModel {
     for (std::size_t k = 0; k < means.size(); ++k) {
       if (nearest[k].empty()) continue;
       const Colours off = colours(nearest[k], Eigen::all).rowwise() - means[k].transpose();
-      const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(Matrix3d(off.transpose() * off));
-      if (axes.eigenvalues()[2] <= most) continue;
-      most = axes.eigenvalues()[2];
+      const SymmetricEigen axes = eigenOf(off.transpose() * off);
+      if (axes.values[2] <= most) continue;
+      most = axes.values[2];
       widest = k;
-      step = axes.eigenvectors().col(2) * std::sqrt(most / static_cast<double>(nearest[k].size()));
+      step = axes.vectors.col(2) * std::sqrt(most / static_cast<double>(nearest[k].size()));
     }
     means.emplace_back(means[widest] + step);
     means[widest] -= step;

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "core/linear_algebra.h"
+
 namespace fathom {
 namespace {
 
@@ -83,13 +85,13 @@ EdgeReading fitted(const std::vector<Vector2d>& pixels) {
   for (const Vector2d& p : pixels) mean += p / static_cast<double>(pixels.size());
   Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
   for (const Vector2d& p : pixels) squares += (p - mean) * (p - mean).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(squares);
-  const Vector2d along = axes.eigenvectors().col(1);
-  const double across = std::max(axes.eigenvalues()[0] / static_cast<double>(pixels.size()), 1.0 / 12);
+  const SymmetricEigen axes = eigenOf(squares);
+  const Vector2d along = axes.vectors.col(1);
+  const double across = std::max(axes.values[0] / static_cast<double>(pixels.size()), 1.0 / 12);
   EdgeReading reading;
   reading.found = true;
   reading.angle_rad = std::atan2(-along.y(), along.x());
-  reading.sigma_rad = std::sqrt(across / std::max(1e-9, axes.eigenvalues()[1]));
+  reading.sigma_rad = std::sqrt(across / std::max(1e-9, axes.values[1]));
   double least = 0, most = 0;
   for (const Vector2d& p : pixels) {
     least = std::min(least, along.dot(p - mean));

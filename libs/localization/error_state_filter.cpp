@@ -1,8 +1,7 @@
 #include "localization/error_state_filter.h"
 
-#include <Eigen/Cholesky>
-
 #include "core/gauss_markov.h"
+#include "core/linear_algebra.h"
 
 namespace fathom {
 namespace {
@@ -205,7 +204,7 @@ void ErrorStateFilter<N>::carryAttached(const Eigen::Ref<const Eigen::MatrixXd>&
     return product;
   };
   const Eigen::MatrixXd own = timesHTransposed();
-  const Eigen::MatrixXd own_gain = S.ldlt().solve(own.transpose()).transpose();
+  const Eigen::MatrixXd own_gain = solveSymmetric(S, own.transpose()).transpose();
   attached.cross -= own_gain * PHt.transpose();
   const Eigen::MatrixXd excess = timesHTransposed() - own_gain * R;
   attached.cross -= excess * gain.transpose();
@@ -245,7 +244,7 @@ double ErrorStateFilter<N>::updateWhole(const Eigen::VectorXd& residual, const E
                                         const Eigen::MatrixXd& R, double gate) {
   const Eigen::MatrixXd before = wholeCovariance();
   const Eigen::MatrixXd PHt = before * H.transpose();
-  const Eigen::LDLT<Eigen::MatrixXd> S(H * PHt + R);
+  const SymmetricFactors S(H * PHt + R);
   const double nis = residual.dot(S.solve(residual));
   if (!S.isPositive() || !(nis <= gate)) return nis;
   const Eigen::MatrixXd gain = S.solve(PHt.transpose()).transpose();

@@ -1,8 +1,9 @@
 #include "localization/evaluation.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <limits>
+
+#include "core/linear_algebra.h"
 
 namespace fathom {
 namespace {
@@ -49,7 +50,7 @@ bool Evaluator::add(const Estimate& estimate) {
   error.rotation_sigma_rad = sigma.tail<3>();
   Eigen::Matrix<double, 6, 1> e;
   e << error.position_m, error.rotation_rad;
-  error.nees = e.dot(estimate.pose_covariance.ldlt().solve(e));
+  error.nees = normalizedSquare(estimate.pose_covariance, e);
   errors_.push_back(error);
   return true;
 }

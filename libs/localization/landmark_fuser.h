@@ -1,9 +1,10 @@
 #pragma once
 
-#include <Eigen/Cholesky>
+#include <limits>
 #include <memory>
 
 #include "core/chi_square.h"
+#include "core/linear_algebra.h"
 #include "core/text.h"
 #include "localization/landmark_monitor.h"
 #include "localization/measurements.h"
@@ -236,7 +237,8 @@ class LandmarkFuser {
     Matrix6d S = filter.P.template topLeftCorner<6, 6>() +
                  wrt_sighting * T_panel_robot.covariance * wrt_sighting.transpose();
     if (attached >= 0) S += wrt_panel * filter.attachedPose(attached).covariance * wrt_panel.transpose();
-    return S.llt().matrixL().solve(poseDifference(robotOf(filter), T_odom_robot));
+    return lowerWhitener(S).value_or(Matrix6d::Constant(std::numeric_limits<double>::quiet_NaN())) *
+           poseDifference(robotOf(filter), T_odom_robot);
   }
 
   bool isInside(const Vector6d& off) const {

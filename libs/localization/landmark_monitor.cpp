@@ -1,9 +1,9 @@
 #include "localization/landmark_monitor.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 
 #include "core/chi_square.h"
+#include "core/linear_algebra.h"
 
 namespace fathom {
 namespace {
@@ -26,7 +26,7 @@ bool agree(const JudgedFix& a, const JudgedFix& b, bool doubt) {
                               by_robot * drift.asDiagonal() * by_robot.transpose();
   const Vector6d difference = poseDifference(panel_a, panel_b);
   static const double kGate = chiSquareQuantile(6, 0.9999);
-  return difference.dot(covariance.ldlt().solve(difference)) <= kGate;
+  return normalizedSquare(covariance, difference) <= kGate;
 }
 
 /// Whether a panel stands still in the filter's dead reckoning, by the slope of its pose over time.
@@ -47,7 +47,7 @@ bool standsStill(const std::vector<JudgedFix>& fixes) {
       by_sighting * last.T_robot_panel.covariance * by_sighting.transpose() / spread_s2 +
       by_robot * drift.asDiagonal() * by_robot.transpose();
   static const double kGate = chiSquareQuantile(6, 0.999);
-  return slope.dot(covariance.ldlt().solve(slope)) <= kGate;
+  return normalizedSquare(covariance, slope) <= kGate;
 }
 
 }  // namespace

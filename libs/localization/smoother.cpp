@@ -1,5 +1,7 @@
 #include "localization/smoother.h"
 
+#include "core/linear_algebra.h"
+
 namespace fathom {
 
 template <int N>
@@ -45,7 +47,7 @@ void Smoother<N>::smoothStep(std::size_t k, const ProcessNoise& noise) {
   }
 
   // Gain G = P F^T P_predicted^-1. LDLT copes with the exact zeros of states that are switched off.
-  const typename Filter::Matrix G = predicted.P.ldlt().solve(F * P).transpose();
+  const typename Filter::Matrix G = solveSymmetric(predicted.P, F * P).transpose();
   const typename Filter::Vector delta = difference<N>(states_[k + 1], predicted.x);
   retract<N>(states_[k], G * delta);
   const typename Filter::Matrix smoothed = P + G * (covariance(k + 1) - predicted.P) * G.transpose();
@@ -83,7 +85,7 @@ void Smoother<N>::smoothStepWithAttached(std::size_t k, const ProcessNoise& nois
         P_predicted(row, row) = 1.0;
         FP.row(row).setZero();
       }
-  const Eigen::MatrixXd G = P_predicted.ldlt().solve(FP).transpose();
+  const Eigen::MatrixXd G = solveSymmetric(P_predicted, FP).transpose();
   Eigen::VectorXd delta(size);
   delta.head<N>() = difference<N>(next.x, predicted.x);
   for (std::size_t i = 0; i < now.attached.T_odom.size(); ++i)

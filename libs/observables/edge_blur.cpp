@@ -1,12 +1,13 @@
 #include "observables/edge_blur.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <vector>
+
+#include "core/linear_algebra.h"
 
 namespace fathom {
 namespace {
@@ -144,9 +145,9 @@ std::optional<EdgeBlur> edgeBlur(const EdgeView& view, const EdgeBlurOptions& op
                              blur.covariance_px2.determinant() > 0.1 * own.determinant();
     if (!is_possible || found.shift_px.norm() > options.largest_shift_px) return std::nullopt;
     const Eigen::MatrixXd A = stacked(columnsOf(view, blur), where);
-    const Eigen::LDLT<Eigen::MatrixXd> normal(A.transpose() * A);
+    const SymmetricFactors normal(A.transpose() * A);
     const Eigen::VectorXd x = normal.solve(A.transpose() * y);
-    if (normal.info() != Eigen::Success || !x.allFinite() || std::abs(x[kGain]) < 1e-6) return std::nullopt;
+    if (!normal.succeeded() || !x.allFinite() || std::abs(x[kGain]) < 1e-6) return std::nullopt;
     found.variance_px2 += x.segment<3>(kBlur) / x[kGain];
     found.shift_px -= x.segment<2>(kShift) / x[kGain];
     if (round + 1 < options.rounds) continue;

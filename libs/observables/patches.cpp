@@ -1,10 +1,10 @@
 #include "observables/patches.h"
 
-#include <Eigen/Eigenvalues>
 #include <map>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "core/linear_algebra.h"
 #include "core/text.h"
 #include "imaging/image_model.h"
 #include "observables/rounding.h"
@@ -38,7 +38,7 @@ struct ColourSums {
     const Eigen::Matrix4d scatter = products - sum * sum.transpose() / n;
     const Eigen::Matrix3d known = scatter.topLeftCorner<3, 3>() + kNothing * Eigen::Matrix3d::Identity();
     const Vector3d with_light = scatter.topRightCorner<3, 1>();
-    return std::max(0.0, scatter(3, 3) - with_light.dot(known.ldlt().solve(with_light))) / (n - 4);
+    return std::max(0.0, scatter(3, 3) - normalizedSquare(known, with_light)) / (n - 4);
   }
 };
 
@@ -156,9 +156,9 @@ cv::Mat knownAround(const View& clean, const CameraModel& camera) {
 
 std::array<Vector3d, 4> placesAround(const Patch& patch, const CameraModel& camera,
                                      const Pose& T_panel_camera) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(patch.pixel_covariance);
+  const SymmetricEigen spread = eigenOf(patch.pixel_covariance);
   const Eigen::Matrix2d steps =
-      std::numbers::sqrt2 * spread.eigenvectors() * spread.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+      std::numbers::sqrt2 * spread.vectors * spread.values.cwiseMax(0).cwiseSqrt().asDiagonal();
   const Vector3d eye = T_panel_camera.position;
   const Vector3d middle = T_panel_camera * Vector3d(patch.z_m * camera.idealAt(patch.pixel).homogeneous());
   std::array<Vector3d, 4> points;

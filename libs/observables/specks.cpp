@@ -1,6 +1,5 @@
 #include "observables/specks.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <tuple>
 #include <vector>
 
+#include "core/linear_algebra.h"
 #include "imaging/image_model.h"
 
 namespace fathom {
@@ -92,7 +92,8 @@ class PlainFit {
       const Eigen::Matrix<double, 6, Eigen::Dynamic> weighted = terms_ * weight.asDiagonal();
       const Eigen::Matrix<double, 6, 6> normal = weighted * terms_.transpose();
       const double damping = 1e-9 * normal.trace();
-      solution = (normal + damping * Eigen::Matrix<double, 6, 6>::Identity()).ldlt().solve(weighted * light_);
+      solution =
+          solveSymmetric(normal + damping * Eigen::Matrix<double, 6, 6>::Identity(), weighted * light_);
     }
     return solution;
   }

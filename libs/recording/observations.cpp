@@ -12,7 +12,6 @@
 #include <mrpt/poses/CPose3DQuat.h>
 #include <mrpt/serialization/CArchive.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -20,6 +19,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "core/linear_algebra.h"
 #include "recording/header_text.h"
 #include "recording/mrpt_types.h"
 
@@ -129,10 +129,10 @@ Reading readStereo(const CObservationStereoImages& stereo) {
 }
 
 /// The inverse of a covariance or of an information matrix; nothing where that is not positive definite.
-std::optional<Matrix6d> inverseOf(const Matrix6d& matrix) {
-  const Eigen::LLT<Matrix6d> root(matrix);
-  if (!matrix.allFinite() || root.info() != Eigen::Success) return std::nullopt;
-  Matrix6d inverse = root.solve(Matrix6d::Identity());
+std::optional<Matrix6d> inverseIfDefinite(const Matrix6d& matrix) {
+  const auto whitener = matrix.allFinite() ? lowerWhitener(matrix) : std::nullopt;
+  if (!whitener) return std::nullopt;
+  Matrix6d inverse = whitener->transpose() * *whitener;
   if (!inverse.allFinite()) return std::nullopt;
   return inverse;
 }
@@ -140,7 +140,7 @@ std::optional<Matrix6d> inverseOf(const Matrix6d& matrix) {
 Reading readPanels(const CObservation6DFeatures& features) {
   PanelSample sample{fromMrpt(features.sensorPose), {}};
   for (const auto& feature : features.sensedFeatures) {
-    const auto covariance = inverseOf(feature.inf_matrix.asEigen());
+    const auto covariance = inverseIfDefinite(feature.inf_matrix.asEigen());
     SeenPanel seen{feature.id, {fromMrpt(feature.pose), {}}};
     if (covariance)
       seen.T_camera_panel = UncertainPose::fromYawPitchRoll({fromMrpt(feature.pose), *covariance});
@@ -265,7 +265,8 @@ struct Encoder {
       CObservation6DFeatures::TMeasurement feature;  // its information is zero
       feature.id = seen.panel;
       feature.pose = toMrpt(pose.mean);
-      if (const auto information = inverseOf(pose.covariance)) feature.inf_matrix.asEigen() = *information;
+      if (const auto information = inverseIfDefinite(pose.covariance))
+        feature.inf_matrix.asEigen() = *information;
       observation.sensedFeatures.push_back(feature);
     }
     write(observation);

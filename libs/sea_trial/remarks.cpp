@@ -2,10 +2,10 @@
 
 #include <ceres/jet.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "core/linear_algebra.h"
 #include "core/median.h"
 #include "core/text.h"
 #include "sensors/models.h"
@@ -71,7 +71,7 @@ DvlFit fitDvl(const std::vector<DvlModel::Design>& designs, const std::vector<Ve
     right += designs[k].transpose() * differences[k];
   }
   DvlFit fit;
-  const Eigen::Matrix<double, 7, 7> inverse = normal.inverse();
+  const Eigen::Matrix<double, 7, 7> inverse = inverseOf(normal);
   fit.parameters = inverse * right;
   Vector3d before = Vector3d::Zero(), after = Vector3d::Zero();
   for (std::size_t k = 0; k < designs.size(); ++k) {

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+
+/// Eigen's factorizations, compiled once, for matrices of any size: a file that has Eigen make one for a size
+/// of its own compiles a second or more longer. Where a small one is in an innermost loop, Eigen's own are
+/// faster.
+namespace fathom {
+
+using MatrixView = Eigen::Ref<const Eigen::MatrixXd>;
+
+/// A symmetric, positive semi-definite A as L D L^T, with pivoting: what A knows nothing of is solved by
+/// zero.
+class SymmetricFactors {
+ public:
+  explicit SymmetricFactors(const MatrixView& A);
+  ~SymmetricFactors();
+  SymmetricFactors(const SymmetricFactors&) = delete;
+  SymmetricFactors& operator=(const SymmetricFactors&) = delete;
+
+  bool succeeded() const;
+  bool isPositive() const;  ///< or semi-definite
+  double logDeterminant() const;
+  void solveInPlace(Eigen::Ref<Eigen::MatrixXd> x) const;
+  /// A^-1 b.
+  template <class B>
+  Eigen::Matrix<double, B::RowsAtCompileTime, B::ColsAtCompileTime> solve(
+      const Eigen::MatrixBase<B>& b) const {
+    Eigen::Matrix<double, B::RowsAtCompileTime, B::ColsAtCompileTime> x = b;
+    solveInPlace(x);
+    return x;
+  }
+
+ private:
+  struct Factors;
+  std::unique_ptr<Factors> factors_;
+};
+
+/// A^-1 b, by the same.
+template <class B>
+auto solveSymmetric(const MatrixView& A, const Eigen::MatrixBase<B>& b) {
+  return SymmetricFactors(A).solve(b);
+}
+
+/// r^T S^-1 r: the square of a residual in units of its covariance (Mahalanobis).
+double normalizedSquare(const MatrixView& S, const Eigen::Ref<const Eigen::VectorXd>& r);
+
+bool isPositiveDefinite(const MatrixView& A);
+
+/// W with W A W^T = 1 for a symmetric A: the lower triangular one (nothing where A is not positive definite),
+/// and the symmetric one.
+std::optional<Eigen::MatrixXd> lowerWhitener(const MatrixView& A);
+Eigen::MatrixXd symmetricWhitener(const MatrixView& A);
+
+/// Eigenvalues of a symmetric matrix, the least first, and the vectors as columns.
+struct SymmetricEigen {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+};
+SymmetricEigen eigenOf(const MatrixView& A);
+
+/// The largest first.
+Eigen::VectorXd singularValues(const MatrixView& A);
+
+/// Of a square matrix that has one.
+Eigen::MatrixXd inverseOf(const MatrixView& A);
+
+}  // namespace fathom
