@@ -350,6 +350,12 @@ void ErrorStateFilter<N>::resetMotion(int block, double sigma) {
   attached.cross.template middleCols<3>(block).setZero();
 }
 
+template struct detail::Correction<kCoreSize, 1>;
+template struct detail::Correction<kCoreSize, 3>;
+template struct detail::Correction<kCoreSize, 6>;
+template struct detail::Correction<kFullSize, 1>;
+template struct detail::Correction<kFullSize, 3>;
+template struct detail::Correction<kFullSize, 6>;
 template class ErrorStateFilter<kCoreSize>;
 template class ErrorStateFilter<kFullSize>;
 

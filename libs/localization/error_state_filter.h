@@ -206,6 +206,58 @@ void solveInPlace(const Factors<M>& S, Eigen::Matrix<double, N, M>& X) {
     for (int k = j + 1; k < M; ++k) X.col(j) -= X.col(k) * S.L(k, j);
 }
 
+/// An update of N states by M residuals, as far as it does not matter which columns H has: compiled once for
+/// each size.
+template <int N, int M>
+struct Correction {
+  Eigen::Matrix<double, N, M> PHt;
+  Eigen::Matrix<double, M, M> S;
+  Eigen::Matrix<double, N + 1, M> gain_and_weighted;  ///< K; its last row: S^-1 r
+  double nis = 0;
+  bool positive = false;
+
+  /// The residual rides along as one more row: one solve gives gain and NIS.
+  void solve(const Eigen::Matrix<double, M, 1>& residual);
+  /// P becomes A = P - K (P H^T)^T.
+  void reduce(Eigen::Matrix<double, N, N>& P) const;
+  /// A becomes A - (A H^T - K R) K^T in its lower triangle.
+  void stabilize(Eigen::Matrix<double, N, N>& A, const Eigen::Matrix<double, N, M>& AHt,
+                 const Eigen::Matrix<double, M, M>& R) const;
+  Eigen::Matrix<double, N, M> gain() const { return gain_and_weighted.template topRows<N>(); }
+};
+
+template <int N, int M>
+void Correction<N, M>::solve(const Eigen::Matrix<double, M, 1>& residual) {
+  gain_and_weighted << PHt, residual.transpose();
+  const Factors<M> factors(S);
+  solveInPlace(factors, gain_and_weighted);
+  nis = gain_and_weighted.row(N).dot(residual);
+  positive = factors.positive;
+}
+
+template <int N, int M>
+void Correction<N, M>::reduce(Eigen::Matrix<double, N, N>& P) const {
+  subtractLower(P, gain_and_weighted, PHt);
+  mirrorLower(P);
+}
+
+template <int N, int M>
+void Correction<N, M>::stabilize(Eigen::Matrix<double, N, N>& A, const Eigen::Matrix<double, N, M>& AHt,
+                                 const Eigen::Matrix<double, M, M>& R) const {
+  Eigen::Matrix<double, N, M> excess = AHt;  // zero but for rounding
+  for (int i = 0; i < M; ++i)
+    for (int k = 0; k < M; ++k)  // R is mostly diagonal
+      if (R(k, i) != 0.0) excess.col(i) -= gain_and_weighted.col(k).template head<N>() * R(k, i);
+  subtractLower(A, excess, gain_and_weighted);
+}
+
+extern template struct Correction<kCoreSize, 1>;
+extern template struct Correction<kCoreSize, 3>;
+extern template struct Correction<kCoreSize, 6>;
+extern template struct Correction<kFullSize, 1>;
+extern template struct Correction<kFullSize, 3>;
+extern template struct Correction<kFullSize, 6>;
+
 }  // namespace detail
 
 template <int N>
@@ -215,27 +267,29 @@ double ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
   constexpr int M = decltype(m.residual)::RowsAtCompileTime;
   constexpr bool kSelects = std::is_same_v<AnyMeasurement, Selection<Cols>>;
   const auto column = [](int k) { return Cols::list[static_cast<std::size_t>(k)]; };
+  const auto timesHTransposed = [&] {
+    if constexpr (kSelects) {
+      Eigen::Matrix<double, N, M> product;
+      for (int k = 0; k < M; ++k) product.col(k) = P.col(column(k));
+      return product;
+    } else {
+      return detail::timesTransposed<Cols, N, M>(P, m.H);
+    }
+  };
 
-  Eigen::Matrix<double, N, M> PHt;
-  Eigen::Matrix<double, M, M> S = m.R;
-  if constexpr (kSelects) {
-    for (int k = 0; k < M; ++k) PHt.col(k) = P.col(column(k));
-    for (int k = 0; k < M; ++k) S.row(k) += PHt.row(column(k));
-  } else {
-    PHt = detail::timesTransposed<Cols, N, M>(P, m.H);
-    for (int k = 0; k < Cols::size; ++k)
-      for (int i = 0; i < M; ++i) S.col(i) += m.H.col(k) * PHt(column(k), i);
+  detail::Correction<N, M> correction;
+  correction.PHt = timesHTransposed();
+  correction.S = m.R;
+  for (int k = 0; k < Cols::size; ++k) {
+    if constexpr (kSelects)
+      correction.S.row(k) += correction.PHt.row(column(k));
+    else
+      for (int i = 0; i < M; ++i) correction.S.col(i) += m.H.col(k) * correction.PHt(column(k), i);
   }
+  correction.solve(m.residual);
+  if (!correction.positive || !(correction.nis <= gate)) return correction.nis;
 
-  // The residual rides along as one more row: one solve gives gain and NIS.
-  Eigen::Matrix<double, N + 1, M> gain_and_weighted;
-  gain_and_weighted << PHt, m.residual.transpose();
-  const detail::Factors<M> factors(S);
-  detail::solveInPlace(factors, gain_and_weighted);
-  const auto gain = gain_and_weighted.template topRows<N>();
-  const double nis = gain_and_weighted.row(N).dot(m.residual);
-  if (!factors.positive || !(nis <= gate)) return nis;
-
+  const Eigen::Matrix<double, N, M> gain = correction.gain();
   if (!attached.T_odom.empty()) {
     const Eigen::MatrixXd H = [&] {
       if constexpr (kSelects)
@@ -243,22 +297,12 @@ double ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
       else
         return Eigen::MatrixXd(m.H);
     }();
-    carryAttached(H, Cols::list.data(), m.R, S, PHt, gain, m.residual);
+    carryAttached(H, Cols::list.data(), m.R, correction.S, correction.PHt, gain, m.residual);
   }
-  detail::subtractLower(P, gain_and_weighted, PHt);
-  detail::mirrorLower(P);
-  Eigen::Matrix<double, N, M> excess;  // A H^T - K R, zero but for rounding
-  if constexpr (kSelects) {
-    for (int k = 0; k < M; ++k) excess.col(k) = P.col(column(k));
-  } else {
-    excess = detail::timesTransposed<Cols, N, M>(P, m.H);
-  }
-  for (int i = 0; i < M; ++i)
-    for (int k = 0; k < M; ++k)
-      if (m.R(k, i) != 0.0) excess.col(i) -= gain.col(k) * m.R(k, i);  // R is mostly diagonal
-  detail::subtractLower(P, excess, gain_and_weighted);
+  correction.reduce(P);
+  correction.stabilize(P, timesHTransposed(), m.R);
   correctFromLower(gain * m.residual);
-  return nis;
+  return correction.nis;
 }
 
 extern template class ErrorStateFilter<kCoreSize>;
