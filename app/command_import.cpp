@@ -1,6 +1,7 @@
 #include <iostream>
 #include <memory>
 
+#include "camera_tables/camera_alone.h"
 #include "commands.h"
 #include "core/error.h"
 #include "core/files.h"

@@ -3,6 +3,7 @@
 
 #include "commands.h"
 #include "core/error.h"
+#include "core/shipped_file.h"
 #include "effects/calibration.h"
 #include "report/run_info.h"
 #include "report/table.h"
@@ -21,12 +22,22 @@ struct SimulateOptions {
   SimulationOptions simulation;
 };
 
+/// Sections of the vehicle file: "ins", "dvl", …
+std::vector<std::string> sectionsOfSensors() {
+  std::vector<std::string> sections;
+  forEachInstrument([&]<class Instrument>() {
+    if (std::find(sections.begin(), sections.end(), Instrument::section) == sections.end())
+      sections.emplace_back(Instrument::section);
+  });
+  sections.emplace_back("camera");
+  return sections;
+}
+
 void leaveOut(const std::vector<std::string>& sensors, Vehicle& vehicle) {
   for (const auto& sensor : sensors) {
-    if (sensor == "ins") vehicle.ins.reset();
-    if (sensor == "dvl") vehicle.dvl.reset();
-    if (sensor == "depth") vehicle.depth.reset();
-    if (sensor == "usbl") vehicle.usbl.reset();
+    forEachInstrument([&]<class Instrument>() {
+      if (sensor == Instrument::section) (vehicle.*Instrument::on_board).reset();
+    });
     if (sensor == "camera") vehicle.camera.reset();
   }
 }
@@ -58,7 +69,7 @@ void simulate(SimulateOptions options, const RunContext& context) {
   if (!options.calibration.empty()) simulation.effects = readCalibration(options.calibration);
   simulation.noise = !options.no_noise;
   if (options.image_format == "jpg") simulation.image_format.kind = ImageFormat::Kind::jpeg;
-  const Trajectory trajectory = readTrajectory(options.trajectory);
+  const Trajectory trajectory = readTrajectory(shippedFile(options.trajectory));
 
   const std::string name = options.name.empty() ? fs::path(options.trajectory).stem().string() : options.name;
   RecordingTarget target{options.folder, name, options.vehicle, options.map, "simulated by fathom", {}};
@@ -151,7 +162,7 @@ void addSimulate(const RunContext& context) {
       ->capture_default_str();
   command->add_option("--duration", simulation.duration_s, "How long, s (default: to the end)");
   command->add_option("--without", options->without, "A sensor to leave out; may be repeated")
-      ->check(CLI::IsMember({"ins", "dvl", "depth", "usbl", "camera"}))
+      ->check(CLI::IsMember(sectionsOfSensors()))
       ->expected(1)
       ->take_all();
   command->add_flag("--no-noise", options->no_noise, "No white noise, no random biases");

@@ -63,7 +63,7 @@ void smooth(const SmoothOptions& options, const RunContext& context) {
   const BatchEstimate& e = recording.estimate;
   std::cout << print("%zu poses from %zu rows in %d steps", e.path.size(), e.rows, e.iterations) << "\n";
   for (const auto& [channel, r] : e.residuals)
-    if (channel != BatchChannel::prior)
+    if (channel != kChannel<Prior>)
       std::cout << print("  %-14s %6zu rows, rms %.3f sigma, expected %.3f\n", nameOf(channel).c_str(),
                          r.rows, r.rms, r.expected_rms);
   std::cout << (options.recording.folder / "report.html").string() << "\n";

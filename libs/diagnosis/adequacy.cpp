@@ -17,7 +17,7 @@ constexpr double kLeastChange = 0.1;  // below, a strong effect's own curvature 
 /// The covariates of all channels that an effect acts on, by name.
 std::map<std::string, Covariate> covariatesOf(const Linearization& linear, const Eigen::VectorXd& change) {
   std::map<std::string, Covariate> covariates;
-  for (const BatchChannel channel : kBatchChannels) {
+  for (const Channel channel : kEveryChannel) {
     double square = 0;
     for (std::size_t i = 0; i < linear.rows.size(); ++i)
       if (linear.rows[i].channel == channel) square += std::pow(change[static_cast<Eigen::Index>(i)], 2);

@@ -4,7 +4,7 @@
 
 namespace fathom {
 
-BlackBox::BlackBox(const Linearization& linear, BatchChannel channel)
+BlackBox::BlackBox(const Linearization& linear, Channel channel)
     : channel_(channel), sigma_(noiseUnit(linear, channel)) {
   for (const Direction& direction : directionsOf(linear, channel))
     for (const Covariate& covariate : covariatesOf(linear, channel)) {

@@ -12,7 +12,7 @@ namespace fathom {
 class BlackBox {
  public:
   /// Bins with equal shares of the readings.
-  BlackBox(const Linearization& linear, BatchChannel channel);
+  BlackBox(const Linearization& linear, Channel channel);
 
   /// d residual / d values over a linearization's rows: of the same recording or another.
   Eigen::SparseMatrix<double> columns(const Linearization& linear) const;
@@ -24,7 +24,7 @@ class BlackBox {
     std::string direction, covariate;
     std::vector<double> limits;
   };
-  BatchChannel channel_;
+  Channel channel_;
   std::vector<Spline> splines_;
   Eigen::Index count_ = 0;
   double sigma_ = 0;

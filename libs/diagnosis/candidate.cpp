@@ -38,7 +38,7 @@ void switchOn(EffectParameters<double>& calibration, const Candidate& candidate)
 }
 
 bool actsOn(const Candidate& candidate, const RowInfo& row) {
-  if (row.channel == BatchChannel::prior) return false;
+  if (row.channel == kChannel<Prior>) return false;
   if (candidate.marker_id && row.marker_id != *candidate.marker_id) return false;
   if (candidate.time_s && row.t_s < *candidate.time_s) return false;
   return candidate.active_s.contains(row.t_s);

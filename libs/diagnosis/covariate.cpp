@@ -1,7 +1,6 @@
 #include "diagnosis/covariate.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "effects/registry.h"
@@ -16,24 +15,24 @@ Covariate component(std::string name, std::string unit, Vector3d RowInfo::*membe
           [member, axis](const RowInfo& row) { return (row.*member)[axis]; }, 1, 6};
 }
 
-std::vector<Covariate> allOf(BatchChannel channel) {
+std::vector<Covariate> allOf(Channel channel) {
   std::vector<Covariate> all{
       {"time", "s", [](const RowInfo& row) { return row.t_s; }, 1, 10},
       {"speed", "m/s", [](const RowInfo& row) { return row.speed_m_s; }, 1, 6},
       {"turn rate", "deg/s", [](const RowInfo& row) { return row.turn_rate_rad_s; }, degrees(1.0), 6},
       {"depth", "m", [](const RowInfo& row) { return row.depth_m; }, 1, 6}};
-  if (isOfImages(channel)) {
+  if (textOf(channel).is_of_images) {
     all.push_back({"range", "m", [](const RowInfo& row) { return row.range_m; }, 1, 6});
     all.push_back({"image radius", "1", [](const RowInfo& row) { return row.image_radius; }, 1, 6});
     all.push_back({"image x", "px", [](const RowInfo& row) { return row.pixel.x(); }, 1, 6});
     all.push_back({"image y", "px", [](const RowInfo& row) { return row.pixel.y(); }, 1, 6});
-    if (channel == BatchChannel::tie_points) return all;
+    if (channel == kChannel<EpipolarResidual>) return all;
     all.push_back(
         {"incidence", "deg", [](const RowInfo& row) { return row.incidence_rad; }, degrees(1.0), 6});
-    if (channel == BatchChannel::markers) return all;  // they have a map of their own, marker by marker
+    if (channel == kChannel<Markers>) return all;  // they have a map of their own, marker by marker
     all.push_back({"panel x", "m", [](const RowInfo& row) { return row.point_panel.x(); }, 1, 6});
     all.push_back({"panel y", "m", [](const RowInfo& row) { return row.point_panel.y(); }, 1, 6});
-    if (channel == BatchChannel::pixels)
+    if (channel == kChannel<Pixels>)
       all.push_back({"brightness", "DN", [](const RowInfo& row) { return row.level; }, 255, 6});
     return all;
   }
@@ -47,23 +46,7 @@ std::vector<Covariate> allOf(BatchChannel channel) {
 
 }  // namespace
 
-bool isOfImages(BatchChannel channel) {
-  return channel == BatchChannel::markers || channel == BatchChannel::tie_points ||
-         channel == BatchChannel::pixels || channel == BatchChannel::edges;
-}
-
-std::string nameOfAxis(BatchChannel channel, int axis) {
-  if (channel == BatchChannel::tie_points) return "across the lines of sight";
-  if (channel == BatchChannel::pixels)
-    return std::array{"red", "green", "blue"}.at(static_cast<std::size_t>(axis));
-  if (channel == BatchChannel::edges)
-    return std::array{"across", "aslant", "upright"}.at(static_cast<std::size_t>(axis));
-  if (channel == BatchChannel::specks)
-    return std::array{"1 to 3 px", "4 to 15 px", "16 px or more"}.at(static_cast<std::size_t>(axis));
-  return std::string(1, "xyz"[axis]);
-}
-
-std::vector<Covariate> covariatesOf(const Linearization& linear, BatchChannel channel) {
+std::vector<Covariate> covariatesOf(const Linearization& linear, Channel channel) {
   std::vector<Covariate> varying;
   for (Covariate& covariate : allOf(channel)) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -78,13 +61,13 @@ std::vector<Covariate> covariatesOf(const Linearization& linear, BatchChannel ch
 }
 
 int componentOf(const RowInfo& row) {
-  return row.channel == BatchChannel::markers ? row.component % 2 : row.component;
+  return row.channel == kChannel<Markers> ? row.component % 2 : row.component;
 }
 
-std::vector<Direction> directionsOf(const Linearization& linear, BatchChannel channel) {
+std::vector<Direction> directionsOf(const Linearization& linear, Channel channel) {
   const std::size_t rows = linear.rows.size();
   std::vector<Direction> directions;
-  if (channel == BatchChannel::markers) {
+  if (channel == kChannel<Markers>) {
     // A camera turned about its y axis sees all shifted to the side, about x up or down: by f per radian.
     const auto shift = [&](std::string name, std::size_t axis, int component) {
       Direction direction{std::move(name), std::vector<double>(rows, 0), component};
@@ -109,7 +92,8 @@ std::vector<Direction> directionsOf(const Linearization& linear, BatchChannel ch
     return directions;
   }
   for (int axis = 0; axis < 3; ++axis) {
-    Direction direction{nameOfAxis(channel, axis), std::vector<double>(rows, 0), axis};
+    Direction direction{std::string(textOf(channel).components.at(static_cast<std::size_t>(axis))),
+                        std::vector<double>(rows, 0), axis};
     bool any = false;
     for (std::size_t i = 0; i < rows; ++i)
       if (linear.rows[i].channel == channel && linear.rows[i].component == axis) {
@@ -121,37 +105,7 @@ std::vector<Direction> directionsOf(const Linearization& linear, BatchChannel ch
   return directions;
 }
 
-ReadingUnit unitOf(BatchChannel channel) {
-  switch (channel) {
-    case BatchChannel::gyro:
-      return {"deg/s", degrees(1.0)};
-    case BatchChannel::accelerometer:
-      return {"mm/s²", 1000};
-    case BatchChannel::attitude:
-      return {"deg", degrees(1.0)};
-    case BatchChannel::dvl:
-      return {"mm/s", 1000};
-    case BatchChannel::depth:
-      return {"mm of water", 1000 / 9806.65};
-    case BatchChannel::usbl:
-      return {"m", 1};
-    case BatchChannel::markers:
-      return {"px", 1};
-    case BatchChannel::tie_points:
-      return {"sigma", 1};
-    case BatchChannel::pixels:
-      return {"DN", 255};
-    case BatchChannel::edges:
-      return {"px²", 1};
-    case BatchChannel::specks:
-      return {"specks", 1};
-    case BatchChannel::prior:
-      break;
-  }
-  return {"1", 1};
-}
-
-double noiseUnit(const Linearization& linear, BatchChannel channel) {
+double noiseUnit(const Linearization& linear, Channel channel) {
   double information = 0, rows = 0;
   for (const RowInfo& row : linear.rows)
     if (row.channel == channel) {
@@ -161,7 +115,7 @@ double noiseUnit(const Linearization& linear, BatchChannel channel) {
   return rows > 0 ? std::sqrt(rows / information) : 0;
 }
 
-std::vector<double> binLimits(const Linearization& linear, BatchChannel channel, const Covariate& covariate) {
+std::vector<double> binLimits(const Linearization& linear, Channel channel, const Covariate& covariate) {
   std::vector<double> values;
   for (const RowInfo& row : linear.rows)
     if (row.channel == channel && std::isfinite(covariate.of(row))) values.push_back(covariate.of(row));

@@ -20,13 +20,8 @@ struct Covariate {
   int bins = 6;
 };
 
-/// Whether a channel's readings are taken from images.
-bool isOfImages(BatchChannel channel);
-/// "x", "green", …: of a component that is an axis or a colour.
-std::string nameOfAxis(BatchChannel channel, int axis);
-
 /// Those that a channel's readings have, where they vary at all.
-std::vector<Covariate> covariatesOf(const Linearization& linear, BatchChannel channel);
+std::vector<Covariate> covariatesOf(const Linearization& linear, Channel channel);
 
 /// A way in which a channel's readings may be off, one unit's worth: an axis's own unit; of markers' corners
 /// a shift of the image by a pixel, to the right or down.
@@ -39,19 +34,13 @@ struct Direction {
 /// Which of its reading's components a row is: axis, or 0: image x, 1: image y.
 int componentOf(const RowInfo& row);
 
-std::vector<Direction> directionsOf(const Linearization& linear, BatchChannel channel);
-/// Unit of a channel's readings, as people read them, and what a reading's own unit is multiplied by.
-struct ReadingUnit {
-  std::string name;  ///< "px", "mm/s", …
-  double scale = 1;
-};
-ReadingUnit unitOf(BatchChannel channel);
+std::vector<Direction> directionsOf(const Linearization& linear, Channel channel);
 /// What one unit of noise is in the reading's own unit: of readings that count by what they tell.
-double noiseUnit(const Linearization& linear, BatchChannel channel);
+double noiseUnit(const Linearization& linear, Channel channel);
 
 /// Readings by equal shares of a covariate, those that have it: each bin's limits, from the first's lower
 /// one.
-std::vector<double> binLimits(const Linearization& linear, BatchChannel channel, const Covariate& covariate);
+std::vector<double> binLimits(const Linearization& linear, Channel channel, const Covariate& covariate);
 /// The number of a value's bin; none of what is not finite.
 std::optional<std::size_t> binOf(const std::vector<double>& limits, double value);
 

@@ -29,7 +29,7 @@ constexpr double kConfirmed = 0.3, kShownAtAll = 0.1, kUnseen = 50, kUnseenShare
 /// To compare what a camera by itself shows: its noise and the markers' scatter, multiplied.
 double cameraNoise(const NoiseModel& noise) {
   double product = noise.markers.largest_m() > 0 ? noise.markers.rms_m() : 1;
-  for (const BatchChannel channel : {BatchChannel::markers, BatchChannel::tie_points, BatchChannel::pixels})
+  for (const Channel channel : {kChannel<Markers>, kChannel<EpipolarResidual>, kChannel<Pixels>})
     product *= noise.of(channel).independentScale();
   return product;
 }
@@ -363,7 +363,7 @@ FoundEffect Course::describe(std::size_t effect) {
     found.support = supportOver(final_, rest);
     found.log_likelihood_gain = rest.cost - final_.cost;
     std::size_t rows = 0;
-    for (const RowInfo& row : final_.model->linear().rows) rows += row.channel != BatchChannel::prior;
+    for (const RowInfo& row : final_.model->linear().rows) rows += row.channel != kChannel<Prior>;
     found.bic_gain =
         2 * found.log_likelihood_gain - static_cast<double>(scalars) * std::log(static_cast<double>(rows));
   }

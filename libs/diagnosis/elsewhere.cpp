@@ -31,7 +31,7 @@ Refit nominalOf(const Diagnosis& diagnosis, const BatchInput& recording) {
 }
 
 /// The channel that the effects change most.
-BatchChannel mostChanged(const Diagnosis& diagnosis, const WhitenedModel& nominal) {
+Channel mostChanged(const Diagnosis& diagnosis, const WhitenedModel& nominal) {
   const Linearization& linear = nominal.linear();
   const std::vector<Candidate> effects = lastingEffects(diagnosis);
   std::vector<double> values;
@@ -43,7 +43,7 @@ BatchChannel mostChanged(const Diagnosis& diagnosis, const WhitenedModel& nomina
 }
 
 /// Outliers too.
-double rmsOf(const Eigen::VectorXd& left, const Linearization& linear, BatchChannel channel) {
+double rmsOf(const Eigen::VectorXd& left, const Linearization& linear, Channel channel) {
   double square = 0, rows = 0;
   for (std::size_t i = 0; i < linear.rows.size(); ++i)
     if (linear.rows[i].channel == channel) {
@@ -93,12 +93,12 @@ Elsewhere JudgeElsewhere::judge(const BatchInput& other) const {
       model.residual() + model.whitened(black_box_.columns(model.linear())) * splines_);
   result.physics = before.cost - after.cost;
   result.black_box = model.costOf(left) - model.costOf(boxed);
-  for (const BatchChannel channel : kBatchChannels) {
+  for (const Channel channel : kEveryChannel) {
     const double was = rmsOf(left, model.linear(), channel);
-    if (channel == BatchChannel::prior || was == 0) continue;
+    if (channel == kChannel<Prior> || was == 0) continue;
     const double is = rmsOf(left_with, with.linear(), channel),
                  unit = printedUnit(with.linear(), noise_, channel);
-    result.channels.push_back({channel, metricOf(channel), unit * was, unit * is,
+    result.channels.push_back({channel, std::string(textOf(channel).metric), unit * was, unit * is,
                                unit * rmsOf(boxed, model.linear(), channel), was - is});
   }
   std::stable_sort(result.channels.begin(), result.channels.end(),

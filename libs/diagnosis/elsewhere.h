@@ -12,7 +12,7 @@ namespace fathom {
 
 /// Root mean squares of a channel, all that is estimated in any case estimated anew.
 struct ElsewhereChannel {
-  BatchChannel channel = BatchChannel::prior;
+  Channel channel = kChannel<Prior>;
   std::string metric;  ///< "reprojection_rms_px", "dvl_rms_mm_s", …
   double before = 0, after = 0, black_box = 0;
   double less = 0;  ///< before - after, in units of noise

@@ -54,7 +54,7 @@ struct Piece {
     double before = 0, after = 0, black_box = 0, floor = 0;
     std::size_t rows = 0;
   };
-  std::map<BatchChannel, Sums> channels;
+  std::map<Channel, Sums> channels;
   double physics = 0, black_box = 0;  // gains
 };
 
@@ -124,12 +124,12 @@ class HoldOut {
   void add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& left);
   bool isPrior(Eigen::Index row) const {
     return row >= std::ssize(bare_.rows) ||
-           bare_.rows[static_cast<std::size_t>(row)].channel == BatchChannel::prior;
+           bare_.rows[static_cast<std::size_t>(row)].channel == kChannel<Prior>;
   }
   /// Columns of all effects, or of all but one.
   Fitted physics(std::optional<std::size_t> but) const;
-  void resample(HeldOutResult& result, std::map<BatchChannel, std::vector<double>>& rms);
-  HeldOut summary(BatchChannel channel, const std::vector<double>& resampled) const;
+  void resample(HeldOutResult& result, std::map<Channel, std::vector<double>>& rms);
+  HeldOut summary(Channel channel, const std::vector<double>& resampled) const;
 
   const Linearization& linear_;
   const std::vector<Candidate>& effects_;
@@ -139,7 +139,7 @@ class HoldOut {
   Eigen::VectorXd found_, sigma_;  // the effects' values, and what they may be off by
   WhitenedModel model_;
   const Linearization& bare_;
-  std::vector<BatchChannel> channels_;  // that the effects act on, those they change most first
+  std::vector<Channel> channels_;  // that the effects act on, those they change most first
   Stretches stretches_;
   Random random_;
   Eigen::SparseMatrix<double> columns_;  // physics, black box
@@ -303,7 +303,7 @@ void HoldOut::add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& 
   }
 }
 
-double rmsOf(const std::vector<const Piece*>& pieces, BatchChannel channel, double Piece::Sums::*what) {
+double rmsOf(const std::vector<const Piece*>& pieces, Channel channel, double Piece::Sums::*what) {
   double sum = 0, rows = 0;
   for (const Piece* piece : pieces)
     if (const auto it = piece->channels.find(channel); it != piece->channels.end()) {
@@ -314,7 +314,7 @@ double rmsOf(const std::vector<const Piece*>& pieces, BatchChannel channel, doub
 }
 
 /// Block bootstrap: pieces drawn with replacement.
-void HoldOut::resample(HeldOutResult& result, std::map<BatchChannel, std::vector<double>>& rms) {
+void HoldOut::resample(HeldOutResult& result, std::map<Channel, std::vector<double>>& rms) {
   std::vector<double> gains, over_box;
   for (int resample = 0; resample < kResamples; ++resample) {
     std::vector<const Piece*> drawn;
@@ -327,17 +327,17 @@ void HoldOut::resample(HeldOutResult& result, std::map<BatchChannel, std::vector
     }
     gains.push_back(gain);
     over_box.push_back(over);
-    for (const BatchChannel channel : channels_)
+    for (const Channel channel : channels_)
       rms[channel].push_back(rmsOf(drawn, channel, &Piece::Sums::after));
   }
   result.gain.physics_ci95 = central95(gains);
   result.gain.over_black_box_ci95 = central95(over_box);
 }
 
-HeldOut HoldOut::summary(BatchChannel channel, const std::vector<double>& resampled) const {
+HeldOut HoldOut::summary(Channel channel, const std::vector<double>& resampled) const {
   HeldOut held;
   held.channel = channel;
-  held.metric = metricOf(channel);
+  held.metric = textOf(channel).metric;
   const double unit = printedUnit(linear_, noise_, channel);
   held.before = unit * rmsOf(filled_, channel, &Piece::Sums::before);
   held.after = unit * rmsOf(filled_, channel, &Piece::Sums::after);
@@ -370,10 +370,9 @@ HeldOutResult HoldOut::run() {
   HeldOutResult result;
   result.gain = gain_;
   if (filled_.empty()) return result;
-  std::map<BatchChannel, std::vector<double>> resampled;
+  std::map<Channel, std::vector<double>> resampled;
   resample(result, resampled);
-  for (const BatchChannel channel : channels_)
-    result.channels.push_back(summary(channel, resampled[channel]));
+  for (const Channel channel : channels_) result.channels.push_back(summary(channel, resampled[channel]));
   for (const Piece* piece : filled_) {
     result.gain.physics += piece->physics;
     result.gain.black_box += piece->black_box;

@@ -13,7 +13,7 @@ namespace fathom {
 /// Root mean square of one channel's residuals on stretches that the fit did not see. Only the effects'
 /// parameters are carried over: all that is estimated in any case is estimated again there.
 struct HeldOut {
-  BatchChannel channel = BatchChannel::prior;
+  Channel channel = kChannel<Prior>;
   std::string metric;  ///< "reprojection_rms_px", "dvl_rms_mm_s", …
   double before = 0, after = 0;
   std::array<double, 2> after_ci95{};  ///< by block bootstrap

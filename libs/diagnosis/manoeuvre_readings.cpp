@@ -15,28 +15,19 @@ namespace {
 constexpr double kImageInterval_s = 1;
 constexpr double kNearest_m = 0.2;  // nothing nearer is recognized
 
-InsBin binAt(InsBin bin, double begin_s, double knot_s, const Pose& pose) {
-  const double spread_s = 0.5 * (bin.node_s[1] - bin.node_s[0]), middle_s = begin_s + 0.5 * knot_s;
-  bin.node_s = {middle_s - spread_s, middle_s + spread_s};
-  bin.about = pose.rotation * bin.T_robot_ins.rotation;
-  return bin;
+/// What stands for a channel's measurements, at another time.
+BatchReading movedTo(BatchReading reading, double begin_s, double knot_s, const Pose& pose) {
+  const double spread_s = 0.5 * (reading.node_s[1] - reading.node_s[0]);
+  const double middle_s = textOf(reading.channel).is_averaged ? begin_s + 0.5 * knot_s : begin_s;
+  reading.node_s = {middle_s - spread_s, middle_s + spread_s};
+  reading.seen.about = pose.rotation * reading.seen.T_robot_sensor.rotation;
+  return reading;
 }
 
 void addNavigation(const BatchData& recording, double t_s, const Pose& pose, BatchData& data) {
-  const auto addBin = [&](const std::vector<InsBin>& from, std::vector<InsBin>& to) {
-    if (!from.empty()) to.push_back(binAt(from.front(), t_s, data.knot_s, pose));
-  };
-  addBin(recording.gyro, data.gyro);
-  addBin(recording.force, data.force);
-  addBin(recording.attitude, data.attitude);
-  const auto addAt = [&](const auto& from, auto& to) {
-    if (from.empty()) return;
-    to.push_back(from.front());
-    to.back().t_s = t_s;
-  };
-  addAt(recording.dvl, data.dvl);
-  addAt(recording.pressure, data.pressure);
-  addAt(recording.usbl, data.usbl);
+  for (std::size_t i = 0; i < recording.readings.size(); ++i)
+    if (!recording.readings[i].empty())
+      data.readings[i].push_back(movedTo(recording.readings[i].front(), t_s, data.knot_s, pose));
 }
 
 /// One image of a manoeuvre, by a robot that holds still in it.

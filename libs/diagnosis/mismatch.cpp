@@ -37,7 +37,7 @@ class Planner {
  public:
   explicit Planner(const Linearization& linear) : linear_(linear) {}
 
-  void addCovariates(BatchChannel channel) {
+  void addCovariates(Channel channel) {
     const std::vector<Direction> directions = directionsOf(linear_, channel);
     for (const Covariate& covariate : covariatesOf(linear_, channel)) {
       const std::vector<double> limits = binLimits(linear_, channel, covariate);
@@ -61,7 +61,7 @@ class Planner {
 
   /// Every marker somewhere else.
   void addMarkers() {
-    Plan plan = begin(BatchChannel::markers, "mean corner residual", "marker id", "1");
+    Plan plan = begin(kChannel<Markers>, "mean corner residual", "marker id", "1");
     for (const int id : markersOf(linear_)) {
       const std::size_t bin = addBin(plan, id, id, print("id %d", id));
       for (std::size_t i = 0; i < linear_.rows.size(); ++i)
@@ -78,7 +78,7 @@ class Planner {
     for (std::size_t i = 0; i < linear_.rows.size(); ++i)
       if (linear_.rows[i].image >= 0) images[linear_.rows[i].image].push_back(i);
     if (images.size() < 4) return;
-    Plan plan = begin(BatchChannel::markers, "shift of an image", "image", "s");
+    Plan plan = begin(kChannel<Markers>, "shift of an image", "image", "s");
     for (const auto& [image, rows] : images) {
       const double t_s = linear_.rows[rows[0]].t_s;
       const std::size_t bin = addBin(plan, t_s, t_s, print("the image at %.1f s", t_s));
@@ -109,7 +109,7 @@ class Planner {
   std::vector<Plan> plans;
 
  private:
-  static Plan begin(BatchChannel channel, std::string statistic, std::string against, std::string unit) {
+  static Plan begin(Channel channel, std::string statistic, std::string against, std::string unit) {
     Plan plan;
     plan.map.channel = channel;
     plan.map.statistic = std::move(statistic);
@@ -187,7 +187,7 @@ void describeBin(const Linearization& linear, const std::vector<std::size_t>& ro
     scatter.square += row.raw * row.raw;
     ++scatter.rows;
   }
-  const double scale = unitOf(linear.rows[rows[0]].channel).scale;
+  const double scale = textOf(linear.rows[rows[0]].channel).scale;
   double square = 0, variance = 0;
   for (const auto& [axis, scatter] : scatters) {
     square += scatter.mean() * scatter.mean();
@@ -251,7 +251,7 @@ std::vector<Mismatch> spectra(const WhitenedModel& model, std::uint64_t seed) {
   std::vector<Mismatch> maps;
   for (const auto& track : linear.tracks) {
     const RowInfo& first = linear.rows[track[0]];
-    if (track.size() < kShortestSpectrum || isOfImages(first.channel)) continue;
+    if (track.size() < kShortestSpectrum || textOf(first.channel).is_of_images) continue;
     Eigen::MatrixXd own(std::ssize(track), all.cols());
     for (std::size_t k = 0; k < track.size(); ++k)
       own.row(static_cast<Eigen::Index>(k)) = all.row(static_cast<Eigen::Index>(track[k]));
@@ -303,14 +303,15 @@ std::vector<Mismatch> imageFlaws(const WhitenedModel& model) {
   const Eigen::VectorXd left = model.nuisances().project(model.residual());
   for (int flaw = 0; flaw < kFlaws; ++flaw)
     for (Eigen::SparseMatrix<double>::InnerIterator entry(linear.J, block->column + flaw); entry; ++entry) {
-      const bool is_prior = linear.rows[static_cast<std::size_t>(entry.row())].channel == BatchChannel::prior;
+      const bool is_prior = linear.rows[static_cast<std::size_t>(entry.row())].channel == kChannel<Prior>;
       if (!is_prior || entry.value() == 0) continue;
       const double sigmas = std::abs(left[entry.row()]);
       Mismatch map;
-      map.channel = flaw == kLensBlur      ? BatchChannel::edges
-                    : flaw == kFalseSpecks ? BatchChannel::specks
-                                           : BatchChannel::pixels;
-      if (flaw >= kFalseLight) map.direction = nameOfAxis(map.channel, flaw - kFalseLight);
+      map.channel = flaw == kLensBlur      ? kChannel<Edges>
+                    : flaw == kFalseSpecks ? kChannel<Specks>
+                                           : kChannel<Pixels>;
+      if (flaw >= kFalseLight)
+        map.direction = textOf(map.channel).components[static_cast<std::size_t>(flaw - kFalseLight)];
       map.statistic = "size beyond what is usual";
       map.against = "all images";
       map.where = "all alike";
@@ -327,43 +328,13 @@ std::vector<Mismatch> imageFlaws(const WhitenedModel& model) {
 
 }  // namespace
 
-double materialSize(BatchChannel channel) {
-  switch (channel) {
-    case BatchChannel::gyro:
-      return radians(0.005);
-    case BatchChannel::accelerometer:
-      return 0.005;
-    case BatchChannel::attitude:
-      return radians(0.05);
-    case BatchChannel::dvl:
-      return 0.001;
-    case BatchChannel::depth:
-      return 50;  // Pa: 5 mm
-    case BatchChannel::usbl:
-      return 0.1;
-    case BatchChannel::markers:
-      return 0.03;
-    case BatchChannel::pixels:
-      return 0.03 / 255;  // of a patch of a hundred pixels, whose noise is not much less
-    case BatchChannel::edges:
-      return 0.15;  // px²: a blur of 0.4 px. Another renderer's pixels differed by 0.05, marker by marker
-    case BatchChannel::specks:
-      return 0.3;  // of a size, in an image
-    case BatchChannel::tie_points:
-      return 0.1;  // of the sigma stated
-    case BatchChannel::prior:
-      break;
-  }
-  return 0;
-}
-
 std::vector<Mismatch> mismatchMaps(const WhitenedModel& model, std::uint64_t seed) {
   const Linearization& linear = model.linear();
   Planner planner(linear);
-  for (const BatchChannel channel : kBatchChannels) {
+  for (const Channel channel : kEveryChannel) {
     const bool present = std::any_of(linear.rows.begin(), linear.rows.end(),
                                      [&](const RowInfo& row) { return row.channel == channel; });
-    if (channel == BatchChannel::prior || !present) continue;
+    if (channel == kChannel<Prior> || !present) continue;
     planner.addCovariates(channel);
   }
   if (!markersOf(linear).empty()) {
@@ -381,10 +352,10 @@ std::vector<Mismatch> mismatchMaps(const WhitenedModel& model, std::uint64_t see
   for (Mismatch& map : maps) {
     map.log_p = std::min(0.0, map.log_p + std::log(static_cast<double>(maps.size())));
     map.p_value = std::exp(map.log_p);
-    map.material = map.size_raw > materialSize(map.channel);
-    const ReadingUnit unit = unitOf(map.channel);
-    map.size_raw *= unit.scale;
-    map.raw_unit = unit.name;
+    const ChannelText& text = textOf(map.channel);
+    map.material = map.size_raw > text.material;
+    map.size_raw *= text.scale;
+    map.raw_unit = text.unit;
   }
   std::stable_sort(maps.begin(), maps.end(),
                    [](const Mismatch& a, const Mismatch& b) { return a.log_p < b.log_p; });

@@ -15,15 +15,15 @@ struct MismatchBin {
   double low = 0, high = 0;  ///< of the covariate, in its unit
   std::string label;         ///< "id 14", "2.1 to 2.4 m"
   std::size_t rows = 0;
-  double mean_raw = 0;    ///< in the reading's unit as people read it (ReadingUnit), along the direction;
-                          ///< without one, the length of the mean over all components
-  double sigma = 0;       ///< of it, by the readings' own scatter
+  double mean_raw = 0;  ///< in the reading's unit as people read it (ChannelText::unit), along the direction;
+                        ///< without one, the length of the mean over all components
+  double sigma = 0;     ///< of it, by the readings' own scatter
   double size_sigma = 0;  ///< root of its score statistic, nuisances projected off
 };
 
 /// How a channel's residuals depend on one covariate.
 struct Mismatch {
-  BatchChannel channel = BatchChannel::prior;
+  Channel channel = kChannel<Prior>;
   std::string statistic;  ///< "mean residual", "shift of an image", "spectrum", …
   std::string direction;  ///< axis, or way in the image; empty: all
   std::string against;    ///< "marker id", "time", "range", …
@@ -36,12 +36,9 @@ struct Mismatch {
   double log_p = 0, p_value = 1;  ///< of the statistic, times the number of maps looked at
   Interval when_s;                ///< the worst bin's readings
   std::string where;              ///< the worst bin
-  bool material = false;          ///< large enough to matter: see materialSize()
+  bool material = false;          ///< large enough to matter: see ChannelText::material
   std::vector<MismatchBin> bins;
 };
-
-/// A structure below these root mean squares matters to nobody: reading's own unit.
-double materialSize(BatchChannel channel);
 
 /// All maps, the most improbable first.
 std::vector<Mismatch> mismatchMaps(const WhitenedModel& model, std::uint64_t seed);

@@ -53,11 +53,11 @@ Moments meanMoments(const Eigen::MatrixXd& draws, const ChannelRows& own) {
   return mean;
 }
 
-std::array<ChannelRows, kBatchChannels.size()> rowsByChannel(const Linearization& linear) {
-  std::array<ChannelRows, kBatchChannels.size()> channels;
-  for (const BatchChannel channel : kBatchChannels) {
-    auto& own = channels[static_cast<std::size_t>(channel)];
-    if (channel == BatchChannel::prior) continue;
+std::array<ChannelRows, kChannelCount> rowsByChannel(const Linearization& linear) {
+  std::array<ChannelRows, kChannelCount> channels;
+  for (const Channel channel : kEveryChannel) {
+    auto& own = channels[indexOf(channel)];
+    if (channel == kChannel<Prior>) continue;
     for (std::size_t i = 0; i < linear.rows.size(); ++i)
       if (linear.rows[i].channel == channel) own.rows.push_back(i);
     own.pairs = neighbours(linear, channel);
@@ -66,8 +66,8 @@ std::array<ChannelRows, kBatchChannels.size()> rowsByChannel(const Linearization
 }
 
 /// White noise made into that of first-order autoregressions, sigma one.
-Eigen::MatrixXd correlated(Eigen::MatrixXd noise, const std::array<ChannelRows, kBatchChannels.size()>& rows,
-                           const std::array<double, kBatchChannels.size()>& correlation) {
+Eigen::MatrixXd correlated(Eigen::MatrixXd noise, const std::array<ChannelRows, kChannelCount>& rows,
+                           const std::array<double, kChannelCount>& correlation) {
   for (std::size_t c = 0; c < rows.size(); ++c) {
     if (correlation[c] == 0) continue;
     const double fresh = std::sqrt(1 - correlation[c] * correlation[c]);
@@ -87,7 +87,7 @@ Eigen::MatrixXd correlated(Eigen::MatrixXd noise, const std::array<ChannelRows, 
 void splitLightNoise(const Saturated& saturated, const Linearization& linear,
                      const std::vector<std::size_t>& rows, const Eigen::MatrixXd& simulated,
                      const NoiseModel& assumed, NoiseModel& noise) {
-  constexpr auto kPixels = static_cast<std::size_t>(BatchChannel::pixels);
+  constexpr auto kPixels = indexOf(kChannel<Pixels>);
   if (rows.size() < kFewestRows) return;
   const double scale = assumed.channels[kPixels].independentScale();
   const auto count = std::ssize(rows);
@@ -143,7 +143,7 @@ void NoiseModel::applyTo(ProblemOptions& options) const {
   options.light_scatter = light_scatter;
 }
 
-std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, BatchChannel channel) {
+std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, Channel channel) {
   std::vector<std::array<std::size_t, 2>> pairs;
   for (const auto& track : linear.tracks) {
     if (track.size() < 2 || linear.rows[track[0]].channel != channel) continue;
@@ -176,8 +176,8 @@ NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint
   const Eigen::MatrixXd white = random.normals(saturated->left.size(), kNoiseDraws),
                         left_of_white = saturated->nuisances.project(white);
 
-  std::array<double, kBatchChannels.size()> correlation{};
-  std::array<bool, kBatchChannels.size()> is_correlated{};
+  std::array<double, kChannelCount> correlation{};
+  std::array<bool, kChannelCount> is_correlated{};
   Eigen::MatrixXd simulated = left_of_white;
   for (int round = 0; round < kCorrelationRounds; ++round) {
     if (round > 0) simulated = saturated->nuisances.project(correlated(white, rows, correlation));
@@ -187,7 +187,7 @@ NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint
       if (channel.rows < kFewestRows) continue;
       const Moments seen = momentsOf(saturated->left, rows[c]), expected = meanMoments(simulated, rows[c]);
       const double difference = seen.correlation() - expected.correlation();
-      const bool counts_specks = static_cast<BatchChannel>(c) == BatchChannel::specks;
+      const bool counts_specks = static_cast<Channel>(c) == kChannel<Specks>;
       if (round == 0)
         is_correlated[c] = rows[c].pairs.size() >= kFewestRows &&
                            (counts_specks ? seen.square > kCounted * expected.square
@@ -208,8 +208,7 @@ NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint
     if (std::none_of(is_correlated.begin(), is_correlated.end(), [](bool is) { return is; })) break;
   }
   noise.light_scatter = 0;
-  splitLightNoise(*saturated, linear, rows[static_cast<std::size_t>(BatchChannel::pixels)].rows,
-                  left_of_white, assumed, noise);
+  splitLightNoise(*saturated, linear, rows[indexOf(kChannel<Pixels>)].rows, left_of_white, assumed, noise);
   return noise;
 }
 

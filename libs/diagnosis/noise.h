@@ -23,13 +23,13 @@ struct ChannelNoise {
 };
 
 struct NoiseModel {
-  std::array<ChannelNoise, kBatchChannels.size()> channels;  ///< by BatchChannel
+  std::array<ChannelNoise, kChannelCount> channels;  ///< by Channel
   MarkerScatter markers;
   /// What patches of images scatter by besides, share of their light.
   double light_scatter = 0;
   PrintScatter print;
 
-  const ChannelNoise& of(BatchChannel channel) const { return channels[static_cast<std::size_t>(channel)]; }
+  const ChannelNoise& of(Channel channel) const { return channels[indexOf(channel)]; }
   /// Has a problem take readings for that noisy.
   void applyTo(ProblemOptions& options) const;
 };
@@ -42,6 +42,6 @@ struct NoiseModel {
 NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint64_t seed);
 
 /// Rows of a track that follow one another without a gap: pairs of neighbours, by row.
-std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, BatchChannel channel);
+std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, Channel channel);
 
 }  // namespace fathom

@@ -7,7 +7,6 @@
 
 #include "core/chi_square.h"
 #include "core/linear_algebra.h"
-#include "diagnosis/lasting_bias.h"
 #include "effects/catalogue.h"
 #include "estimation/wide_prior.h"
 
@@ -192,7 +191,7 @@ bool isBeyondBias(const WhitenedModel& model, const Eigen::VectorXd& change) {
   const Linearization& linear = model.linear();
   const Eigen::VectorXd remaining = model.remaining(change);
   double told = 0, beyond = 0;  // by squares, in units of sigma
-  for (const BatchChannel channel : kBatchChannels) {
+  for (const Channel channel : kEveryChannel) {
     std::vector<Eigen::Index> all, changed;
     for (std::size_t i = 0; i < linear.rows.size(); ++i) {
       if (linear.rows[i].channel != channel) continue;
@@ -206,7 +205,8 @@ bool isBeyondBias(const WhitenedModel& model, const Eigen::VectorXd& change) {
       raw_square += std::pow(remaining[i] / linear.rows[static_cast<std::size_t>(i)].per_unit, 2);
     }
     told += square;
-    if (raw_square > static_cast<double>(own.size()) * std::pow(lastingBias(channel), 2)) beyond += square;
+    if (raw_square > static_cast<double>(own.size()) * std::pow(textOf(channel).systematic, 2))
+      beyond += square;
   }
   return beyond > kMostly * told;
 }

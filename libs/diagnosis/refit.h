@@ -39,9 +39,9 @@ Eigen::VectorXd changeBy(const Refit& fit, const Candidate& effect, const Linear
 
 /// Whether a change of the readings, over the model's rows in units of each reading's sigma, is mostly told
 /// by kinds of reading that it moves by more than they can be off for no reason of their own, however often
-/// they are taken (lastingBias()): by what remains of it once all that the model estimates has made up for
-/// it, root mean square over the readings that it changes, or, of kinds that only those estimates change,
-/// over all.
+/// they are taken (ChannelText::systematic): by what remains of it once all that the model estimates has made
+/// up for it, root mean square over the readings that it changes, or, of kinds that only those estimates
+/// change, over all.
 bool isBeyondBias(const WhitenedModel& model, const Eigen::VectorXd& change);
 
 /// The same of an effect as large as the fit found it; the model: of `fewer`, the fit without it.

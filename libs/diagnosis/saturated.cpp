@@ -73,7 +73,7 @@ Saturated::Saturated(const Linearization& linear, const PrintScatter& print)
 std::unique_ptr<Saturated> saturate(Linearization& linear, const PrintScatter& print) {
   auto saturated = std::make_unique<Saturated>(linear, print);
   for (int round = 0; round < kWeightRounds; ++round) {
-    if (!applyOtherRobustWeights(linear, BatchChannel::pixels, saturated->left)) break;
+    if (!applyOtherRobustWeights(linear, kChannel<Pixels>, saturated->left)) break;
     saturated = std::make_unique<Saturated>(linear, print);
   }
   return saturated;

@@ -20,8 +20,8 @@ constexpr double kLeastSeen = 0.1;  // of a place; less counts as that
 /// their own account.
 std::optional<Printed> printedOf(const RowInfo& row) {
   constexpr int kCovariance = 1;
-  if (row.channel == BatchChannel::edges && row.component != kCovariance) return Printed::edges;
-  if (row.channel != BatchChannel::pixels || !(row.reflected > 0)) return {};
+  if (row.channel == kChannel<Edges> && row.component != kCovariance) return Printed::edges;
+  if (row.channel != kChannel<Pixels> || !(row.reflected > 0)) return {};
   switch (row.surface) {
     case ImagePatch::Surface::black:
       return Printed::black;
@@ -37,19 +37,17 @@ std::optional<Printed> printedOf(const RowInfo& row) {
 }  // namespace
 
 bool isCameraAlone(const Linearization& linear) {
-  return std::none_of(linear.rows.begin(), linear.rows.end(), [](const RowInfo& row) {
-    return row.channel == BatchChannel::gyro || row.channel == BatchChannel::accelerometer ||
-           row.channel == BatchChannel::dvl;
-  });
+  return std::none_of(linear.rows.begin(), linear.rows.end(),
+                      [](const RowInfo& row) { return textOf(row.channel).shows_motion; });
 }
 
 double partVariance(const RowInfo& row) {
-  if (row.channel != BatchChannel::pixels || !(row.reflected > 0)) return 0;
+  if (row.channel != kChannel<Pixels> || !(row.reflected > 0)) return 0;
   return (1 / std::max(kLeastSeen, row.seen_share) - 1) * std::pow(row.reflected * row.per_unit, 2);
 }
 
 std::vector<PrintedPlace> printedPlaces(const Linearization& linear) {
-  std::map<std::tuple<BatchChannel, int, int>, PrintedPlace> places;
+  std::map<std::tuple<Channel, int, int>, PrintedPlace> places;
   for (std::size_t i = 0; i < linear.rows.size(); ++i) {
     const RowInfo& row = linear.rows[i];
     const std::optional<Printed> what = printedOf(row);
@@ -64,7 +62,7 @@ std::vector<PrintedPlace> printedPlaces(const Linearization& linear) {
 }
 
 double sigmasPerUnit(const RowInfo& row) {
-  const double unit = row.channel == BatchChannel::edges ? 1 : row.reflected;
+  const double unit = row.channel == kChannel<Edges> ? 1 : row.reflected;
   return unit * row.per_unit * std::sqrt(row.robust_weight);
 }
 

@@ -9,7 +9,6 @@
 #include "core/chi_square.h"
 #include "core/linear_algebra.h"
 #include "core/median.h"
-#include "diagnosis/lasting_bias.h"
 #include "effects/catalogue.h"
 
 namespace fathom {
@@ -38,7 +37,7 @@ double cornerBias_m(const Linearization& linear) {
         count += 0.5;  // each coordinate has its share of either axis
       }
   }
-  return square > 0 ? lastingBias(BatchChannel::markers) / std::sqrt(square / count) : 0;
+  return square > 0 ? Markers::channel.systematic / std::sqrt(square / count) : 0;
 }
 
 /// The least scatter from which on all is as it should be; `largest` where there is none.
@@ -135,7 +134,7 @@ struct MeasuredPrint {
     const Eigen::ArrayXd information = reduced.gram.diagonal().array();
     off = reduced.score.array() / information;
     // About each place's own mean: what it differs by is none of it.
-    std::map<BatchChannel, std::vector<double>> noise;
+    std::map<Channel, std::vector<double>> noise;
     const auto channelOf = [&](std::size_t k) { return linear.rows[places[k].rows[0]].channel; };
     for (std::size_t k = 0; k < places.size(); ++k) {
       double square = 0;
@@ -146,7 +145,7 @@ struct MeasuredPrint {
       if (places[k].rows.size() > 1)
         noise[channelOf(k)].push_back(square / (static_cast<double>(places[k].rows.size()) - 1));
     }
-    std::map<BatchChannel, double> usual;
+    std::map<Channel, double> usual;
     for (const auto& [channel, all] : noise) usual[channel] = upperMedian(all);
     variance = information.inverse();
     for (std::size_t k = 0; k < places.size(); ++k)
@@ -228,7 +227,7 @@ double partScatter(const Saturated& saturated, const Linearization& linear) {
   std::vector<double> parts, seen;
   for (std::size_t i = 0; i < linear.rows.size(); ++i) {
     const RowInfo& row = linear.rows[i];
-    if (row.channel != BatchChannel::pixels || !(row.reflected > 0)) continue;
+    if (row.channel != kChannel<Pixels> || !(row.reflected > 0)) continue;
     parts.push_back(partVariance(row));
     seen.push_back(std::pow(saturated.left[static_cast<Eigen::Index>(i)], 2));
   }

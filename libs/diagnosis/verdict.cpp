@@ -38,10 +38,9 @@ std::string sentence(const FoundEffect& found) {
 }
 
 void remarkOnNoise(Diagnosis& diagnosis) {
-  for (const BatchChannel channel : kBatchChannels)
+  for (const Channel channel : kEveryChannel)
     if (const ChannelNoise& noise = diagnosis.noise.of(channel);
-        noise.rows > 0 && channel != BatchChannel::prior &&
-        (noise.scale > kNoisier || noise.scale < kQuieter))
+        noise.rows > 0 && channel != kChannel<Prior> && (noise.scale > kNoisier || noise.scale < kQuieter))
       diagnosis.remarks.push_back(
           print("%s: %.2f times the noise stated", nameOf(channel).c_str(), noise.scale));
 }

@@ -44,7 +44,7 @@ Eigen::SparseMatrix<double> WhitenedModel::whitener(const Linearization& linear,
     size[static_cast<Eigen::Index>(i)] = channel.independentScale() / channel.scale / std::sqrt(1 + parts);
   }
   Eigen::VectorXd diagonal = size;
-  for (const BatchChannel channel : kBatchChannels) {
+  for (const Channel channel : kEveryChannel) {
     const double correlation = noise.of(channel).correlation;
     if (correlation == 0) continue;
     const double fresh = 1 / std::sqrt(1 - correlation * correlation);
@@ -112,7 +112,7 @@ double WhitenedModel::costOf(const Eigen::VectorXd& left) const {
     // Huber's loss of a reading whose weight on its square s is w = a / sqrt(s): 2 a sqrt(s) - a^2 = w s (2 -
     // w).
     const RowInfo* row = i < std::ssize(linear_.rows) ? &linear_.rows[static_cast<std::size_t>(i)] : nullptr;
-    const double w = row != nullptr && row->channel != BatchChannel::prior ? row->robust_weight : 1;
+    const double w = row != nullptr && row->channel != kChannel<Prior> ? row->robust_weight : 1;
     cost += 0.5 * (2 - w) * left[i] * left[i];
   }
   return cost;

@@ -8,9 +8,11 @@
 
 namespace fathom {
 
+struct Camera;
+
 struct CameraLatency {
   template <class T>
-  using Stage = ValidityOffset<T, Sensor::camera>;
+  using Stage = ValidityOffset<T, Camera>;
   static constexpr std::string_view id = "camera-latency";
   static constexpr EffectText text{.channel = EffectChannel::marker_geometry,
                                    .title = "The image's time stamp is not the time it was taken",

@@ -9,9 +9,11 @@
 
 namespace fathom {
 
+struct Camera;
+
 struct CameraMisalignment {
   template <class T>
-  using Stage = Mounting<T, Sensor::camera>;
+  using Stage = Mounting<T, Camera>;
   static constexpr std::string_view id = "camera-misalignment";
   static constexpr EffectText text{
       .channel = EffectChannel::marker_geometry,

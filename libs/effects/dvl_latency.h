@@ -8,9 +8,11 @@
 
 namespace fathom {
 
+struct Dvl;
+
 struct DvlLatency {
   template <class T>
-  using Stage = ValidityOffset<T, Sensor::dvl>;
+  using Stage = ValidityOffset<T, Dvl>;
   static constexpr std::string_view id = "dvl-latency";
   static constexpr EffectText text{
       .channel = EffectChannel::navigation,

@@ -8,9 +8,11 @@
 
 namespace fathom {
 
+struct Dvl;
+
 struct DvlLeverArm {
   template <class T>
-  using Stage = Mounting<T, Sensor::dvl>;
+  using Stage = Mounting<T, Dvl>;
   static constexpr std::string_view id = "dvl-lever-arm";
   static constexpr EffectText text{
       .channel = EffectChannel::navigation,

@@ -9,9 +9,11 @@
 
 namespace fathom {
 
+struct Dvl;
+
 struct DvlMisalignment {
   template <class T>
-  using Stage = Mounting<T, Sensor::dvl>;
+  using Stage = Mounting<T, Dvl>;
   static constexpr std::string_view id = "dvl-misalignment";
   static constexpr EffectText text{
       .channel = EffectChannel::navigation,

@@ -8,9 +8,11 @@
 
 namespace fathom {
 
+struct Ins;
+
 struct InsLatency {
   template <class T>
-  using Stage = ValidityOffset<T, Sensor::ins>;
+  using Stage = ValidityOffset<T, Ins>;
   static constexpr std::string_view id = "ins-latency";
   static constexpr EffectText text{
       .channel = EffectChannel::navigation,

@@ -9,9 +9,11 @@
 
 namespace fathom {
 
+struct Ins;
+
 struct InsMisalignment {
   template <class T>
-  using Stage = Mounting<T, Sensor::ins>;
+  using Stage = Mounting<T, Ins>;
   static constexpr std::string_view id = "ins-misalignment";
   static constexpr EffectText text{
       .channel = EffectChannel::navigation,

@@ -24,6 +24,7 @@
 #include "effects/gamma.h"
 #include "effects/gyro_bias.h"
 #include "effects/gyro_scale.h"
+#include "effects/heading_disturbance.h"
 #include "effects/ins_latency.h"
 #include "effects/ins_misalignment.h"
 #include "effects/lamp.h"
@@ -56,7 +57,7 @@ using Catalogue =
                FlatPortRefraction, FocalScale, LensDistortion, CameraMisalignment, CameraLatency,
                RollingShutter, MarkerMoved, MarkerSize, PanelMoved, SunFlicker, Lamp, SeparateBackscatter,
                TurbidityPlume, SlantRange, ForwardScatter, Vignetting, AutoExposure, Gamma, DarkOffset,
-               MotionBlur, MarineSnow>;
+               MotionBlur, MarineSnow, HeadingDisturbance>;
 
 /// The catalogue, and after it what the build was told to know besides.
 using AllEffects = decltype(std::tuple_cat(Catalogue{}, ExtraEffects{}));
@@ -109,6 +110,9 @@ struct EffectParameters {
   std::array<T, kEffectOffsets[kEffectCount]> values{};
   std::bitset<kEffectCount> on;
   std::array<Interval, kEffectCount> active_s{};
+  /// Where not null, applyEffects() notes here which effects act at the stages that it is called with: so it
+  /// is known which effects a model has.
+  std::bitset<kEffectCount>* asked = nullptr;
 
   template <class Effect>
   T* of() {
@@ -152,10 +156,24 @@ void forEachEffect(F&& f) {
   }(static_cast<AllEffects*>(nullptr));
 }
 
+/// The effects that act at a stage, which is one of T.
+template <class T, class Stage>
+const std::bitset<kEffectCount>& effectsAt() {
+  static const std::bitset<kEffectCount> acting = [] {
+    std::bitset<kEffectCount> effects;
+    forEachEffect([&]<class Effect>() {
+      effects[kEffectIndex<Effect>] = std::is_same_v<typename Effect::template Stage<T>, Stage>;
+    });
+    return effects;
+  }();
+  return acting;
+}
+
 /// Applies every effect that acts at this stage and is active t_s after the recording's first entry: the
 /// entry's time stamp, whatever its latency.
 template <class T, class Stage>
 void applyEffects(const EffectParameters<T>& parameters, double t_s, Stage& stage) {
+  if (parameters.asked != nullptr) *parameters.asked |= effectsAt<T, Stage>();
   if (parameters.on.none()) return;
   forEachEffect([&]<class Effect>() {
     if constexpr (std::is_same_v<typename Effect::template Stage<T>, Stage>)
@@ -167,12 +185,7 @@ void applyEffects(const EffectParameters<T>& parameters, double t_s, Stage& stag
 /// Whether any of the effects that act at this stage (of double) is on, at whatever time.
 template <class Stage, class T>
 bool anyActsAt(const EffectParameters<T>& parameters) {
-  bool any = false;
-  forEachEffect([&]<class Effect>() {
-    if constexpr (std::is_same_v<typename Effect::template Stage<double>, Stage>)
-      any = any || parameters.template has<Effect>();
-  });
-  return any;
+  return (parameters.on & effectsAt<double, Stage>()).any();
 }
 
 }  // namespace fathom

@@ -7,22 +7,24 @@
 /// nominal model has it is the effects' to change; members called context are theirs to look at.
 namespace fathom {
 
-enum class Sensor { ins, dvl, depth, camera };
+// Of any instrument, named by its type (libs/sensors).
 
-// Of any sensor.
-
-/// Where the sensor truly sits: starts as the nominal mounting.
-template <class T, Sensor S>
+/// Where the instrument truly sits: starts as the nominal mounting.
+template <class T, class Instrument>
 struct Mounting {
   Matrix3<T> R_robot_sensor = Matrix3<T>::Identity();
   Vector3<T> position_robot = Vector3<T>::Zero();  ///< m
 };
 
-/// When the reading was truly valid, against its time stamp: starts at zero, negative is earlier.
-template <class T, Sensor S>
+/// When the measurement was truly valid, against its time stamp: starts at zero, negative is earlier.
+template <class T, class Instrument>
 struct ValidityOffset {
   T seconds = T(0);
 };
+template <class Stage>
+inline constexpr bool kIsValidityOffset = false;
+template <class T, class Instrument>
+inline constexpr bool kIsValidityOffset<ValidityOffset<T, Instrument>> = true;
 
 // Navigation.
 
@@ -56,6 +58,13 @@ struct SeaWater {
 template <class T>
 struct PressureReading {
   T pressure_pa = T(0);
+};
+
+/// Heading that a compass reads, about odom's z axis, rad, from wherever it is measured.
+template <class T>
+struct HeadingReading {
+  T heading_rad = T(0);
+  Vector3<T> position_odom = Vector3<T>::Zero();  ///< context: of the robot
 };
 
 // Marker geometry.

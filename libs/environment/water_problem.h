@@ -67,8 +67,8 @@ class PatchModel {
     PatchOnRobot<T> place{{}, patch.on_robot.normal_robot.template cast<T>()};
     for (std::size_t i = 0; i < place.around_robot.size(); ++i)
       place.around_robot[i] = patch.on_robot.around_robot[i].template cast<T>();
-    const Mounting<T, Sensor::camera> mount{patch.T_robot_camera.rotation.template cast<T>(),
-                                            patch.T_robot_camera.position.template cast<T>()};
+    const Mounting<T, Camera> mount{patch.T_robot_camera.rotation.template cast<T>(),
+                                    patch.T_robot_camera.position.template cast<T>()};
     return underLamps<T>(place, lamps_, mount, {water.template head<3>(), water.template segment<3>(3)},
                          water.template tail<3>());
   }

@@ -14,7 +14,7 @@ namespace fathom {
 
 /// A block of unknowns: coordinates of the error of one part of a reference state.
 struct UnknownBlock {
-  enum class Kind { pose, bias, pressure_offset, panel, right_camera, water, flaws, effect, draw };
+  enum class Kind { pose, bias, pressure_offset, sea_floor, panel, right_camera, water, flaws, effect, draw };
   Kind kind = Kind::pose;
   std::size_t index = 0;  ///< in the state's list, of an effect: in the registry, of a draw: in draws()
   int size = 6;
@@ -23,7 +23,7 @@ struct UnknownBlock {
 
 /// What a cost's rows are about.
 struct RowSource {
-  BatchChannel channel = BatchChannel::prior;
+  Channel channel = kChannel<Prior>;
   double t_s = 0.0;
   std::ptrdiff_t marker = -1;     ///< index in BatchData::markers; -1: none
   std::ptrdiff_t tie_point = -1;  ///< likewise

@@ -9,44 +9,41 @@
 #include "estimation/tie_point_gate.h"
 #include "landmarks/image_entry.h"
 #include "localization/input_watch.h"
+#include "recording/instrument_entries.h"
 
 namespace fathom {
 namespace {
 
-/// A vector or an attitude at a time, before it is averaged.
-struct InsReading {
-  double t_s = 0;
-  Vector3d vector = Vector3d::Zero();
-  Matrix3d R_odom_ins = Matrix3d::Identity();
-  Pose T_robot_ins;
-};
-using InsReadings = std::vector<InsReading>;
+using Readings = std::vector<BatchReading>;
 
-InsBin binOf(InsReadings::const_iterator begin, InsReadings::const_iterator end) {
-  InsBin bin;
+BatchReading meanOf(Readings::const_iterator begin, Readings::const_iterator end) {
+  BatchReading bin = *begin;
   bin.samples = static_cast<int>(end - begin);
-  bin.about = (begin + bin.samples / 2)->R_odom_ins;
-  bin.T_robot_ins = begin->T_robot_ins;
+  bin.seen.about = (begin + bin.samples / 2)->seen.about;
+  bin.seen.value.setZero();
   double mean_s = 0, variance_s2 = 0;
   for (auto it = begin; it != end; ++it) {
-    mean_s += it->t_s / bin.samples;
-    bin.mean += (it->vector + logSO3<double>(bin.about.transpose() * it->R_odom_ins)) / bin.samples;
+    mean_s += it->t_s() / bin.samples;
+    const Vector3d turned = logSO3<double>(bin.seen.about.transpose() * it->seen.about);
+    bin.seen.value += (it->seen.value + turned) / bin.samples;
   }
-  for (auto it = begin; it != end; ++it) variance_s2 += std::pow(it->t_s - mean_s, 2) / bin.samples;
+  for (auto it = begin; it != end; ++it) variance_s2 += std::pow(it->t_s() - mean_s, 2) / bin.samples;
   const double sigma_s = std::sqrt(variance_s2);
   bin.node_s = {mean_s - sigma_s, mean_s + sigma_s};
+  bin.seen.covariance /= bin.samples;
   return bin;
 }
 
-std::vector<InsBin> bins(InsReadings& readings, double knot_s) {
+/// Means over knot intervals.
+Readings averaged(Readings readings, double knot_s) {
   std::stable_sort(readings.begin(), readings.end(),
-                   [](const InsReading& a, const InsReading& b) { return a.t_s < b.t_s; });
-  const auto intervalOf = [&](const InsReading& r) { return std::floor(r.t_s / knot_s + 1e-6); };
-  std::vector<InsBin> result;
+                   [](const BatchReading& a, const BatchReading& b) { return a.t_s() < b.t_s(); });
+  const auto intervalOf = [&](const BatchReading& r) { return std::floor(r.t_s() / knot_s + 1e-6); };
+  Readings result;
   for (auto begin = readings.cbegin(); begin != readings.cend();) {
     const auto end = std::find_if(begin, readings.cend(),
-                                  [&](const InsReading& r) { return intervalOf(r) != intervalOf(*begin); });
-    result.push_back(binOf(begin, end));
+                                  [&](const BatchReading& r) { return intervalOf(r) != intervalOf(*begin); });
+    result.push_back(meanOf(begin, end));
     begin = end;
   }
   return result;
@@ -64,32 +61,27 @@ class Collector {
     t_s_ = secondsBetween(data_.time_zero, sample.time);
     if (isImage(sample)) return addImage(*imageEntry(sample, image_folder_));
     if (!watch_.accept(sample, t_s_)) return;
-    if (const auto* ins = std::get_if<InsSample>(&sample.reading)) addIns(*ins);
-    if (const auto* dvl = std::get_if<DvlSample>(&sample.reading)) addDvl(*dvl);
-    if (const auto* depth = std::get_if<DepthSample>(&sample.reading); depth && data_.vehicle.depth)
-      data_.pressure.push_back({t_s_, depth->pressure_pa, depth->T_robot_depth});
-    if (const auto* pose = std::get_if<PoseSample>(&sample.reading); pose && sample.label == labels::kUsbl)
-      addUsbl(*pose);
+    withInstrument(sample, [&]<class Instrument>(const auto& entry) { addEntry<Instrument>(entry); });
   }
 
   void finish() {
-    data_.gyro = bins(gyro_, data_.knot_s);
-    data_.force = bins(force_, data_.knot_s);
-    data_.attitude = bins(attitude_, data_.knot_s);
     double first_s = std::numeric_limits<double>::infinity(), last_s = -first_s;
     const auto reach = [&](double t_s) {
       first_s = std::min(first_s, t_s);
       last_s = std::max(last_s, t_s);
     };
-    for (const auto* readings : {&gyro_, &force_, &attitude_})
-      for (const InsReading& r : *readings) reach(r.t_s);
-    for (const BatchDvl& d : data_.dvl) reach(d.t_s);
+    for (const Channel channel : kEveryChannel) {
+      if (indexOf(channel) >= kInstrumentChannelCount) break;
+      Readings& readings = data_.readings[indexOf(channel)];
+      if (textOf(channel).shows_motion || data_.hasMotion())
+        for (const BatchReading& r : readings) reach(r.t_s());
+    }
     for (const BatchMarker& m : data_.markers) reach(m.t_s);
     for (const BatchTiePoint& p : data_.tie_points) reach(p.t_s);
-    if (data_.hasMotion()) {
-      for (const BatchPressure& p : data_.pressure) reach(p.t_s);
-      for (const BatchUsbl& u : data_.usbl) reach(u.t_s);
-    }
+    for (const Channel channel : kEveryChannel)
+      if (indexOf(channel) < kInstrumentChannelCount && textOf(channel).is_averaged)
+        data_.readings[indexOf(channel)] =
+            averaged(std::move(data_.readings[indexOf(channel)]), data_.knot_s);
     data_.first_s = first_s;
     data_.last_s = last_s;
   }
@@ -97,28 +89,24 @@ class Collector {
  private:
   void leaveOut(const std::string& why) { ++data_.left_out[why]; }
 
-  void addIns(const InsSample& ins) {
-    if (!data_.vehicle.ins) return;
-    if (ins.angular_velocity_ins)
-      gyro_.push_back({t_s_, *ins.angular_velocity_ins, Matrix3d::Identity(), ins.T_robot_ins});
-    if (ins.specific_force_ins)
-      force_.push_back({t_s_, *ins.specific_force_ins, Matrix3d::Identity(), ins.T_robot_ins});
-    if (ins.R_odom_ins && data_.vehicle.ins->attitude_sigma_rad)
-      attitude_.push_back({t_s_, Vector3d::Zero(), *ins.R_odom_ins, ins.T_robot_ins});
+  template <class Instrument>
+  void addEntry(const typename Instrument::Sample& entry) {
+    if (detail::needsSheet<Instrument>() && !(data_.vehicle.*Instrument::on_board)) return;
+    [&]<class... Channels>(std::tuple<Channels...>*) {
+      (addChannel<Channels>(entry), ...);
+    }(static_cast<typename Instrument::Channels*>(nullptr));
   }
 
-  void addDvl(const DvlSample& dvl) {
-    if (!data_.vehicle.dvl) return;
-    if (dvl.velocity_dvl)
-      data_.dvl.push_back({t_s_, *dvl.velocity_dvl, dvl.T_robot_dvl});
-    else
-      leaveOut("DVL without bottom lock");
-  }
-
-  void addUsbl(const PoseSample& pose) {
-    const Matrix3d covariance = pose.T_odom_robot.covariance.topLeftCorner<3, 3>();
-    if (!isPositiveDefinite(covariance)) return leaveOut("USBL with a covariance that is none");
-    data_.usbl.push_back({t_s_, pose.T_odom_robot.mean.position, covariance});
+  template <class C>
+  void addChannel(const auto& entry) {
+    if (!C::channel.is_estimated) return;
+    std::vector<BatchReading>& readings = data_.of<C>();
+    const std::size_t before = readings.size();
+    C::observe(entry, sheetOf<C>(data_.vehicle), [&](const Observation& seen) {
+      readings.push_back({kChannel<C>, {t_s_, t_s_}, 1, seen});
+    });
+    if constexpr (requires { C::lacking; })
+      if (readings.size() == before) leaveOut(C::lacking);
   }
 
   void addImage(const ImageEntry& entry) {
@@ -191,7 +179,6 @@ class Collector {
                       if (what == "not-a-number" || what == "impossible" || what == "duplicate")
                         leaveOut(what);
                     }};
-  InsReadings gyro_, force_, attitude_;
   bool any_ = false;
   double t_s_ = 0;
   std::size_t image_ = 0;
@@ -199,11 +186,10 @@ class Collector {
 
 }  // namespace
 
-std::string nameOf(BatchChannel channel) {
-  static const std::array<const char*, kBatchChannels.size()> names{
-      "gyro",    "accelerometer", "attitude", "dvl",   "depth",  "usbl",
-      "markers", "tie points",    "pixels",   "edges", "specks", "prior"};
-  return names[static_cast<std::size_t>(channel)];
+bool BatchData::hasMotion() const {
+  for (std::size_t i = 0; i < readings.size(); ++i)
+    if (!readings[i].empty() && kChannelTexts[i].shows_motion) return true;
+  return false;
 }
 
 BatchData collectBatch(SampleSource& source, const Detections& detections, const Vehicle& vehicle,

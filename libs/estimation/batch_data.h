@@ -15,63 +15,26 @@
 #include "landmarks/tie_points.h"
 #include "panel/panel_map.h"
 #include "recording/sample_source.h"
+#include "sensors/channels.h"
 #include "sensors/vehicle.h"
 
 /// What goes into the batch estimate: readings of a whole recording, typed and plain. Times are stamps in
 /// seconds since the recording's first entry.
 namespace fathom {
 
-/// Where a row of the estimate comes from.
-enum class BatchChannel {
-  gyro,
-  accelerometer,
-  attitude,
-  dvl,
-  depth,
-  usbl,
-  markers,
-  tie_points,
-  pixels,
-  edges,
-  specks,
-  prior
-};
-inline constexpr std::array kBatchChannels{
-    BatchChannel::gyro,   BatchChannel::accelerometer, BatchChannel::attitude, BatchChannel::dvl,
-    BatchChannel::depth,  BatchChannel::usbl,          BatchChannel::markers,  BatchChannel::tie_points,
-    BatchChannel::pixels, BatchChannel::edges,         BatchChannel::specks,   BatchChannel::prior};
-/// "gyro", …, as in results.
-std::string nameOf(BatchChannel channel);
-
-/// The mean of an INS's readings in one knot interval: what a preintegrated increment says, over its time.
+/// One measurement of an instrument's channel, or the mean of those in one knot interval: what a
+/// preintegrated increment says, over its time.
 ///
 /// The mean of a quadratic function of time over the samples' times is the mean of its values at the nodes,
-/// the mean time plus and minus the times' standard deviation: so prediction and reading are averaged alike.
-struct InsBin {
+/// the mean time plus and minus the times' standard deviation: so measurement and prediction are averaged
+/// alike.
+struct BatchReading {
+  Channel channel = kChannel<Prior>;
   std::array<double, 2> node_s{};  ///< equal where there is one sample
-  int samples = 0;
-  Vector3d mean = Vector3d::Zero();  ///< rad/s or m/s²; of the attitude rotation vectors from `about`, rad
-  Matrix3d about = Matrix3d::Identity();  ///< R_odom_ins of the middle sample; attitude only
-  Pose T_robot_ins;
+  int samples = 1;
+  Observation seen;  ///< of the mean; of a rotation about the middle sample's
 
   double t_s() const { return 0.5 * (node_s[0] + node_s[1]); }
-};
-
-struct BatchDvl {
-  double t_s = 0;
-  Vector3d velocity_dvl = Vector3d::Zero();
-  Pose T_robot_dvl;
-};
-
-struct BatchPressure {
-  double t_s = 0, pressure_pa = 0;
-  Pose T_robot_depth;
-};
-
-struct BatchUsbl {
-  double t_s = 0;
-  Vector3d position_odom = Vector3d::Zero();
-  Matrix3d covariance_m2 = Matrix3d::Identity();
 };
 
 /// One marker in one image.
@@ -105,10 +68,7 @@ struct BatchData {
   Vehicle vehicle;
   std::vector<PanelMap> panels;
 
-  std::vector<InsBin> gyro, force, attitude;
-  std::vector<BatchDvl> dvl;
-  std::vector<BatchPressure> pressure;
-  std::vector<BatchUsbl> usbl;
+  std::array<std::vector<BatchReading>, kInstrumentChannelCount> readings;  ///< by channel, then by time
   std::vector<BatchMarker> markers;
   std::vector<BatchTiePoint> tie_points;
   std::vector<ImagePatch> patches;
@@ -120,7 +80,15 @@ struct BatchData {
   std::map<std::string, std::size_t> left_out;
 
   /// Whether the path between images is known; else each image has a pose by itself.
-  bool hasMotion() const { return !gyro.empty() || !force.empty() || !dvl.empty(); }
+  bool hasMotion() const;
+  template <class C>
+  std::vector<BatchReading>& of() {
+    return readings[indexOf(kChannel<C>)];
+  }
+  template <class C>
+  const std::vector<BatchReading>& of() const {
+    return readings[indexOf(kChannel<C>)];
+  }
 };
 
 struct BatchDataOptions {

@@ -12,7 +12,7 @@
 #include "estimation/selected_inverse.h"
 #include "estimation/sparse.h"
 #include "estimation/wide_prior.h"
-#include "sensors/models.h"
+#include "sensors/channel_model.h"
 
 namespace fathom {
 namespace {
@@ -110,8 +110,8 @@ double latencyChange(const EffectParameters<double>& a, const EffectParameters<d
 /// a shift of the INS alone would be told apart by noise. A latency for a part of the recording leaves them.
 void keepKnotsOnInsClock(const BatchData& data, BatchState& state) {
   if (!state.path.isSpline()) return;
-  const double first_s = validityOffset<Sensor::ins>(state.effects, data.first_s),
-               last_s = validityOffset<Sensor::ins>(state.effects, data.last_s),
+  const double first_s = validityOffset<Ins>(state.effects, data.first_s),
+               last_s = validityOffset<Ins>(state.effects, data.last_s),
                begin_s = gridBegin_s(data) + (first_s == last_s ? first_s : 0.0);
   if (std::abs(begin_s - state.path.begin_s) > kSettled_s) state.path = state.path.begunAt(begin_s);
 }
@@ -217,7 +217,7 @@ void addResiduals(BatchEstimate& estimate, const BatchProblem& problem, const Li
     const RowInfo& row = weighted.rows[static_cast<std::size_t>(i)];
     ChannelResidual& channel = estimate.residuals[row.channel];
     ++channel.rows;
-    const bool is_outlier = row.robust_weight < 1.0 && row.channel != BatchChannel::prior;
+    const bool is_outlier = row.robust_weight < 1.0 && row.channel != kChannel<Prior>;
     if (is_outlier) ++channel.down_weighted;
     channel.rms += weighted.residual[i] * weighted.residual[i];
     channel.expected_rms += 1.0 - leverages[i];
@@ -337,9 +337,8 @@ BatchEstimate adaptNoise(const BatchData& data, BatchEstimate estimate, BatchOpt
   constexpr int kPasses = 3;  // robust weights hide some of a noise that is assumed too small
   for (int pass = 0; pass < kPasses && estimate.succeeded; ++pass) {
     for (const auto& [channel, residual] : estimate.residuals)
-      if (channel != BatchChannel::prior && residual.expected_rms > 0)
-        options.problem.noise_scale[static_cast<std::size_t>(channel)] *=
-            std::max(1.0, residual.rms / residual.expected_rms);
+      if (channel != kChannel<Prior> && residual.expected_rms > 0)
+        options.problem.noise_scale[indexOf(channel)] *= std::max(1.0, residual.rms / residual.expected_rms);
     estimate = reestimate(data, estimate, options);
   }
   return estimate;

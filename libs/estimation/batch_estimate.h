@@ -70,7 +70,7 @@ struct BatchEstimate {
   std::vector<Vector6d> bias_sigma;   ///< of state.bias
   double pressure_offset_sigma_pa = 0.0;
   std::vector<UncertainPose> T_odom_panel;  ///< covariance zero where it is known
-  std::map<BatchChannel, ChannelResidual> residuals;
+  std::map<Channel, ChannelResidual> residuals;
   std::vector<DownWeighted> down_weighted;
 };
 

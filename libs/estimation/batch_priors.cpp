@@ -60,6 +60,10 @@ std::optional<PriorRows> priorOf(const UnknownBlock& block, const BatchData& dat
       break;
     case UnknownBlock::Kind::pressure_offset:
       return scalarPrior(reference.pressure_offset_pa, 1.0 / data.vehicle.depth->pressure_offset_sigma_pa);
+    case UnknownBlock::Kind::sea_floor: {
+      constexpr double kAnywhere_m = 1000.0;  // only so that it is not singular
+      return scalarPrior(reference.sea_floor_z_m, 1.0 / kAnywhere_m);
+    }
     case UnknownBlock::Kind::panel: {
       const PanelMap& map = data.panels[block.index];
       return posePrior(map.T_odom_panel, reference.T_odom_panel[block.index], map.position_sigma_m,

@@ -13,7 +13,10 @@ namespace fathom {
 namespace {
 
 /// W with W C W^T = 1. The symmetric one, so that each row stays as near to its own coordinate as can be.
-Eigen::MatrixXd whitener(const Eigen::MatrixXd& covariance) { return symmetricWhitener(covariance); }
+Eigen::MatrixXd whitener(const Eigen::MatrixXd& covariance) {
+  if (!covariance.isDiagonal(0)) return symmetricWhitener(covariance);
+  return covariance.diagonal().cwiseSqrt().cwiseInverse().asDiagonal().toDenseMatrix();
+}
 
 Eigen::MatrixXd whitener(const Eigen::VectorXd& sigma) {
   return sigma.cwiseInverse().asDiagonal().toDenseMatrix();
@@ -79,32 +82,10 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, const RowSource& sou
 
 void BatchProblem::addReadings() {
   if (!unknowns_.reference().path.isSpline()) return;
-  const Vehicle& vehicle = data_.vehicle;
-  const auto addBins = [&](const std::vector<InsBin>& bins, BatchChannel channel, double sigma,
-                           const auto& make) {
-    for (const InsBin& bin : bins)
-      add(make(bin), {channel, bin.t_s()}, {bin.node_s[0], bin.node_s[1]}, bin.mean,
-          whitener(3, sigma / std::sqrt(bin.samples)));
-  };
-  if (vehicle.ins) {
-    addBins(data_.gyro, BatchChannel::gyro, vehicle.ins->gyro_sigma_rad_s, gyroModel);
-    addBins(data_.force, BatchChannel::accelerometer, vehicle.ins->accelerometer_sigma_m_s2,
-            [&](const InsBin& bin) { return forceModel(bin, vehicle); });
-    addBins(data_.attitude, BatchChannel::attitude, vehicle.ins->attitude_sigma_rad.value_or(1.0),
-            attitudeModel);
-  }
-  for (const BatchDvl& dvl : data_.dvl) {
-    const DvlSheet& sheet = *vehicle.dvl;
-    const Eigen::VectorXd sigma =
-        Vector3d(sheet.velocity_sigma_xy_m_s, sheet.velocity_sigma_xy_m_s, sheet.velocity_sigma_z_m_s);
-    add(dvlModel(dvl), {BatchChannel::dvl, dvl.t_s}, {dvl.t_s}, dvl.velocity_dvl, whitener(sigma));
-  }
-  for (const BatchPressure& p : data_.pressure)
-    add(pressureModel(p, vehicle), {BatchChannel::depth, p.t_s}, {p.t_s},
-        Eigen::VectorXd::Constant(1, p.pressure_pa), whitener(1, vehicle.depth->pressure_sigma_pa));
-  for (const BatchUsbl& usbl : data_.usbl)
-    add(usblModel(usbl, vehicle), {BatchChannel::usbl, usbl.t_s}, {usbl.t_s}, usbl.position_odom,
-        whitener(Eigen::MatrixXd(usbl.covariance_m2)));
+  for (const std::vector<BatchReading>& of_channel : data_.readings)
+    for (const BatchReading& r : of_channel)
+      add(channelModel(r, data_.vehicle), {r.channel, r.t_s()}, {r.node_s[0], r.node_s[1]}, r.seen.value,
+          whitener(Eigen::MatrixXd(r.seen.covariance)));
 }
 
 void BatchProblem::addMarkers() {
@@ -125,15 +106,15 @@ void BatchProblem::addMarkers() {
     Vector8d corners;
     for (std::size_t k = 0; k < 4; ++k)
       corners.segment<2>(static_cast<Eigen::Index>(2 * k)) = seen.detection.corners_px[k];
-    add(markerModel(seen), {BatchChannel::markers, seen.t_s, static_cast<std::ptrdiff_t>(i)}, {seen.t_s},
-        corners, whitener(Eigen::MatrixXd(seen.detection.covariance_px2)));
+    add(markerModel(seen), {kChannel<Markers>, seen.t_s, static_cast<std::ptrdiff_t>(i)}, {seen.t_s}, corners,
+        whitener(Eigen::MatrixXd(seen.detection.covariance_px2)));
   }
 }
 
 void BatchProblem::addTiePoints() {
   for (std::size_t i = 0; i < data_.tie_points.size(); ++i) {
     const BatchTiePoint& seen = data_.tie_points[i];
-    add(tiePointModel(seen), {BatchChannel::tie_points, seen.t_s, -1, static_cast<std::ptrdiff_t>(i)}, {},
+    add(tiePointModel(seen), {kChannel<EpipolarResidual>, seen.t_s, -1, static_cast<std::ptrdiff_t>(i)}, {},
         Eigen::VectorXd::Zero(1), whitener(1, 1.0));
   }
 }
@@ -147,12 +128,11 @@ void BatchProblem::addPatches() {
     if (!unknowns_.hasPose(seen.image)) continue;
     const std::vector<int> colours = seen.colours();
     const Eigen::VectorXd reading = seen.radiance(colours);
-    const double scale = options_.noise_scale[static_cast<std::size_t>(BatchChannel::pixels)];
+    const double scale = options_.noise_scale[indexOf(kChannel<Pixels>)];
     const Eigen::ArrayXd scatter = options_.light_scatter / scale * reading.array();
     const Eigen::VectorXd sigma = (seen.sigma(colours).array().square() + scatter.square()).sqrt();
-    add(patchModel(seen, data_.vehicle),
-        {BatchChannel::pixels, seen.t_s, -1, -1, static_cast<std::ptrdiff_t>(i)}, {}, reading,
-        whitener(sigma));
+    add(patchModel(seen, data_.vehicle), {kChannel<Pixels>, seen.t_s, -1, -1, static_cast<std::ptrdiff_t>(i)},
+        {}, reading, whitener(sigma));
   }
 }
 
@@ -161,7 +141,7 @@ void BatchProblem::addBlurs() {
   for (std::size_t i = 0; i < data_.blurs.size(); ++i) {
     const MarkerBlur& seen = data_.blurs[i];
     if (!unknowns_.hasPose(seen.image)) continue;
-    RowSource source{BatchChannel::edges, seen.t_s};
+    RowSource source{kChannel<Edges>, seen.t_s};
     source.blur = static_cast<std::ptrdiff_t>(i);
     add(blurModel(seen), source, {}, seen.variance_px2, whitener(Eigen::MatrixXd(seen.covariance_px4)));
   }
@@ -170,7 +150,7 @@ void BatchProblem::addBlurs() {
 void BatchProblem::addSpecks() {
   for (std::size_t i = 0; i < data_.specks.size(); ++i) {
     const ImageSpecks& seen = data_.specks[i];
-    RowSource source{BatchChannel::specks, seen.t_s};
+    RowSource source{kChannel<Specks>, seen.t_s};
     source.specks = static_cast<std::ptrdiff_t>(i);
     add(specksModel(seen), source, {}, seen.counted.matrix(), whitener(Eigen::VectorXd(seen.sigma)));
   }
@@ -185,7 +165,7 @@ void BatchProblem::addMotionPriors() {
   const auto segments = path.poses.size() - 3;
   for (std::size_t i = 0; i <= segments; ++i) {
     const double t_s = path.begin_s + path.knot_s * static_cast<double>(i);
-    add(accelerationModel(t_s), {BatchChannel::prior, t_s}, {t_s}, Vector6d::Zero(),
+    add(accelerationModel(t_s), {kChannel<Prior>, t_s}, {t_s}, Vector6d::Zero(),
         whitener(Eigen::VectorXd(sigma)));
   }
   if (const auto& prior = options_.path_prior) {
@@ -193,7 +173,7 @@ void BatchProblem::addMotionPriors() {
     Vector6d reading, precision;
     reading << prior->T_odom_robot.position, Vector3d::Zero();
     precision << Vector3d::Constant(1.0 / prior->position_sigma_m), 0.0, 0.0, 1.0 / prior->heading_sigma_rad;
-    add(poseModel(prior->T_odom_robot, path.begin_s), {BatchChannel::prior, path.begin_s}, {path.begin_s},
+    add(poseModel(prior->T_odom_robot, path.begin_s), {kChannel<Prior>, path.begin_s}, {path.begin_s},
         reading, precision.asDiagonal().toDenseMatrix());
   }
 }

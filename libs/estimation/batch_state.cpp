@@ -38,7 +38,13 @@ BatchState startState(const BatchData& data, const std::vector<double>& times_s,
   }
   const double begin_s = gridBegin_s(data);
   state.path = PosePath::splineNear(times_s, T_odom_robot, begin_s, data.last_s, data.knot_s);
-  if (data.vehicle.ins && !(data.gyro.empty() && data.force.empty())) {
+  if (const std::vector<BatchReading>& ranges = data.of<Altimeter>(); !ranges.empty()) {
+    double sum_m = 0;  // as if all looked straight down: the estimate is linear in it
+    for (const BatchReading& r : ranges)
+      sum_m += motionOf(state.path, state.path.nodeAt(r.t_s())).T_odom_robot.position.z() - r.seen.value[0];
+    state.sea_floor_z_m = sum_m / static_cast<double>(ranges.size());
+  }
+  if (data.vehicle.ins && !(data.of<Gyro>().empty() && data.of<Accelerometer>().empty())) {
     state.bias_interval_s = bias_interval_s;
     const double length_s = state.path.end_s() - begin_s;
     const auto intervals = std::max(1.0, std::ceil(length_s / bias_interval_s));

@@ -31,6 +31,7 @@ struct BatchState {
   Pose T_left_right;                  ///< of a pair of cameras that sees tie points
   Vector9d water = Vector9d::Zero();  ///< waterParameters(), where there are patches
   Flaws flaws = Flaws::Zero();        ///< of images, see ImageFlaw
+  double sea_floor_z_m = 0.0;         ///< odom, where a sensor ranges it
   EffectParameters<double> effects;   ///< all that are on, estimated or not
   std::map<Draw, double> draws;       ///< of effects that are drawn anew for each image; missing: 0
 

@@ -43,8 +43,10 @@ void BatchUnknowns::layOut(const BatchData& data, const std::bitset<kEffectCount
   std::stable_sort(placed.begin(), placed.end(),
                    [](const Placed& a, const Placed& b) { return a.at_s < b.at_s; });
   for (const Placed& p : placed) blocks_.push_back(p.block);
-  if (!data.pressure.empty() && reference_.path.isSpline())
+  if (!data.of<Depth>().empty() && reference_.path.isSpline())
     blocks_.push_back({Kind::pressure_offset, 0, 1, 0});
+  if (!data.of<Altimeter>().empty() && reference_.path.isSpline())
+    blocks_.push_back({Kind::sea_floor, 0, 1, 0});
   for (std::size_t i = 0; i < data.panels.size(); ++i)
     if (data.panels[i].position_sigma_m > 0 && data.panels[i].angle_sigma_rad > 0)
       blocks_.push_back({Kind::panel, i, 6, 0});
@@ -102,6 +104,7 @@ BatchState BatchUnknowns::at(const Eigen::VectorXd& x) const {
     if (block.kind == Kind::flaws) state.flaws += e;
     if (block.kind == Kind::bias) state.bias[block.index] += e;
     if (block.kind == Kind::pressure_offset) state.pressure_offset_pa += e[0];
+    if (block.kind == Kind::sea_floor) state.sea_floor_z_m += e[0];
     if (block.kind == Kind::draw) {
       state.draws[draws_[block.index]] += e[0];
       state.effects.on.set(effectOf(draws_[block.index].scalar));

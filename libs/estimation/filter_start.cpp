@@ -1,6 +1,7 @@
 #include "estimation/filter_start.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 
 #include "core/for_each.h"
@@ -60,6 +61,12 @@ std::optional<Pose> solve(const BatchData& data, const View& view) {
   return robotPose(solved.T_camera_panel, map.T_odom_panel, view.T_robot_camera).pose;
 }
 
+bool tellsPosition(const BatchData& data) {
+  for (std::size_t i = 0; i < data.readings.size(); ++i)
+    if (!data.readings[i].empty() && kChannelTexts[i].tells == ChannelText::Tells::position) return true;
+  return false;
+}
+
 Pose poseNear(const StartPath& path, double t_s) {
   const auto found = std::lower_bound(path.times_s.begin(), path.times_s.end(), t_s);
   const auto i = std::min(found - path.times_s.begin(), std::ssize(path.times_s) - 1);
@@ -87,10 +94,11 @@ std::optional<StartPose> betterStart(const BatchData& data, const StartPath& pat
 std::optional<PathPrior> StartPath::prior(const BatchData& data) const {
   if (!data.hasMotion() || T_odom_robot.empty()) return std::nullopt;
   if (given) return PathPrior{given->T_odom_robot, given->position_sigma_m, given->angle_sigma_rad};
-  const bool located = !data.markers.empty() || !data.usbl.empty();
+  const bool located = !data.markers.empty() || tellsPosition(data);
   if (located) return PathPrior{T_odom_robot.front(), kLoosely_m, kLoosely_rad};
-  return PathPrior{T_odom_robot.front(), kByDefinition_m,
-                   data.attitude.empty() ? kByDefinition_rad : kLoosely_rad};
+  return PathPrior{
+      T_odom_robot.front(), kByDefinition_m,
+      data.of<Attitude>().empty() && data.of<Compass>().empty() ? kByDefinition_rad : kLoosely_rad};
 }
 
 StartPath filterStart(const BatchData& data, SampleSource& samples,
@@ -99,7 +107,9 @@ StartPath filterStart(const BatchData& data, SampleSource& samples,
   setup.vehicle = data.vehicle;
   setup.calibration = calibration;
   setup.options.task = "start of the batch estimate";
-  setup.options.fuse.assign(kAllChannels.begin(), kAllChannels.end());
+  setup.options.fuse.clear();
+  std::copy_if(kEveryChannel.begin(), kEveryChannel.end(), std::back_inserter(setup.options.fuse),
+               [](Channel channel) { return textOf(channel).is_filtered; });
   setup.options.smooth = true;
   setup.start = start;
   setup.time_zero = data.time_zero;

@@ -165,11 +165,11 @@ Eigen::VectorXd rawSigmas(const BatchCost& cost, Eigen::Index rows) {
 
 /// Tracks in the order of channel, marker and component; rows by time.
 void findTracks(Linearization& linear) {
-  using Key = std::tuple<BatchChannel, std::ptrdiff_t, int, std::ptrdiff_t, int, int, int>;
+  using Key = std::tuple<Channel, std::ptrdiff_t, int, std::ptrdiff_t, int, int, int>;
   std::map<Key, std::vector<std::size_t>> tracks;
   for (std::size_t i = 0; i < linear.rows.size(); ++i) {
     const RowInfo& row = linear.rows[i];
-    if (row.channel == BatchChannel::prior) continue;
+    if (row.channel == kChannel<Prior>) continue;
     tracks[{row.channel, row.panel, row.marker_id, row.eye, row.tie_point_id, row.place, row.component}]
         .push_back(i);
   }
@@ -252,7 +252,7 @@ Eigen::Index columnOf(const Linearization& linear, std::size_t effect, std::size
 Interval readingsSpan(const Linearization& linear) {
   Interval span{Interval::kForever_s, -Interval::kForever_s};
   for (const RowInfo& row : linear.rows)
-    if (row.channel != BatchChannel::prior) {
+    if (row.channel != kChannel<Prior>) {
       span.from_s = std::min(span.from_s, row.t_s);
       span.to_s = std::max(span.to_s, row.t_s);
     }
@@ -272,7 +272,7 @@ void applyRobustWeights(Linearization& linear) {
   multiplyRows(linear, root);
 }
 
-bool applyOtherRobustWeights(Linearization& linear, BatchChannel channel, const Eigen::VectorXd& left) {
+bool applyOtherRobustWeights(Linearization& linear, Channel channel, const Eigen::VectorXd& left) {
   constexpr double kDiffers = 0.01;
   bool differs = false;
   Eigen::VectorXd factor = Eigen::VectorXd::Ones(linear.residual.size());

@@ -11,7 +11,7 @@ namespace fathom {
 
 /// One residual. What is not of its kind is NaN, or -1.
 struct RowInfo {
-  BatchChannel channel = BatchChannel::prior;
+  Channel channel = kChannel<Prior>;
   int component = 0;  ///< axis x y z; colour red green blue; of a marker x0 y0 x1 y1 …; of edges the variance
                       ///< xx xy yy; of specks their class; of a prior, its row
   double t_s = 0;               ///< stamp
@@ -91,7 +91,7 @@ void applyRobustWeights(Linearization& linear);
 
 /// Of a channel, other robust weights instead of those that have been applied: the ones where `left` is what
 /// is left of the weighted residual. Returns whether any differs by more than a percent.
-bool applyOtherRobustWeights(Linearization& linear, BatchChannel channel, const Eigen::VectorXd& left);
+bool applyOtherRobustWeights(Linearization& linear, Channel channel, const Eigen::VectorXd& left);
 
 /// Which column of C is an effect's scalar, counted from the effect's first. Throws std::out_of_range.
 Eigen::Index columnOf(const Linearization& linear, std::size_t effect, std::size_t scalar);

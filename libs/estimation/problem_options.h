@@ -18,8 +18,8 @@ struct PathPrior {
 };
 
 /// Every channel's sigma as the data sheet has it.
-constexpr std::array<double, kBatchChannels.size()> asStated() {
-  std::array<double, kBatchChannels.size()> ones{};
+constexpr std::array<double, kChannelCount> asStated() {
+  std::array<double, kChannelCount> ones{};
   ones.fill(1);
   return ones;
 }
@@ -27,8 +27,8 @@ constexpr std::array<double, kBatchChannels.size()> asStated() {
 struct ProblemOptions {
   /// Effects whose continuous parameters are estimated, starting from the state's.
   std::bitset<kEffectCount> estimate;
-  /// Sigma of each channel in units of the data sheet's (or of a corner's own covariance), by BatchChannel.
-  std::array<double, kBatchChannels.size()> noise_scale = asStated();
+  /// Sigma of each channel in units of the data sheet's (or of a corner's own covariance), by Channel.
+  std::array<double, kChannelCount> noise_scale = asStated();
   /// By what share of their light patches scatter besides.
   double light_scatter = 0;
   /// Huber's loss for DVL, USBL and markers, beyond what a reading's chi-square exceeds with probability

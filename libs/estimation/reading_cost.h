@@ -20,12 +20,7 @@ inline const std::bitset<kEffectCount>& effectsOfMotion() {
     std::bitset<kEffectCount> effects;
     forEachEffect([&]<class Effect>() {
       using Stage = typename Effect::template Stage<double>;
-      if (std::is_same_v<Stage, ValidityOffset<double, Sensor::ins>> ||
-          std::is_same_v<Stage, ValidityOffset<double, Sensor::dvl>> ||
-          std::is_same_v<Stage, ValidityOffset<double, Sensor::depth>> ||
-          std::is_same_v<Stage, ValidityOffset<double, Sensor::camera>> ||
-          std::is_same_v<Stage, Shutter<double>>)
-        effects.set(kEffectIndex<Effect>);
+      effects[kEffectIndex<Effect>] = kIsValidityOffset<Stage> || std::is_same_v<Stage, Shutter<double>>;
     });
     return effects;
   }();
@@ -160,6 +155,7 @@ class ReadingCost final : public BatchCost {
       if (first == kPanelColumn) point.T_odom_panel = retracted(point.T_odom_panel, x.segment<6>(at));
       if (first == kRightColumn) point.T_left_right = retracted(point.T_left_right, x.segment<6>(at));
       if (first == kWaterColumn) point.water += x.segment<9>(at);
+      if (first == kFloorColumn) point.sea_floor_z_m += x[at];
       if (first == kFlawColumn) point.flaws += x.segment<kFlaws>(at);
     }
     for (const Link& link : links)

@@ -47,7 +47,7 @@ std::unique_ptr<BatchCost> ReadingCostMaker::make(std::unique_ptr<ReadingModel> 
   linkPressureOffset(*cost);
   linkEffects(*cost);
   linkDraws(subject, *cost);
-  cost->whitening = whitening / options_.noise_scale[static_cast<std::size_t>(source.channel)];
+  cost->whitening = whitening / options_.noise_scale[indexOf(source.channel)];
   cost->robust_threshold = thresholdOf(source.channel, reading.size());
   cost->reading = std::move(reading);
   cost->finish();
@@ -109,6 +109,7 @@ void ReadingCostMaker::setPlaces(const Subject& subject, ForwardPoint& point) co
   point.water = reference.water;
   point.flaws = reference.flaws;
   point.T_left_right = reference.T_left_right;
+  point.sea_floor_z_m = reference.sea_floor_z_m;
 }
 
 /// When it was valid, and which poses that makes.
@@ -141,6 +142,7 @@ void ReadingCostMaker::addOthers(const Subject& subject, ReadingCost& cost) cons
   if (subject.marker != nullptr && unknowns_.find(panel, subject.panel) != nullptr)
     add(panel, subject.panel, kPanelColumn);
   if (cost.source.tie_point >= 0) add(right_camera, 0, kRightColumn);
+  if (cost.source.channel == kChannel<Altimeter>) add(sea_floor, 0, kFloorColumn);
   if (subject.patch != nullptr) add(water, 0, kWaterColumn);
   if (subject.patch != nullptr || subject.blur != nullptr || cost.source.specks >= 0)
     add(flaws, 0, kFlawColumn);
@@ -156,8 +158,8 @@ void ReadingCostMaker::link(UnknownBlock::Kind kind, std::size_t index,
 
 void ReadingCostMaker::linkBias(ReadingCost& cost) const {
   const BatchState& reference = unknowns_.reference();
-  const bool is_gyro = cost.source.channel == BatchChannel::gyro,
-             is_force = cost.source.channel == BatchChannel::accelerometer;
+  const bool is_gyro = cost.source.channel == kChannel<Gyro>,
+             is_force = cost.source.channel == kChannel<Accelerometer>;
   if (!(is_gyro || is_force) || reference.bias.empty()) return;
   const std::size_t effect = is_gyro ? kEffectIndex<GyroBias> : kEffectIndex<AccelerometerBias>;
   const int first_axis = is_gyro ? 0 : 3;
@@ -176,7 +178,7 @@ void ReadingCostMaker::linkBias(ReadingCost& cost) const {
 }
 
 void ReadingCostMaker::linkPressureOffset(ReadingCost& cost) const {
-  if (cost.source.channel != BatchChannel::depth) return;
+  if (cost.source.channel != kChannel<Depth>) return;
   const auto scalar = continuousScalars(kEffectIndex<PressureOffset>);
   ForwardPoint& point = cost.at_reference;
   point.on.set(kEffectIndex<PressureOffset>);
@@ -201,12 +203,8 @@ void ReadingCostMaker::linkDraws(const Subject& subject, ReadingCost& cost) cons
   }
 }
 
-double ReadingCostMaker::thresholdOf(BatchChannel channel, Eigen::Index rows) {
-  const bool robust = channel == BatchChannel::dvl || channel == BatchChannel::usbl ||
-                      channel == BatchChannel::markers || channel == BatchChannel::tie_points ||
-                      channel == BatchChannel::pixels || channel == BatchChannel::edges ||
-                      channel == BatchChannel::specks;
-  if (!robust || options_.robust_probability >= 1.0) return 0.0;
+double ReadingCostMaker::thresholdOf(Channel channel, Eigen::Index rows) {
+  if (!textOf(channel).has_outliers || options_.robust_probability >= 1.0) return 0.0;
   const auto [known, is_new] = robust_thresholds_.try_emplace(rows);
   if (is_new)
     known->second = std::sqrt(chiSquareQuantile(static_cast<double>(rows), options_.robust_probability));

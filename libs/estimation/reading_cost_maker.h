@@ -46,7 +46,7 @@ class ReadingCostMaker {
   void linkDraws(const Subject& subject, ReadingCost& cost) const;
   void link(UnknownBlock::Kind kind, std::size_t index, const std::vector<std::size_t>& scalars,
             int coordinate, double factor, ReadingCost& cost) const;
-  double thresholdOf(BatchChannel channel, Eigen::Index rows);
+  double thresholdOf(Channel channel, Eigen::Index rows);
 
   const BatchData& data_;
   const ProblemOptions& options_;

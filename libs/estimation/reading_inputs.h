@@ -4,21 +4,19 @@
 #include <vector>
 
 #include "estimation/readings.h"
-#include "sensors/models.h"
+#include "sensors/inputs.h"
 
 /// A point of the batch as the sensors' models take it, differentiated by what is asked for.
 namespace fathom {
 
-/// What a sensor's model is called with.
+/// What any model is called with: beside what instruments look at, what is of images.
 template <class T>
-struct ReadingInputs {
-  KinematicState<T> state;
+struct ReadingInputs : Inputs<T> {
   PanelPlacement<T> panel;
   Vector3<T> right_in_left;
   Matrix3<T> R_left_right;
   Vector9<T> water;
   Eigen::Matrix<T, kFlaws, 1> flaws;
-  EffectParameters<T> effects;
 };
 
 template <class T>
@@ -45,6 +43,7 @@ void differentiateBy(int column, int slot, ReadingInputs<Jet>& in) {
   KinematicState<Jet>& state = in.state;
   if (column >= kEffectColumn)
     return move(in.effects.values[static_cast<std::size_t>(column - kEffectColumn)]);
+  if (column >= kFloorColumn) return move(in.world.sea_floor_z_m);
   if (column >= kFlawColumn) return move(in.flaws[column - kFlawColumn]);
   if (column >= kWaterColumn) return move(in.water[column - kWaterColumn]);
   if (column >= kRightColumn + 3) return turnBy(in.R_left_right, axis, slot);
@@ -65,6 +64,7 @@ template <class T>
 ReadingInputs<T> inputsAt(const ForwardPoint& point, double t_s, const std::vector<int>& columns,
                           std::size_t first) {
   ReadingInputs<T> in;
+  in.t_s = t_s;
   const Motion& m = point.motion;
   KinematicState<T>& state = in.state;
   state = {lifted<T>(m.T_odom_robot.position), m.T_odom_robot.rotation.cast<T>(),
@@ -75,6 +75,7 @@ ReadingInputs<T> inputsAt(const ForwardPoint& point, double t_s, const std::vect
   in.R_left_right = point.T_left_right.rotation.cast<T>();
   in.water = point.water.cast<T>();
   in.flaws = point.flaws.cast<T>();
+  in.world.sea_floor_z_m = T(point.sea_floor_z_m);
   in.effects.on = point.on;
   for (std::size_t e = 0; e < kEffectCount; ++e)
     for (std::size_t s = kEffectOffsets[e]; point.on[e] && s < kEffectOffsets[e + 1]; ++s)
@@ -88,11 +89,10 @@ ReadingInputs<T> inputsAt(const ForwardPoint& point, double t_s, const std::vect
   return in;
 }
 
-/// The motion where the effects say that it was seen: extrapolated(), and constant jerks too.
-template <class T, Sensor S>
-void carryOn(ReadingInputs<T>& in, const ForwardPoint& point, double t_s) {
-  if (!anyActsAt<ValidityOffset<double, S>>(in.effects)) return;
-  const T seconds = validityOffset<S>(in.effects, t_s) - point.validity_s;
+/// The motion at another time of validity: extrapolated(), and constant jerks too.
+template <class T>
+void carryOn(ReadingInputs<T>& in, const ForwardPoint& point, const T& validity_s) {
+  const T seconds = validity_s - point.validity_s;
   in.state = extrapolated(in.state, seconds);
   in.state.acceleration_robot +=
       in.state.R_odom_robot.transpose() * Vector3<T>(lifted<T>(point.motion.jerk_odom) * seconds);

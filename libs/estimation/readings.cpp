@@ -3,22 +3,16 @@
 #include <ceres/jet.h>
 
 #include <algorithm>
+#include <numeric>
 
+#include "core/random.h"
 #include "estimation/reading_inputs.h"
 #include "imaging/camera_geometry.h"
 #include "imaging/two_views.h"
-#include "sensors/models.h"
+#include "sensors/channel_model.h"
 
 namespace fathom {
 namespace {
-
-template <class... Stages>
-struct StageList {
-  template <class Effect>
-  static constexpr bool has() {
-    return (std::is_same_v<typename Effect::template Stage<double>, Stages> || ...);
-  }
-};
 
 /// Columns of three each, by their first.
 std::vector<int> triples(std::initializer_list<int> firsts) {
@@ -28,97 +22,10 @@ std::vector<int> triples(std::initializer_list<int> firsts) {
   return columns;
 }
 
-// Each sensor: when it is valid, what acts on it, what it depends on, and the call of its model.
-
-struct GyroReader {
-  static constexpr Sensor kSensor = Sensor::ins;
-  using Stages =
-      StageList<Mounting<double, Sensor::ins>, ValidityOffset<double, Sensor::ins>, GyroReading<double>>;
-  static std::vector<int> motion() { return triples({kOrientationColumn, kRateColumn}); }
-  Pose T_robot_ins;
-  double t_s;
-  template <class T>
-  Vector3<T> predict(const ReadingInputs<T>& in) const {
-    return predictGyro(in.state, T_robot_ins, in.effects, t_s);
-  }
-};
-
-struct ForceReader {
-  static constexpr Sensor kSensor = Sensor::ins;
-  using Stages = StageList<Mounting<double, Sensor::ins>, ValidityOffset<double, Sensor::ins>,
-                           AccelerometerReading<double>>;
-  static std::vector<int> motion() {
-    return triples({kOrientationColumn, kAccelerationColumn, kRateColumn, kRateDerivativeColumn});
-  }
-  Pose T_robot_ins;
-  double t_s;
-  Vector3d gravity_odom;
-  template <class T>
-  Vector3<T> predict(const ReadingInputs<T>& in) const {
-    return predictSpecificForce(in.state, World<T>{gravity_odom, T(0)}, T_robot_ins, in.effects, t_s);
-  }
-};
-
-struct AttitudeReader {
-  static constexpr Sensor kSensor = Sensor::ins;
-  using Stages = StageList<Mounting<double, Sensor::ins>, ValidityOffset<double, Sensor::ins>>;
-  static std::vector<int> motion() { return triples({kOrientationColumn}); }
-  Pose T_robot_ins;
-  double t_s;
-  Matrix3d R_odom_about;
-  template <class T>
-  Vector3<T> predict(const ReadingInputs<T>& in) const {
-    return logSO3<T>(R_odom_about.transpose().cast<T>() *
-                     predictAttitude(in.state, T_robot_ins, in.effects, t_s));
-  }
-};
-
-struct DvlReader {
-  static constexpr Sensor kSensor = Sensor::dvl;
-  using Stages =
-      StageList<Mounting<double, Sensor::dvl>, ValidityOffset<double, Sensor::dvl>, DvlVelocity<double>>;
-  static std::vector<int> motion() { return triples({kOrientationColumn, kVelocityColumn, kRateColumn}); }
-  Pose T_robot_dvl;
-  double t_s;
-  template <class T>
-  Vector3<T> predict(const ReadingInputs<T>& in) const {
-    return predictDvlVelocity(in.state, T_robot_dvl, in.effects, t_s);
-  }
-};
-
-struct PressureReader {
-  static constexpr Sensor kSensor = Sensor::depth;
-  using Stages = StageList<Mounting<double, Sensor::depth>, ValidityOffset<double, Sensor::depth>,
-                           SeaWater<double>, PressureReading<double>>;
-  static std::vector<int> motion() { return triples({kPositionColumn, kOrientationColumn}); }
-  DepthSheet sheet;
-  Pose T_robot_depth;
-  double t_s;
-  Vector3d gravity_odom;
-  template <class T>
-  Eigen::Matrix<T, 1, 1> predict(const ReadingInputs<T>& in) const {
-    return Eigen::Matrix<T, 1, 1>(
-        predictPressure(in.state, World<T>{gravity_odom, T(0)}, sheet, T_robot_depth, in.effects, t_s));
-  }
-};
-
-struct UsblReader {
-  static constexpr Sensor kSensor = Sensor::depth;
-  using Stages = StageList<>;
-  static std::vector<int> motion() { return triples({kPositionColumn, kOrientationColumn}); }
-  Pose T_robot_usbl;
-  double t_s;
-  template <class T>
-  Vector3<T> predict(const ReadingInputs<T>& in) const {
-    return predictUsbl(in.state, T_robot_usbl);
-  }
-};
+// Of images: what a model depends on of the motion, and the call of it.
 
 struct MarkerReader {
-  static constexpr Sensor kSensor = Sensor::camera;
-  using Stages = StageList<Mounting<double, Sensor::camera>, ValidityOffset<double, Sensor::camera>,
-                           FlatPort<double>, Intrinsics<double>, Shutter<double>, MarkerPlacement<double>,
-                           PanelPlacement<double>, ResponseCurve<double>>;
+  static constexpr bool kMayBeLate = true;
   static std::vector<int> motion() { return triples({kPositionColumn, kOrientationColumn}); }
   BatchMarker seen;
   double t_s;
@@ -135,8 +42,8 @@ struct MarkerReader {
 };
 
 struct TiePointReader {
-  static constexpr Sensor kSensor = Sensor::camera;
-  using Stages = StageList<FlatPort<double>, Intrinsics<double>>;
+  static constexpr bool kMayBeLate = false;
+  using LeftAside = Shutter<double>;  ///< the cameras stand still against each other
   static std::vector<int> motion() { return {}; }
   SeenByBoth seen;
   Eigen::Vector4d sense;
@@ -149,10 +56,7 @@ struct TiePointReader {
 };
 
 struct PatchReader {
-  static constexpr Sensor kSensor = Sensor::camera;
-  using Stages = StageList<Mounting<double, Sensor::camera>, ValidityOffset<double, Sensor::camera>,
-                           PanelPlacement<double>, SceneLight<double>, WaterRay<double>,
-                           PixelResponse<double>, ResponseCurve<double>>;
+  static constexpr bool kMayBeLate = true;
   static std::vector<int> motion() { return {}; }
   ImagePatch seen;
   double t_s;
@@ -167,8 +71,8 @@ struct PatchReader {
 };
 
 struct BlurReader {
-  static constexpr Sensor kSensor = Sensor::camera;
-  using Stages = StageList<ExposureTime<double>>;
+  static constexpr bool kMayBeLate = false;
+  using LeftAside = Mounting<double, Camera>;  ///< a turn hardly changes how fast things move
   static std::vector<int> motion() { return {}; }
   MarkerBlur seen;
   double t_s;
@@ -179,8 +83,7 @@ struct BlurReader {
 };
 
 struct SpecksReader {
-  static constexpr Sensor kSensor = Sensor::camera;
-  using Stages = StageList<SuspendedParticles<double>>;
+  static constexpr bool kMayBeLate = false;
   static std::vector<int> motion() { return {}; }
   ImageSpecks seen;
   double t_s;
@@ -193,8 +96,7 @@ struct SpecksReader {
 };
 
 struct AccelerationReader {
-  static constexpr Sensor kSensor = Sensor::ins;
-  using Stages = StageList<>;
+  static constexpr bool kMayBeLate = false;
   static std::vector<int> motion() {
     return triples({kOrientationColumn, kAccelerationColumn, kRateDerivativeColumn});
   }
@@ -208,8 +110,7 @@ struct AccelerationReader {
 };
 
 struct PoseReader {
-  static constexpr Sensor kSensor = Sensor::ins;
-  using Stages = StageList<>;
+  static constexpr bool kMayBeLate = false;
   static std::vector<int> motion() { return triples({kPositionColumn, kOrientationColumn}); }
   Pose T_odom_about;
   double t_s;
@@ -222,16 +123,53 @@ struct PoseReader {
   }
 };
 
+/// Columns at once, through a model that gives as many Jets as it has rows.
+template <class Predict>
+Eigen::VectorXd differentiated(const std::vector<int>& columns, Eigen::MatrixXd& derivative,
+                               const Predict& predict) {
+  Eigen::VectorXd prediction;
+  for (std::size_t first = 0; first < columns.size(); first += kJetSize) {
+    const auto jets = predict(first);
+    if (first == 0) {
+      prediction.resize(jets.size());
+      derivative.resize(jets.size(), static_cast<Eigen::Index>(columns.size()));
+      for (Eigen::Index i = 0; i < jets.size(); ++i) prediction[i] = jets[i].a;
+    }
+    const auto count =
+        std::min<Eigen::Index>(kJetSize, std::ssize(columns) - static_cast<Eigen::Index>(first));
+    for (Eigen::Index i = 0; i < jets.size(); ++i)
+      derivative.row(i).segment(static_cast<Eigen::Index>(first), count) = jets[i].v.head(count).transpose();
+  }
+  return prediction;
+}
+
+EffectParameters<double> effectsAt(const ForwardPoint& point) {
+  EffectParameters<double> effects;
+  effects.values = point.effects;
+  effects.on = point.on;
+  return effects;
+}
+
+/// Whether any of them is a latency.
+bool anyLatency(const std::bitset<kEffectCount>& effects) {
+  static const std::bitset<kEffectCount> latencies = [] {
+    std::bitset<kEffectCount> all;
+    forEachEffect([&]<class Effect>() {
+      all[kEffectIndex<Effect>] = kIsValidityOffset<typename Effect::template Stage<double>>;
+    });
+    return all;
+  }();
+  return (effects & latencies).any();
+}
+
+/// All that effects may do to it at its own place in the image.
 template <class Reader>
 class ModelOf final : public ReadingModel {
  public:
   explicit ModelOf(Reader reader) : reader_(std::move(reader)) {}
 
   double validity_s(const ForwardPoint& point) const override {
-    EffectParameters<double> effects;
-    effects.values = point.effects;
-    effects.on = point.on;
-    return kMayBeLate ? validityOffset<Reader::kSensor>(effects, reader_.t_s) : 0.0;
+    return kMayBeLate ? validityOffset<Camera>(effectsAt(point), reader_.t_s) : 0.0;
   }
 
   Eigen::VectorXd predict(const ForwardPoint& point) const override {
@@ -240,23 +178,9 @@ class ModelOf final : public ReadingModel {
 
   Eigen::VectorXd differentiate(const ForwardPoint& point, const std::vector<int>& columns,
                                 Eigen::MatrixXd& derivative) const override {
-    constexpr int kStride = 8;  // columns at once
-    using Jet = ceres::Jet<double, kStride>;
-    Eigen::VectorXd prediction;
-    for (std::size_t first = 0; first < columns.size(); first += kStride) {
-      const auto jets = reader_.predict(inputs<Jet>(point, columns, first));
-      if (first == 0) {
-        prediction.resize(jets.size());
-        derivative.resize(jets.size(), static_cast<Eigen::Index>(columns.size()));
-        for (Eigen::Index i = 0; i < jets.size(); ++i) prediction[i] = jets[i].a;
-      }
-      const auto count =
-          std::min<Eigen::Index>(kStride, std::ssize(columns) - static_cast<Eigen::Index>(first));
-      for (Eigen::Index i = 0; i < jets.size(); ++i)
-        derivative.row(i).segment(static_cast<Eigen::Index>(first), count) =
-            jets[i].v.head(count).transpose();
-    }
-    return prediction;
+    return differentiated(columns, derivative, [&](std::size_t first) {
+      return reader_.predict(inputs<SensorJet>(point, columns, first));
+    });
   }
 
   const std::vector<int>& motionColumns() const override {
@@ -264,30 +188,120 @@ class ModelOf final : public ReadingModel {
     return columns;
   }
 
+  /// Those that its equations ask for, and latencies where they look at the motion.
   bool dependsOn(std::size_t effect) const override {
-    static const std::bitset<kEffectCount> mask = [] {
+    static const std::bitset<kEffectCount> mask = [this] {
+      ForwardPoint point;
+      point.on.set();
+      point.T_odom_panel.position = {0, 0, 1};
+      auto in = inputsAt<double>(point, reader_.t_s, {}, 0);
       std::bitset<kEffectCount> effects;
-      forEachEffect([&]<class Effect>() {
-        if (Reader::Stages::template has<Effect>()) effects.set(kEffectIndex<Effect>);
-      });
+      in.effects.asked = &effects;
+      reader_.predict(in);
+      if (kMayBeLate) effects |= fathom::effectsAt<double, ValidityOffset<double, Camera>>();
+      if constexpr (requires { typename Reader::LeftAside; })
+        effects &= ~fathom::effectsAt<double, typename Reader::LeftAside>();
       return effects;
     }();
     return mask[effect];
   }
 
  private:
-  /// Whether an effect on this reading may say that it is late.
-  static constexpr bool kMayBeLate = !std::is_same_v<typename Reader::Stages, StageList<>>;
+  /// Whether it looks at the motion at its own time.
+  static constexpr bool kMayBeLate = Reader::kMayBeLate;
 
   template <class T>
   ReadingInputs<T> inputs(const ForwardPoint& point, const std::vector<int>& columns,
                           std::size_t first) const {
     ReadingInputs<T> in = inputsAt<T>(point, reader_.t_s, columns, first);
-    if constexpr (kMayBeLate) carryOn<T, Reader::kSensor>(in, point, reader_.t_s);
+    if (kMayBeLate && anyLatency(in.effects.on))
+      carryOn<T>(in, point, validityOffset<Camera>(in.effects, reader_.t_s));
     return in;
   }
 
   Reader reader_;
+};
+
+/// Where a motion's derivatives are not zero: those that a channel's equations depend on, latencies apart.
+std::vector<int> tracedMotion(Channel channel) {
+  const Inputs<double> example = exampleInputs();
+  ForwardPoint point;
+  Random random(3);
+  point.motion = {{example.state.R_odom_robot, example.state.position_odom},
+                  random.normal3(),
+                  random.normal3(),
+                  random.normal3(),
+                  random.normal3(),
+                  random.normal3(),
+                  random.normal3()};
+  point.effects = example.effects.values;
+  point.on.set();
+  const Vehicle vehicle;
+  std::vector<int> all(kMotionSize), depends;
+  std::iota(all.begin(), all.end(), 0);
+  Eigen::MatrixXd derivative;
+  differentiated(all, derivative, [&](std::size_t first) {
+    auto in = inputsAt<SensorJet>(point, example.t_s, all, first);
+    in.world = {vehicle.gravityOdom(), SensorJet(example.world.sea_floor_z_m)};
+    return modelOf(channel).differentiate(in, vehicle, exampleObservation());
+  });
+  for (const int c : all)
+    if (!derivative.col(c).isZero(0)) depends.push_back(c);
+  return depends;
+}
+
+/// An instrument's.
+class InstrumentReading final : public ReadingModel {
+ public:
+  InstrumentReading(const BatchReading& reading, const Vehicle& vehicle)
+      : model_(modelOf(reading.channel)),
+        channel_(reading.channel),
+        seen_(reading.seen),
+        t_s_(reading.t_s()),
+        vehicle_(vehicle) {}
+
+  double validity_s(const ForwardPoint& point) const override {
+    return model_.validityOffset(effectsAt(point), t_s_);
+  }
+
+  Eigen::VectorXd predict(const ForwardPoint& point) const override {
+    return model_.predict(inputs<double>(point, {}, 0, model_.validityOffset), vehicle_, seen_);
+  }
+
+  Eigen::VectorXd differentiate(const ForwardPoint& point, const std::vector<int>& columns,
+                                Eigen::MatrixXd& derivative) const override {
+    return differentiated(columns, derivative, [&](std::size_t first) {
+      return model_.differentiate(inputs<SensorJet>(point, columns, first, model_.validityOffsetJet),
+                                  vehicle_, seen_);
+    });
+  }
+
+  const std::vector<int>& motionColumns() const override {
+    static const auto all = [] {
+      std::array<std::vector<int>, kInstrumentChannelCount> columns;
+      for (std::size_t i = 0; i < columns.size(); ++i) columns[i] = tracedMotion(static_cast<Channel>(i));
+      return columns;
+    }();
+    return all[indexOf(channel_)];
+  }
+
+  bool dependsOn(std::size_t effect) const override { return model_.effects[effect]; }
+
+ private:
+  template <class T, class Validity>
+  ReadingInputs<T> inputs(const ForwardPoint& point, const std::vector<int>& columns, std::size_t first,
+                          const Validity& validity) const {
+    ReadingInputs<T> in = inputsAt<T>(point, t_s_, columns, first);
+    in.world.gravity_odom = vehicle_.gravityOdom();
+    if (anyLatency(in.effects.on & model_.effects)) carryOn<T>(in, point, validity(in.effects, t_s_));
+    return in;
+  }
+
+  const ChannelModel& model_;
+  Channel channel_;
+  Observation seen_;
+  double t_s_;
+  const Vehicle& vehicle_;
 };
 
 template <class Reader>
@@ -297,24 +311,8 @@ std::unique_ptr<ReadingModel> model(Reader reader) {
 
 }  // namespace
 
-std::unique_ptr<ReadingModel> gyroModel(const InsBin& bin) {
-  return model(GyroReader{bin.T_robot_ins, bin.t_s()});
-}
-std::unique_ptr<ReadingModel> forceModel(const InsBin& bin, const Vehicle& vehicle) {
-  return model(ForceReader{bin.T_robot_ins, bin.t_s(), vehicle.gravityOdom()});
-}
-std::unique_ptr<ReadingModel> attitudeModel(const InsBin& bin) {
-  return model(AttitudeReader{bin.T_robot_ins, bin.t_s(), bin.about});
-}
-std::unique_ptr<ReadingModel> dvlModel(const BatchDvl& reading) {
-  return model(DvlReader{reading.T_robot_dvl, reading.t_s});
-}
-std::unique_ptr<ReadingModel> pressureModel(const BatchPressure& reading, const Vehicle& vehicle) {
-  return model(
-      PressureReader{vehicle.depth.value(), reading.T_robot_depth, reading.t_s, vehicle.gravityOdom()});
-}
-std::unique_ptr<ReadingModel> usblModel(const BatchUsbl& reading, const Vehicle& vehicle) {
-  return model(UsblReader{vehicle.usbl ? vehicle.usbl->T_robot_usbl : Pose{}, reading.t_s});
+std::unique_ptr<ReadingModel> channelModel(const BatchReading& reading, const Vehicle& vehicle) {
+  return std::make_unique<InstrumentReading>(reading, vehicle);
 }
 std::unique_ptr<ReadingModel> markerModel(const BatchMarker& reading) {
   return model(MarkerReader{reading, reading.t_s});

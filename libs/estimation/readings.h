@@ -24,12 +24,14 @@ using Flaws = Eigen::Matrix<double, kFlaws, 1>;
 
 /// Columns of a prediction's derivative: the motion's (MotionColumn), the panel's pose (position in odom, m;
 /// rotation vector in panel axes, rad), the right camera's pose likewise in the left one's frame, the water
-/// (waterParameters()), the images' flaws (ImageFlaw), then the scalars of all effects.
+/// (waterParameters()), the images' flaws (ImageFlaw), the sea floor's height, then the scalars of all
+/// effects.
 inline constexpr int kPanelColumn = kMotionSize;
 inline constexpr int kRightColumn = kPanelColumn + 6;
 inline constexpr int kWaterColumn = kRightColumn + 6;
 inline constexpr int kFlawColumn = kWaterColumn + 9;
-inline constexpr int kEffectColumn = kFlawColumn + kFlaws;
+inline constexpr int kFloorColumn = kFlawColumn + kFlaws;
+inline constexpr int kEffectColumn = kFloorColumn + 1;
 
 /// All that a prediction depends on.
 struct ForwardPoint {
@@ -40,6 +42,7 @@ struct ForwardPoint {
   Pose T_odom_panel, T_left_right;
   Vector9d water = Vector9d::Zero();
   Flaws flaws = Flaws::Zero();
+  double sea_floor_z_m = 0.0;
   std::array<double, kEffectScalars> effects{};
   std::bitset<kEffectCount> on;  ///< those that act, and those by which is differentiated
 };
@@ -61,13 +64,8 @@ class ReadingModel {
   virtual bool dependsOn(std::size_t effect) const = 0;
 };
 
-std::unique_ptr<ReadingModel> gyroModel(const InsBin& bin);
-std::unique_ptr<ReadingModel> forceModel(const InsBin& bin, const Vehicle& vehicle);
-/// Rotation vector from `about`.
-std::unique_ptr<ReadingModel> attitudeModel(const InsBin& bin);
-std::unique_ptr<ReadingModel> dvlModel(const BatchDvl& reading);
-std::unique_ptr<ReadingModel> pressureModel(const BatchPressure& reading, const Vehicle& vehicle);
-std::unique_ptr<ReadingModel> usblModel(const BatchUsbl& reading, const Vehicle& vehicle);
+/// Of an instrument's channel. The vehicle is referred to and must outlive it.
+std::unique_ptr<ReadingModel> channelModel(const BatchReading& reading, const Vehicle& vehicle);
 /// x0, y0, x1, …; not finite where a corner is behind the camera.
 std::unique_ptr<ReadingModel> markerModel(const BatchMarker& reading);
 /// By how much the eyes contradict each other, in units of sigma: contradiction().

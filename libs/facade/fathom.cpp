@@ -30,7 +30,7 @@ Diagnosis diagnose(const BatchRecording& recording, DiagnosisOptions options) {
 LocalizedPath localize(const fs::path& rawlog, const LocalizationOptions& options,
                        const RecordingOptions& recording) {
   const bool landmarks =
-      std::find(options.fuse.begin(), options.fuse.end(), Channel::landmark) != options.fuse.end();
+      std::find(options.fuse.begin(), options.fuse.end(), kChannel<Landmark>) != options.fuse.end();
   const SampleChain chain({.rawlog = rawlog,
                            .vehicle = recording.vehicle,
                            .map = recording.map,

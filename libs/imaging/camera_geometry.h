@@ -12,7 +12,7 @@
 #include "effects/registry.h"
 #include "imaging/flat_port.h"
 #include "panel/panel_map.h"
-#include "sensors/models.h"
+#include "sensors/inputs.h"
 
 /// The forward model of where a camera sees things: robot's motion and panel -> a marker corner's pixel, the
 /// nominal equation first, then the effects that are on. Simulator, filter, fits and diagnosis share it.
@@ -169,9 +169,9 @@ CameraProjector<T> cameraProjector(const CameraModel& nominal, const EffectParam
 /// Where the camera sits: T_robot_camera with what effects make of it. Of a pair's right camera, nominal is
 /// the left one's and T_left_right is taken as exact.
 template <class T>
-Mounting<T, Sensor::camera> cameraMounting(const Pose& nominal, const EffectParameters<T>& effects,
-                                           double t_s, const Pose& T_left_right = {}) {
-  auto mount = sensorMounting<Sensor::camera>(nominal, effects, t_s);
+Mounting<T, Camera> cameraMounting(const Pose& nominal, const EffectParameters<T>& effects, double t_s,
+                                   const Pose& T_left_right = {}) {
+  auto mount = mountingOf<Camera>(nominal, effects, t_s);
   mount.position_robot += mount.R_robot_sensor * T_left_right.position.template cast<T>();
   mount.R_robot_sensor = mount.R_robot_sensor * T_left_right.rotation.template cast<T>();
   return mount;
@@ -179,7 +179,7 @@ Mounting<T, Sensor::camera> cameraMounting(const Pose& nominal, const EffectPara
 
 /// The same projector on a robot that moves.
 template <class T>
-CameraProjector<T> movingWith(const KinematicState<T>& state, const Mounting<T, Sensor::camera>& mount,
+CameraProjector<T> movingWith(const KinematicState<T>& state, const Mounting<T, Camera>& mount,
                               CameraProjector<T> projector) {
   const Matrix3<T> R_camera_robot = mount.R_robot_sensor.transpose();
   projector.angular_velocity_camera = R_camera_robot * state.angular_velocity_robot;
@@ -219,7 +219,7 @@ std::array<Vector3<T>, 4> markerCorners_panel(const Marker& nominal, const Effec
 }
 
 /// The camera's forward model: pixels of a marker's four corners in an image stamped t_s, in the order of
-/// Detection::corners_px. `state` is the robot's motion at t_s + validityOffset<Sensor::camera>(), `panel`
+/// Detection::corners_px. `state` is the robot's motion at t_s + validityOffset<Camera>(), `panel`
 /// the panel's nominal pose, see nominalPlacement(). A corner behind the camera gives pixels without meaning.
 template <class T>
 std::array<Vector2<T>, 4> predictCorners(const KinematicState<T>& state, PanelPlacement<T> panel,

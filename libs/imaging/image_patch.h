@@ -71,7 +71,7 @@ struct PatchOnRobot {
 
 template <class T>
 PatchUnderLamps<T> underLamps(const PatchOnRobot<T>& patch, const std::vector<LampSheet>& lamps,
-                              const Mounting<T, Sensor::camera>& mount, const WaterColumn<T>& water,
+                              const Mounting<T, Camera>& mount, const WaterColumn<T>& water,
                               const Vector3<T>& ambient) {
   PatchUnderLamps<T> light;
   Vector3<T> middle_robot = Vector3<T>::Zero();
@@ -120,7 +120,7 @@ Vector3<T> predictPatchReading(const Vector3<T>& light, const PatchSurface& patc
   return reading;
 }
 
-/// What a patch should read. `state` is the robot's motion at t_s + validityOffset<Sensor::camera>(), `panel`
+/// What a patch should read. `state` is the robot's motion at t_s + validityOffset<Camera>(), `panel`
 /// its panel's nominal pose, `lamps` the vehicle's, `water` as waterParameters(). Which pixels it is stays as
 /// it was: those of its own panel's point.
 template <class T>

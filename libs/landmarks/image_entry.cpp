@@ -4,7 +4,8 @@
 
 #include "core/affine.h"
 #include "core/progress.h"
-#include "sensors/models.h"
+#include "sensors/dvl.h"
+#include "sensors/ins.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -17,19 +18,19 @@ struct LatestMotion {
   Vector3d velocity_robot = Vector3d::Zero(), angular_velocity_robot = Vector3d::Zero();
 
   void look(const Sample& sample) {
-    KinematicState<double> state;
+    Inputs<double> in;
     if (const auto* ins = std::get_if<InsSample>(&sample.reading); ins && ins->angular_velocity_ins) {
       const auto turnedBy = [&](const Vector3d& rate_robot) {
-        state.angular_velocity_robot = rate_robot;
-        return predictGyro(state, ins->T_robot_ins, {}, 0);
+        in.state.angular_velocity_robot = rate_robot;
+        return Gyro::angularVelocity(in, ins->T_robot_ins);
       };
       angular_velocity_robot = affineInverse<3>(turnedBy, *ins->angular_velocity_ins);
     }
     if (const auto* dvl = std::get_if<DvlSample>(&sample.reading); dvl && dvl->velocity_dvl) {
-      state.angular_velocity_robot = angular_velocity_robot;
+      in.state.angular_velocity_robot = angular_velocity_robot;
       const auto movedBy = [&](const Vector3d& velocity) {
-        state.velocity_robot = velocity;
-        return predictDvlVelocity(state, dvl->T_robot_dvl, {}, 0);
+        in.state.velocity_robot = velocity;
+        return Dvl::velocity(in, dvl->T_robot_dvl);
       };
       velocity_robot = affineInverse<3>(movedBy, *dvl->velocity_dvl);
     }

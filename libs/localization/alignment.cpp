@@ -1,9 +1,8 @@
 #include "localization/alignment.h"
 
-#include <Eigen/LU>
-
+#include "core/affine.h"
 #include "localization/measurements.h"
-#include "sensors/models.h"
+#include "recording/instrument_entries.h"
 
 namespace fathom {
 namespace {
@@ -21,105 +20,121 @@ struct Mean {
   Vector3d value() const { return sum / count; }
 };
 
+using Start = ChannelText::Start;
+
 /// What the first seconds say, whatever the attitude.
 struct FirstReadings {
   Mean specific_force;  ///< at the robot's reference point, in its axes
-  Mean usbl;            ///< the transponder, odom
-  Mean depth_z;         ///< z only: height of the robot if it were level
+  Mean height_z;        ///< z only: of the robot if it were level
+  Mean heading;         ///< x, y: its unit vector
   std::optional<Matrix3d> R_odom_robot;
+  double heading_sigma_rad = 0;
 };
 
 /// And once it is known.
 struct FirstMotion {
-  Mean rate, velocity;  ///< in robot axes
-  Mean floor_z;         ///< z only: the sea floor's height
+  Mean position, rate, velocity;  ///< odom; robot axes
+  double position_sigma_m = 0;
+  std::string position_label;
+  Mean floor_z;  ///< z only: the sea floor's height
 };
 
-/// What a sensor saw, from what it read: models are affine in that, effects included.
-template <int N, class Model>
-Eigen::Matrix<double, N, 1> seenBy(const Model& model, const Eigen::Matrix<double, N, 1>& reading) {
-  using Vector = Eigen::Matrix<double, N, 1>;
-  const Vector of_nothing = model(Vector::Zero());
-  Eigen::Matrix<double, N, N> slope;
-  for (int i = 0; i < N; ++i) slope.col(i) = model(Vector::Unit(i)) - of_nothing;
-  return slope.inverse() * (reading - of_nothing);
-}
+/// What a measurement is taken at: its channel, its entry's time, the instant's nominal state.
+struct Seen {
+  Channel channel;
+  const Observation& observation;
+  const Vehicle& vehicle;
+  const Inputs<double>& at;
 
-void read(const InsSample& ins, double t_s, const LocalizationSetup& setup, FirstReadings& first) {
-  if (ins.specific_force_ins) {
-    const auto pushedBy = [&](const Vector3d& force_robot) {
-      KinematicState<double> state;
-      state.acceleration_robot = force_robot;
-      return predictSpecificForce(state, World<double>{Vector3d::Zero()}, ins.T_robot_ins, setup.calibration,
-                                  t_s);
-    };
-    first.specific_force.add(seenBy<3>(pushedBy, *ins.specific_force_ins));
+  /// What `field` of the inputs was, from what was measured: models are affine in it, effects included. In as
+  /// many components as the measurement has, from `first` on.
+  template <class Field>
+  Vector3d where(const Field& field, int first = 0) const {
+    return observation.value.size() == 1 ? where<1>(field, first) : where<3>(field, first);
   }
-  if (ins.R_odom_ins && !first.R_odom_robot && ins.R_odom_ins->allFinite())
-    first.R_odom_robot =
-        *ins.R_odom_ins *
-        predictAttitude(KinematicState<double>{}, ins.T_robot_ins, setup.calibration, t_s).transpose();
-}
 
-/// Height of the robot if it were level: pressure is linear in it.
-double height_m(const DepthSample& depth, double t_s, const LocalizationSetup& setup) {
-  using Scalar = Eigen::Matrix<double, 1, 1>;
-  const auto pressureAt = [&](const Scalar& z) {
-    KinematicState<double> level;
-    level.position_odom.z() = z[0];
-    return Scalar(predictPressure(level, World<double>{setup.vehicle.gravityOdom()}, *setup.vehicle.depth,
-                                  depth.T_robot_depth, setup.calibration, t_s));
-  };
-  return seenBy<1>(pressureAt, Scalar(depth.pressure_pa))[0];
+ private:
+  template <int N, class Field>
+  Vector3d where(const Field& field, int first) const {
+    using Part = Eigen::Matrix<double, N, 1>;
+    const auto whole = [first](const Part& part) {
+      Vector3d value = Vector3d::Zero();
+      value.segment<N>(first) = part;
+      return value;
+    };
+    const auto model = [&](const Part& part) {
+      Inputs<double> in = at;
+      field(in, whole(part));
+      return Part(modelOf(channel).predict(in, vehicle, observation));
+    };
+    return whole(affineInverse<N>(model, Part(observation.value)));
+  }
+};
+
+template <class F>
+void forEachSeen(const LocalizationSetup& setup, const std::vector<Sample>& samples,
+                 const KinematicState<double>& state, F&& f) {
+  Inputs<double> at{state, {setup.vehicle.gravityOdom()}, setup.calibration};
+  for (const Sample& sample : samples) {
+    at.t_s = secondsBetween(setup.time_zero, sample.time);
+    forEachObservation(sample, setup.vehicle, [&]<class C>(const Observation& observation) {
+      f(Seen{kChannel<C>, observation, setup.vehicle, at});
+    });
+  }
 }
 
 FirstReadings readAll(const LocalizationSetup& setup, const std::vector<Sample>& samples) {
   FirstReadings first;
-  for (const Sample& sample : samples) {
-    const double t_s = secondsBetween(setup.time_zero, sample.time);
-    if (const auto* ins = std::get_if<InsSample>(&sample.reading)) read(*ins, t_s, setup, first);
-    if (const auto* depth = std::get_if<DepthSample>(&sample.reading); depth && setup.vehicle.depth)
-      first.depth_z.add({0, 0, height_m(*depth, t_s, setup)});
-    if (const auto* pose = std::get_if<PoseSample>(&sample.reading); pose && sample.label == labels::kUsbl)
-      first.usbl.add(pose->T_odom_robot.mean.position);
-  }
+  forEachSeen(setup, samples, {}, [&](const Seen& seen) {
+    const Start start = textOf(seen.channel).start;
+    if (start == Start::specific_force)
+      first.specific_force.add(seen.where([](Inputs<double>& in, const Vector3d& force_robot) {
+        in.world.gravity_odom.setZero();
+        in.state.acceleration_robot = force_robot;
+      }));
+    if (start == Start::height)
+      first.height_z.add(
+          seen.where([](Inputs<double>& in, const Vector3d& p) { in.state.position_odom = p; }, 2));
+    if (start == Start::heading) {
+      // The prediction at no heading is what the heading is measured from.
+      const double yaw = (seen.observation.value -
+                          modelOf(seen.channel).predict(seen.at, seen.vehicle, seen.observation))[0];
+      first.heading.add({std::cos(yaw), std::sin(yaw), 0});
+      first.heading_sigma_rad = std::sqrt(seen.observation.covariance(0, 0));
+    }
+  });
+  // An attitude counts whether its sigma is known or not.
+  for (const Sample& sample : samples)
+    if (const auto* ins = std::get_if<InsSample>(&sample.reading);
+        ins && ins->R_odom_ins && !first.R_odom_robot && ins->R_odom_ins->allFinite()) {
+      const Inputs<double> at{{}, {}, setup.calibration, secondsBetween(setup.time_zero, sample.time)};
+      first.R_odom_robot = *ins->R_odom_ins * Attitude::orientation(at, ins->T_robot_ins).transpose();
+    }
   return first;
 }
 
-/// `at`: the robot's pose, at rest.
+/// `at`: the robot, at rest; its position is not known yet.
 FirstMotion readMotion(const LocalizationSetup& setup, const std::vector<Sample>& samples,
                        const KinematicState<double>& at) {
-  using Scalar = Eigen::Matrix<double, 1, 1>;
   FirstMotion first;
-  for (const Sample& sample : samples) {
-    const double t_s = secondsBetween(setup.time_zero, sample.time);
-    if (const auto* ins = std::get_if<InsSample>(&sample.reading); ins && ins->angular_velocity_ins) {
-      const auto turnedBy = [&](const Vector3d& rate_robot) {
-        KinematicState<double> state = at;
-        state.angular_velocity_robot = rate_robot;
-        return predictGyro(state, ins->T_robot_ins, setup.calibration, t_s);
-      };
-      first.rate.add(seenBy<3>(turnedBy, *ins->angular_velocity_ins));
+  forEachSeen(setup, samples, at, [&](const Seen& seen) {
+    const Start start = textOf(seen.channel).start;
+    if (start == Start::position) {
+      first.position.add(
+          seen.where([](Inputs<double>& in, const Vector3d& p) { in.state.position_odom = p; }));
+      first.position_sigma_m = std::sqrt(seen.observation.covariance.diagonal().maxCoeff());
+      first.position_label = textOf(seen.channel).label;
     }
-    if (const auto* dvl = std::get_if<DvlSample>(&sample.reading);
-        dvl && dvl->velocity_dvl && !first.velocity.any()) {
-      const auto movedBy = [&](const Vector3d& velocity_robot) {
-        KinematicState<double> state = at;
-        state.velocity_robot = velocity_robot;
-        return predictDvlVelocity(state, dvl->T_robot_dvl, setup.calibration, t_s);
-      };
-      first.velocity.add(seenBy<3>(movedBy, *dvl->velocity_dvl));
-    }
-    if (const auto* beams = std::get_if<DvlBeamsSample>(&sample.reading))
-      for (const DvlBeam& beam : beams->beams) {
-        const auto rangeTo = [&](const Scalar& floor_z) {
-          const Pose T_robot_dvl = setup.vehicle.dvl.value_or(DvlSheet{}).T_robot_dvl;
-          return Scalar(predictBeamRange(at, World<double>{setup.vehicle.gravityOdom(), floor_z[0]},
-                                         T_robot_dvl, beam.T_robot_beam, setup.calibration, t_s));
-        };
-        if (beam.range_m) first.floor_z.add({0, 0, seenBy<1>(rangeTo, Scalar(*beam.range_m))[0]});
-      }
-  }
+    if (start == Start::rate)
+      first.rate.add(
+          seen.where([](Inputs<double>& in, const Vector3d& w) { in.state.angular_velocity_robot = w; }));
+    if (start == Start::velocity && !first.velocity.any())
+      first.velocity.add(
+          seen.where([](Inputs<double>& in, const Vector3d& v) { in.state.velocity_robot = v; }));
+    if (start == Start::sea_floor)
+      first.floor_z.add(
+          seen.where([](Inputs<double>& in, const Vector3d& z) { in.world.sea_floor_z_m = z.z(); }, 2));
+  });
   return first;
 }
 
@@ -148,6 +163,13 @@ void alignOrientation(const LocalizationSetup& setup, const FirstReadings& first
     tilt_sigma = radians(1.0);
     yaw_sigma = radians(0.01);
     initial.source = "orientation: leveled by gravity, heading zero by definition";
+    if (first.heading.any()) {
+      const Vector3d mean = first.heading.value();
+      motion.R_odom_robot =
+          rotationFromYawPitchRoll(std::atan2(mean.y(), mean.x()), 0, 0) * motion.R_odom_robot;
+      yaw_sigma = std::max(first.heading_sigma_rad, radians(2.0));
+      initial.source = "orientation: leveled by gravity, heading measured";
+    }
   } else {
     tilt_sigma = radians(5.0);
     yaw_sigma = radians(0.01);
@@ -157,28 +179,27 @@ void alignOrientation(const LocalizationSetup& setup, const FirstReadings& first
 }
 
 /// The orientation must be known.
-void alignPosition(const LocalizationSetup& setup, const FirstReadings& first, InitialState& initial) {
-  auto& motion = initial.state.motion;
+void alignPosition(const LocalizationSetup& setup, const FirstReadings& first, const FirstMotion& motion,
+                   InitialState& initial) {
+  Vector3d& position = initial.state.motion.position_odom;
   auto& sigma = initial.sigma;
   sigma.segment<3>(kPosition).setConstant(0.01);
   if (setup.start) {
-    motion.position_odom = setup.start->T_odom_robot.position;
+    position = setup.start->T_odom_robot.position;
     sigma.segment<3>(kPosition).setConstant(setup.start->position_sigma_m);
-  } else {
-    if (first.usbl.any()) {
-      const Pose T_robot_usbl = setup.vehicle.usbl ? setup.vehicle.usbl->T_robot_usbl : Pose{};
-      motion.position_odom = first.usbl.value() - predictUsbl(motion, T_robot_usbl);
-      sigma.segment<3>(kPosition).setConstant(setup.vehicle.usbl ? setup.vehicle.usbl->position_sigma_m
-                                                                 : 1.0);
-    }
-    if (first.depth_z.any()) {
-      motion.position_odom.z() = first.depth_z.value().z();
-      sigma[kPosition + 2] = 0.1;
-    }
-    initial.source += first.usbl.any()      ? "; position: USBL"
-                      : first.depth_z.any() ? "; position: zero by definition, height from pressure"
-                                            : "; position: zero by definition";
+    return;
   }
+  if (motion.position.any()) {
+    position = motion.position.value();
+    sigma.segment<3>(kPosition).setConstant(motion.position_sigma_m);
+  }
+  if (first.height_z.any()) {
+    position.z() = first.height_z.value().z();
+    sigma[kPosition + 2] = 0.1;
+  }
+  initial.source += motion.position.any()  ? "; position: " + motion.position_label
+                    : first.height_z.any() ? "; position: zero by definition, height from pressure"
+                                           : "; position: zero by definition";
 }
 
 /// The sigmas cover what a robot does within the first seconds.
@@ -212,8 +233,9 @@ InitialState alignInitially(const LocalizationSetup& setup, const std::vector<Sa
   initial.t_s = secondsBetween(setup.time_zero, samples.front().time);
   initial.sigma.setZero();
   alignOrientation(setup, first, initial);
-  alignPosition(setup, first, initial);
-  const FirstMotion motion = readMotion(setup, samples, initial.state.motion);
+  alignPosition(setup, first, readMotion(setup, samples, initial.state.motion), initial);
+  const FirstMotion motion =
+      readMotion(setup, samples, initial.state.motion);  // the sea floor's height is the robot's
   alignMotion(motion, initial);
   alignSlowStates(setup, motion, initial);
   return initial;

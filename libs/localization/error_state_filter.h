@@ -65,18 +65,18 @@ class ErrorStateFilter {
   static Vector noiseDensity(const ProcessNoise& noise);
 
   /// A linearized measurement: residual r = z - h(x), r ~ H error + v, v ~ N(0, R); H against the listed
-  /// columns.
-  template <int M, class Cols>
+  /// columns, as many of its own as they are.
+  template <int M>
   struct Measurement {
-    using Columns = Cols;
     Eigen::Matrix<double, M, 1> residual;
-    Eigen::Matrix<double, M, Cols::size> H;
+    Eigen::Matrix<double, M, StateColumns::kMost> H;
     Eigen::Matrix<double, M, M> R;
+    StateColumns columns;
   };
   /// The same where H is the identity: a reading of the error coordinates themselves.
   template <class Cols>
   struct Selection {
-    using Columns = Cols;
+    static constexpr Cols columns{};
     Eigen::Matrix<double, Cols::size, 1> residual;
     Eigen::Matrix<double, Cols::size, Cols::size> R;
   };
@@ -141,12 +141,12 @@ void unrolled(F&& f) {
 }
 
 /// P H^T, for H against the listed columns.
-template <class Cols, int N, int M>
-Eigen::Matrix<double, N, M> timesTransposed(const Eigen::Matrix<double, N, N>& P,
-                                            const Eigen::Matrix<double, M, Cols::size>& H) {
-  Eigen::Matrix<double, N, M> product = P.col(Cols::list[0]) * H.col(0).transpose();
-  for (int k = 1; k < Cols::size; ++k) {
-    const auto column = P.col(Cols::list[static_cast<std::size_t>(k)]);
+template <int N, int M>
+Eigen::Matrix<double, N, M> timesTransposed(const Eigen::Matrix<double, N, N>& P, const StateColumns& columns,
+                                            const Eigen::Matrix<double, M, StateColumns::kMost>& H) {
+  Eigen::Matrix<double, N, M> product = P.col(columns.list[0]) * H.col(0).transpose();
+  for (int k = 1; k < columns.count; ++k) {
+    const auto column = P.col(columns.list[static_cast<std::size_t>(k)]);
     for (int i = 0; i < M; ++i) product.col(i) += column * H(i, k);
   }
   return product;
@@ -263,27 +263,26 @@ extern template struct Correction<kFullSize, 6>;
 template <int N>
 template <class AnyMeasurement>
 double ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
-  using Cols = typename AnyMeasurement::Columns;
   constexpr int M = decltype(m.residual)::RowsAtCompileTime;
-  constexpr bool kSelects = std::is_same_v<AnyMeasurement, Selection<Cols>>;
-  const auto column = [](int k) { return Cols::list[static_cast<std::size_t>(k)]; };
+  constexpr bool kSelects = !requires { m.H; };
+  const auto column = [&m](int k) { return m.columns.list[static_cast<std::size_t>(k)]; };
   const auto timesHTransposed = [&] {
     if constexpr (kSelects) {
       Eigen::Matrix<double, N, M> product;
       for (int k = 0; k < M; ++k) product.col(k) = P.col(column(k));
       return product;
     } else {
-      return detail::timesTransposed<Cols, N, M>(P, m.H);
+      return detail::timesTransposed<N, M>(P, m.columns, m.H);
     }
   };
 
   detail::Correction<N, M> correction;
   correction.PHt = timesHTransposed();
   correction.S = m.R;
-  for (int k = 0; k < Cols::size; ++k) {
-    if constexpr (kSelects)
-      correction.S.row(k) += correction.PHt.row(column(k));
-    else
+  if constexpr (kSelects) {
+    for (int k = 0; k < M; ++k) correction.S.row(k) += correction.PHt.row(column(k));
+  } else {
+    for (int k = 0; k < m.columns.count; ++k)
       for (int i = 0; i < M; ++i) correction.S.col(i) += m.H.col(k) * correction.PHt(column(k), i);
   }
   correction.solve(m.residual);
@@ -295,9 +294,9 @@ double ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
       if constexpr (kSelects)
         return Eigen::MatrixXd::Identity(M, M);
       else
-        return Eigen::MatrixXd(m.H);
+        return Eigen::MatrixXd(m.H.leftCols(m.columns.count));
     }();
-    carryAttached(H, Cols::list.data(), m.R, correction.S, correction.PHt, gain, m.residual);
+    carryAttached(H, m.columns.list.data(), m.R, correction.S, correction.PHt, gain, m.residual);
   }
   correction.reduce(P);
   correction.stabilize(P, timesHTransposed(), m.R);

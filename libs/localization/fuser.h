@@ -9,6 +9,7 @@
 #include "localization/error_state_filter.h"
 #include "localization/landmark_fuser.h"
 #include "localization/measurements.h"
+#include "recording/instrument_entries.h"
 
 /// What a reading does to the filter, gates included. Used within this room only.
 namespace fathom {
@@ -37,7 +38,7 @@ struct Rejections {
 template <int N>
 struct GatedFilter {
   ErrorStateFilter<N> filter;
-  std::array<Rejections, kAllChannels.size()> rejected{};
+  std::array<Rejections, kChannelCount> rejected{};
   typename LandmarkFuser<N>::Memory landmarks;
 };
 
@@ -51,13 +52,13 @@ template <int N>
 class Fuser {
  public:
   explicit Fuser(const LocalizationSetup& setup) : setup_(setup), landmarks_(setup) {
-    context_.gravity_odom = setup.vehicle.gravityOdom();
+    context_.vehicle = &setup.vehicle;
     context_.calibration = setup.calibration;
     for (int dof = 1; dof <= 6; ++dof)
       gates_[static_cast<std::size_t>(dof)] = setup.options.gate.kind == Gate::Kind::chi_square
                                                   ? chiSquareQuantile(dof, setup.options.gate.probability)
                                                   : std::numeric_limits<double>::infinity();
-    for (const Channel channel : setup.options.fuse) fused_.set(static_cast<std::size_t>(channel));
+    for (const Channel channel : setup.options.fuse) fused_.set(indexOf(channel));
   }
 
   void fuse(GatedFilter<N>& state, const Sample& sample, double t_s, FusionLog& log) const {
@@ -66,7 +67,7 @@ class Fuser {
     context.t_s = secondsBetween(setup_.time_zero, sample.time);
     const auto update = [&](Channel channel, const auto& m) {
       constexpr int M = std::remove_cvref_t<decltype(m.residual)>::RowsAtCompileTime;
-      Rejections& rejected = state.rejected[static_cast<std::size_t>(channel)];
+      Rejections& rejected = state.rejected[indexOf(channel)];
       const double gate = gates_[M];
       const bool believed = rejected.in_a_row >= kRejectionsBelieved;
       const double nis = filter.update(m, believed ? kAlways : gate);
@@ -76,90 +77,33 @@ class Fuser {
         rejected.template add<M>(m.residual, m.R, gate);
       log.innovations.push_back({t_s, channel, M, nis, believed || nis <= gate, rejected.in_a_row});
     };
-    if (const auto* ins = std::get_if<InsSample>(&sample.reading)) fuseIns(filter, *ins, context, update);
-    if (const auto* dvl = std::get_if<DvlSample>(&sample.reading)) fuseDvl(filter, *dvl, context, update);
-    if (const auto* beams = std::get_if<DvlBeamsSample>(&sample.reading))
-      fuseBeams(filter, *beams, context, update);
-    if (const auto* depth = std::get_if<DepthSample>(&sample.reading))
-      fuseDepth(filter, *depth, context, update);
-    if (const auto* pose = std::get_if<PoseSample>(&sample.reading)) {
-      if (sample.label == labels::kUsbl) fuseUsbl(filter, *pose, update);
-      if (sample.label == labels::kMarkers && uses(Channel::landmark))
-        landmarks_.fuse(filter, state.landmarks, *pose, t_s, log);
-    }
-    if (const auto* panels = std::get_if<PanelSample>(&sample.reading); panels && uses(Channel::landmark))
+    forEachObservation(sample, setup_.vehicle, [&]<class C>(const Observation& seen) {
+      if (isTold<C>())
+        update(kChannel<C>, measure<N, C::channel.component_count>(filter.x, kChannel<C>, seen, context));
+    });
+    if (!uses(kChannel<Landmark>)) return;
+    if (const auto* pose = std::get_if<PoseSample>(&sample.reading); pose && sample.label == labels::kMarkers)
+      landmarks_.fuse(filter, state.landmarks, *pose, t_s, log);
+    if (const auto* panels = std::get_if<PanelSample>(&sample.reading))
       landmarks_.fuse(filter, state.landmarks, *panels, t_s, log);
   }
 
   typename LandmarkFuser<N>::Memory startLandmarks() const { return landmarks_.start(); }
 
  private:
-  bool uses(Channel channel) const { return fused_[static_cast<std::size_t>(channel)]; }
+  bool uses(Channel channel) const { return fused_[indexOf(channel)]; }
 
-  template <class Update>
-  void fuseIns(ErrorStateFilter<N>& f, const InsSample& s, const MeasurementContext& context,
-               const Update& update) const {
-    if (!setup_.vehicle.ins) return;
-    const InsSheet& sheet = *setup_.vehicle.ins;
-    if (s.angular_velocity_ins && uses(Channel::gyro))
-      update(Channel::gyro, SensorMeasurements<N>::gyro(f.x, *s.angular_velocity_ins, s.T_robot_ins,
-                                                        sheet.gyro_sigma_rad_s, context));
-    if (s.specific_force_ins && uses(Channel::accelerometer))
-      update(Channel::accelerometer,
-             SensorMeasurements<N>::accelerometer(f.x, *s.specific_force_ins, s.T_robot_ins,
-                                                  sheet.accelerometer_sigma_m_s2, context));
-    if (s.R_odom_ins && sheet.attitude_sigma_rad && uses(Channel::attitude)) {
-      const double variance = *sheet.attitude_sigma_rad * *sheet.attitude_sigma_rad;
-      update(Channel::attitude, SensorMeasurements<N>::attitude(f.x, *s.R_odom_ins, s.T_robot_ins,
-                                                                Matrix3d::Identity() * variance, context));
-    }
-  }
-
-  template <class Update>
-  void fuseDvl(ErrorStateFilter<N>& f, const DvlSample& s, const MeasurementContext& context,
-               const Update& update) const {
-    if (!setup_.vehicle.dvl || !s.velocity_dvl || !uses(Channel::dvl)) return;
-    const DvlSheet& sheet = *setup_.vehicle.dvl;
-    const Vector3d sigma(sheet.velocity_sigma_xy_m_s, sheet.velocity_sigma_xy_m_s,
-                         sheet.velocity_sigma_z_m_s);
-    update(Channel::dvl, SensorMeasurements<N>::dvl(f.x, *s.velocity_dvl, s.T_robot_dvl, sigma, context));
-  }
-
-  template <class Update>
-  void fuseBeams(ErrorStateFilter<N>& f, const DvlBeamsSample& s, const MeasurementContext& context,
-                 const Update& update) const {
-    // Without a state for the sea floor a range says nothing of the vehicle's height.
-    if (N != kFullSize || !setup_.vehicle.dvl || !uses(Channel::altitude)) return;
-    const DvlSheet& sheet = *setup_.vehicle.dvl;
-    for (const DvlBeam& beam : s.beams)
-      if (beam.range_m)
-        update(Channel::altitude,
-               SensorMeasurements<N>::beam(f.x, *beam.range_m, sheet.T_robot_dvl, beam.T_robot_beam,
-                                           sheet.range_sigma_m, context));
-  }
-
-  template <class Update>
-  void fuseDepth(ErrorStateFilter<N>& f, const DepthSample& s, const MeasurementContext& context,
-                 const Update& update) const {
-    if (!setup_.vehicle.depth || !uses(Channel::depth)) return;
-    update(Channel::depth,
-           SensorMeasurements<N>::depth(f.x, s.pressure_pa, *setup_.vehicle.depth, s.T_robot_depth, context));
-  }
-
-  template <class Update>
-  void fuseUsbl(ErrorStateFilter<N>& f, const PoseSample& s, const Update& update) const {
-    if (!uses(Channel::usbl)) return;
-    const Pose T_robot_usbl = setup_.vehicle.usbl ? setup_.vehicle.usbl->T_robot_usbl : Pose{};
-    update(Channel::usbl,
-           SensorMeasurements<N>::usbl(f.x, s.T_odom_robot.mean.position, T_robot_usbl,
-                                       Matrix3d(s.T_odom_robot.covariance.topLeftCorner<3, 3>())));
+  /// Without a state for the sea floor a range says nothing of the vehicle's height.
+  template <class C>
+  bool isTold() const {
+    return (N == kFullSize || !C::channel.is_indirect) && uses(kChannel<C>);
   }
 
   static constexpr double kAlways = std::numeric_limits<double>::infinity();
   const LocalizationSetup& setup_;
   MeasurementContext context_;
   std::array<double, 7> gates_{};
-  std::bitset<kAllChannels.size()> fused_;
+  std::bitset<kChannelCount> fused_;
   LandmarkFuser<N> landmarks_;
 };
 

@@ -4,72 +4,59 @@
 #include <cmath>
 
 #include "core/text.h"
+#include "recording/instrument_entries.h"
 
 namespace fathom {
 namespace {
 
-bool isFinite(const Sample& sample) {
-  struct Visitor {
-    bool operator()(const InsSample& s) const {
-      return (!s.angular_velocity_ins || s.angular_velocity_ins->allFinite()) &&
-             (!s.specific_force_ins || s.specific_force_ins->allFinite()) &&
-             (!s.R_odom_ins || s.R_odom_ins->allFinite());
-    }
-    bool operator()(const DvlSample& s) const { return !s.velocity_dvl || s.velocity_dvl->allFinite(); }
-    bool operator()(const DvlBeamsSample& s) const {
-      return std::all_of(s.beams.begin(), s.beams.end(),
-                         [](const DvlBeam& beam) { return !beam.range_m || std::isfinite(*beam.range_m); });
-    }
-    bool operator()(const DepthSample& s) const { return std::isfinite(s.pressure_pa); }
-    bool operator()(const PoseSample& s) const {
-      return s.T_odom_robot.mean.position.allFinite() && s.T_odom_robot.covariance.allFinite();
-    }
-    bool operator()(const ImageSample&) const { return true; }
-    bool operator()(const StereoSample&) const { return true; }
-    bool operator()(const PanelSample& s) const {
-      return std::all_of(s.panels.begin(), s.panels.end(), [](const SeenPanel& seen) {
-        const auto& [pose, covariance] = seen.T_camera_panel;
-        return pose.position.allFinite() && pose.rotation.allFinite() && covariance.allFinite();
-      });
-    }
-    bool operator()(const MarkersSample&) const { return true; }
-    bool operator()(const RecordingHeader&) const { return true; }
-    bool operator()(const UnknownSample&) const { return true; }
-  };
-  return std::visit(Visitor{}, sample.reading);
+bool allFinite(double value) { return std::isfinite(value); }
+template <class Derived>
+bool allFinite(const Eigen::MatrixBase<Derived>& value) {
+  return value.allFinite();
 }
 
-/// What no underwater vehicle does, and no sea allows: such a value is garbage, and no gate need weigh it.
-struct Limits {
-  static constexpr double kAngularVelocity_rad_s = 50.0;
-  static constexpr double kSpecificForce_m_s2 = 500.0;
-  static constexpr double kVelocity_m_s = 50.0;
-  static constexpr double kRange_m = 12'000.0;   // the deepest sea
-  static constexpr double kPressure_pa = 1.3e8;  // at its bottom
+struct IsFinite {
+  template <class Entry>
+  bool operator()(const Entry& entry) const {
+    bool finite = true;
+    if constexpr (kIsInstruments<Entry>)
+      InstrumentOf<Entry>::forEachValue(
+          entry, [&](int, const auto* value) { finite = finite && (value == nullptr || allFinite(*value)); });
+    return finite;
+  }
+  bool operator()(const PoseSample& s) const {
+    return s.T_odom_robot.mean.position.allFinite() && s.T_odom_robot.covariance.allFinite();
+  }
+  bool operator()(const PanelSample& s) const {
+    return std::all_of(s.panels.begin(), s.panels.end(), [](const SeenPanel& seen) {
+      const auto& [pose, covariance] = seen.T_camera_panel;
+      return pose.position.allFinite() && pose.rotation.allFinite() && covariance.allFinite();
+    });
+  }
 };
 
+bool isWithin(double value, const ValueText& text) { return value >= text.lowest && value <= text.highest; }
+bool isWithin(const Vector3d& value, const ValueText& text) {
+  return value.minCoeff() >= text.lowest && value.maxCoeff() <= text.highest;
+}
+bool isWithin(const Matrix3d&, const ValueText&) { return true; }
+
+/// Such a value is garbage, and no gate need weigh it: see ValueText::lowest.
 bool isPossible(const Sample& sample) {
-  const auto within = [](const std::optional<Vector3d>& v, double limit) {
-    return !v || v->cwiseAbs().maxCoeff() <= limit;
-  };
-  if (const auto* ins = std::get_if<InsSample>(&sample.reading))
-    return within(ins->angular_velocity_ins, Limits::kAngularVelocity_rad_s) &&
-           within(ins->specific_force_ins, Limits::kSpecificForce_m_s2);
-  if (const auto* dvl = std::get_if<DvlSample>(&sample.reading))
-    return within(dvl->velocity_dvl, Limits::kVelocity_m_s);
-  if (const auto* beams = std::get_if<DvlBeamsSample>(&sample.reading))
-    return std::all_of(beams->beams.begin(), beams->beams.end(), [](const DvlBeam& beam) {
-      return !beam.range_m || (*beam.range_m >= 0.0 && *beam.range_m <= Limits::kRange_m);
+  bool possible = true;
+  withInstrument(sample, [&]<class Instrument>(const auto& entry) {
+    Instrument::forEachValue(entry, [&](int k, const auto* value) {
+      const ValueText& text = Instrument::values[static_cast<std::size_t>(k)];
+      possible = possible && (value == nullptr || text.lowest == text.highest || isWithin(*value, text));
     });
-  if (const auto* depth = std::get_if<DepthSample>(&sample.reading))
-    return depth->pressure_pa >= 0.0 && depth->pressure_pa <= Limits::kPressure_pa;
-  return true;
+  });
+  return possible;
 }
 
 }  // namespace
 
 bool InputWatch::accept(const Sample& sample, double t_s) {
-  if (!isFinite(sample)) {
+  if (!std::visit(IsFinite{}, sample.reading)) {
     report_(t_s, "not-a-number", sample.label + " has a value that is not finite; the entry is left out");
     return false;
   }

@@ -177,7 +177,8 @@ class LandmarkFuser {
                            : updateByRobotPose(filter, fix, T_odom_panel, believed ? kAlways : gate);
     const bool passed = nis <= gate;
     memory.rejected_in_a_row = passed ? 0 : memory.rejected_in_a_row + 1;
-    log.innovations.push_back({t_s, Channel::landmark, 6, nis, believed || passed, memory.rejected_in_a_row});
+    log.innovations.push_back(
+        {t_s, kChannel<Landmark>, 6, nis, believed || passed, memory.rejected_in_a_row});
     if (setup_.options.gate.kind != Gate::Kind::chi_square) return;
     if (passed) {
       judged.pose_variance = filter.P.diagonal().template head<6>();
@@ -218,7 +219,7 @@ class LandmarkFuser {
     reacquire(filter, memory, fix, log);
     log.corrected = false;  // nothing contradicts anything
     for (const auto& [block, sigma] : kMotionAtRest) restartMotion(filter, block, sigma, log);
-    log.innovations.push_back({judged.t_s, Channel::landmark, 6, nis, true, 0});
+    log.innovations.push_back({judged.t_s, kChannel<Landmark>, 6, nis, true, 0});
     log.events.push_back(
         {judged.t_s, "reacquired",
          print("%s: the orientation's own sigma had grown to %.0f deg: pose set by this fix, "

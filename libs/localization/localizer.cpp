@@ -8,20 +8,15 @@
 #include "localization/input_watch.h"
 #include "localization/lost_monitor.h"
 #include "localization/smoother.h"
-#include "sensors/models.h"
 
 namespace fathom {
 namespace {
 
 bool isFusible(const Sample& sample, LandmarkOptions::Form form) {
-  if (std::holds_alternative<PoseSample>(sample.reading))
-    return sample.label == labels::kUsbl ||
-           (sample.label == labels::kMarkers && form == LandmarkOptions::Form::mean);
+  if (sample.label == labels::kMarkers && std::holds_alternative<PoseSample>(sample.reading))
+    return form == LandmarkOptions::Form::mean;
   if (std::holds_alternative<PanelSample>(sample.reading)) return form == LandmarkOptions::Form::joint;
-  return std::holds_alternative<InsSample>(sample.reading) ||
-         std::holds_alternative<DvlSample>(sample.reading) ||
-         std::holds_alternative<DvlBeamsSample>(sample.reading) ||
-         std::holds_alternative<DepthSample>(sample.reading);
+  return isOfInstrument(sample);
 }
 
 bool isLandmark(const Sample& sample) {
@@ -90,8 +85,8 @@ class Localizer::RunOf : public Run {
     finalizeBefore(std::numeric_limits<double>::infinity());
     summary_.panels = panelResults();
     if (setup_.options.smooth) smooth();
-    for (const Channel channel : kAllChannels) {
-      ChannelSummary& s = channels_[static_cast<std::size_t>(channel)];
+    for (const Channel channel : kEveryChannel) {
+      ChannelSummary& s = channels_[indexOf(channel)];
       const std::size_t count = s.fused + s.gated;
       if (count == 0) continue;
       s.nis_mean /= static_cast<double>(count);
@@ -115,13 +110,12 @@ class Localizer::RunOf : public Run {
   double validity_s(const Sample& sample) const {
     const double stamp_s = secondsBetween(setup_.time_zero, sample.time);
     const EffectParameters<double>& effects = setup_.calibration;
-    if (isLandmark(sample)) return stamp_s + validityOffset<Sensor::camera>(effects, stamp_s);
-    if (std::holds_alternative<InsSample>(sample.reading))
-      return stamp_s + validityOffset<Sensor::ins>(effects, stamp_s);
-    if (std::holds_alternative<DvlSample>(sample.reading) ||
-        std::holds_alternative<DvlBeamsSample>(sample.reading))  // one ping for both
-      return stamp_s + validityOffset<Sensor::dvl>(effects, stamp_s);
-    return stamp_s;
+    if (isLandmark(sample)) return stamp_s + validityOffset<Camera>(effects, stamp_s);
+    double valid_s = stamp_s;
+    withInstrument(sample, [&]<class Instrument>(const auto&) {
+      valid_s += validityOffset<typename Instrument::Instrument>(effects, stamp_s);
+    });
+    return valid_s;
   }
 
   void start() {
@@ -231,7 +225,7 @@ class Localizer::RunOf : public Run {
   }
 
   void account(const Innovation& innovation) {
-    ChannelSummary& s = channels_[static_cast<std::size_t>(innovation.channel)];
+    ChannelSummary& s = channels_[indexOf(innovation.channel)];
     s.degrees_of_freedom = innovation.degrees_of_freedom;
     s.nis_mean += innovation.nis;
     ++(innovation.fused ? s.fused : s.gated);
@@ -239,7 +233,7 @@ class Localizer::RunOf : public Run {
     lost_.reading(innovation.t_s, innovation.channel, innovation.fused,
                   innovation.nis > kSeenOnceIn10000[static_cast<std::size_t>(innovation.degrees_of_freedom)]);
     if (innovation.rejected_in_a_row == kRejectionsBelieved &&
-        (innovation.channel != Channel::landmark || setup_.options.gate.kind == Gate::Kind::fixed))
+        (innovation.channel != kChannel<Landmark> || setup_.options.gate.kind == Gate::Kind::fixed))
       report(innovation.t_s, "rejected",
              nameOf(innovation.channel) + " rejected " + std::to_string(kRejectionsBelieved) +
                  " times in a row: filter and sensor contradict each other; believed again");
@@ -286,7 +280,7 @@ class Localizer::RunOf : public Run {
   LostMonitor lost_;
   InputWatch watch_;
   LocalizationSummary summary_;
-  std::array<ChannelSummary, kAllChannels.size()> channels_{};
+  std::array<ChannelSummary, kChannelCount> channels_{};
   std::vector<Sample> waiting_;                                ///< until alignment
   std::unique_ptr<Entry> before_ = std::make_unique<Entry>();  ///< what the first of the entries starts from
   std::deque<std::unique_ptr<Entry>> entries_;

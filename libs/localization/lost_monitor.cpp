@@ -7,10 +7,12 @@
 namespace fathom {
 namespace {
 
-/// A contradiction stays until such a sensor agrees again, even when it falls silent.
-bool isAbsolute(Channel channel) { return channel == Channel::usbl || channel == Channel::landmark; }
+using Tells = ChannelText::Tells;
 
-bool tellsMotion(Channel channel) { return channel == Channel::dvl || isAbsolute(channel); }
+/// A contradiction stays until such a sensor agrees again, even when it falls silent.
+bool isAbsolute(Channel channel) { return textOf(channel).tells == Tells::position; }
+
+bool tellsMotion(Channel channel) { return textOf(channel).tells != Tells::nothing; }
 
 }  // namespace
 
@@ -18,8 +20,8 @@ void LostMonitor::start(double t_s) { last_seeing_s_ = t_s; }
 
 void LostMonitor::reading(double t_s, Channel channel, bool fused, bool contradicts) {
   if (fused && tellsMotion(channel)) last_seeing_s_ = t_s;
-  if (channel == Channel::altitude) return;
-  Contradiction& c = channels_[static_cast<std::size_t>(channel)];
+  if (textOf(channel).is_indirect) return;
+  Contradiction& c = channels_[indexOf(channel)];
   // From nothing the average reaches kMost in contradiction_s. Rare readings do not count for more than a
   // fifth of it, so that it takes several.
   const double dt = c.any ? std::min(t_s - c.last_s, options_.contradiction_s / 5.0) : 0.0;
@@ -47,8 +49,8 @@ std::optional<std::string> LostMonitor::judge(double t_s, double position_sigma_
                  degrees(angle_sigma_rad));
   if (t_s - last_seeing_s_ > options_.blind_s)
     return print("neither DVL nor landmark nor USBL for %.1f s", t_s - last_seeing_s_);
-  for (const Channel channel : kAllChannels) {
-    const Contradiction& c = channels_[static_cast<std::size_t>(channel)];
+  for (const Channel channel : kEveryChannel) {
+    const Contradiction& c = channels_[indexOf(channel)];
     if (c.lost && (isAbsolute(channel) || t_s - c.last_s <= options_.blind_s))
       return print("%s has contradicted the filter for %.1f s or more", nameOf(channel).c_str(),
                    options_.contradiction_s);

@@ -38,7 +38,7 @@ class LostMonitor {
     bool any = false, lost = false;
   };
   LostOptions options_;
-  std::array<Contradiction, kAllChannels.size()> channels_{};
+  std::array<Contradiction, kChannelCount> channels_{};
   std::deque<double> corrections_s_;
   double last_seeing_s_ = 0.0;
   bool unsure_ = false;

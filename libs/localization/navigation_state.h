@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 
 #include "core/kinematics.h"
 #include "effects/registry.h"
@@ -89,34 +90,56 @@ struct Columns {
   }
 };
 
-/// The state with derivatives against the chosen error coordinates, at zero error.
-template <class Cols>
-NavigationState<ceres::Jet<double, Cols::size>> lift(const NavigationState<double>& x) {
-  using Jet = ceres::Jet<double, Cols::size>;
-  const auto scalar = [](double value, int index) {
-    Jet jet(value);
-    if (const int k = Cols::find(index); k >= 0) jet.v[k] = 1.0;
-    return jet;
-  };
-  const auto vector = [&](const Vector3d& v, int first) {
-    return Vector3<Jet>(scalar(v.x(), first), scalar(v.y(), first + 1), scalar(v.z(), first + 2));
-  };
-  NavigationState<Jet> y;
-  y.motion.position_odom = vector(x.motion.position_odom, kPosition);
-  y.motion.velocity_robot = vector(x.motion.velocity_robot, kVelocity);
-  y.motion.angular_velocity_robot = vector(x.motion.angular_velocity_robot, kAngularVelocity);
-  y.motion.acceleration_robot = vector(x.motion.acceleration_robot, kAcceleration);
-  y.motion.R_odom_robot = x.motion.R_odom_robot.cast<Jet>();
-  for (int axis = 0; axis < 3; ++axis) {
-    const int k = Cols::find(kOrientation + axis);
-    if (k < 0) continue;
-    const Matrix3d slope = x.motion.R_odom_robot * crossMatrix<double>(Vector3d::Unit(axis));
-    for (int i = 0; i < 9; ++i) y.motion.R_odom_robot(i).v[k] = slope(i);
+/// The same, found at run time: at most as many as a measurement has derivatives.
+struct StateColumns {
+  static constexpr int kMost = 12;
+  std::array<int, kMost> list{};
+  int count = 0;
+
+  /// Throws std::length_error where there are too many.
+  void add(int column) {
+    if (count == kMost) throw std::length_error("a measurement depends on too many states");
+    list[static_cast<std::size_t>(count++)] = column;
   }
-  y.gyro_bias_rad_s = vector(x.gyro_bias_rad_s, kGyroBias);
-  y.accelerometer_bias_m_s2 = vector(x.accelerometer_bias_m_s2, kAccelerometerBias);
-  y.pressure_offset_pa = scalar(x.pressure_offset_pa, kPressureOffset);
-  y.sea_floor_z_m = scalar(x.sea_floor_z_m, kSeaFloor);
+  /// Position of a state index in the list, or -1.
+  int find(int index) const {
+    const auto* const end = list.data() + count;
+    const auto* const found = std::find(list.data(), end, index);
+    return found == end ? -1 : static_cast<int>(found - list.data());
+  }
+};
+
+/// The state with derivatives against the chosen error coordinates, at zero error: the k-th of a Jet's is by
+/// the k-th column.
+template <int Size>
+NavigationState<ceres::Jet<double, Size>> lift(const NavigationState<double>& x,
+                                               const StateColumns& columns) {
+  using Jet = ceres::Jet<double, Size>;
+  NavigationState<Jet> y;
+  y.motion = {x.motion.position_odom.cast<Jet>(),      x.motion.R_odom_robot.cast<Jet>(),
+              x.motion.velocity_robot.cast<Jet>(),     x.motion.angular_velocity_robot.cast<Jet>(),
+              x.motion.acceleration_robot.cast<Jet>(), Vector3<Jet>::Zero()};
+  y.gyro_bias_rad_s = x.gyro_bias_rad_s.cast<Jet>();
+  y.accelerometer_bias_m_s2 = x.accelerometer_bias_m_s2.cast<Jet>();
+  y.pressure_offset_pa = Jet(x.pressure_offset_pa);
+  y.sea_floor_z_m = Jet(x.sea_floor_z_m);
+  for (int k = 0; k < columns.count; ++k) {
+    const int index = columns.list[static_cast<std::size_t>(k)], axis = index % 3;
+    if (index == kPressureOffset) {
+      y.pressure_offset_pa.v[k] = 1.0;
+    } else if (index == kSeaFloor) {
+      y.sea_floor_z_m.v[k] = 1.0;
+    } else if (index / 3 * 3 == kOrientation) {
+      const Matrix3d slope = x.motion.R_odom_robot * crossMatrix<double>(Vector3d::Unit(axis));
+      for (int i = 0; i < 9; ++i) y.motion.R_odom_robot(i).v[k] = slope(i);
+    } else {
+      const std::array vectors{&y.motion.position_odom,      &y.motion.position_odom,
+                               &y.motion.velocity_robot,     &y.motion.angular_velocity_robot,
+                               &y.motion.acceleration_robot, &y.gyro_bias_rad_s,
+                               &y.accelerometer_bias_m_s2};  // by block; the orientation is dealt with above
+      (*vectors[static_cast<std::size_t>(index / 3)])[axis].v[k] = 1.0;
+    }
+  }
   return y;
 }
 

@@ -7,39 +7,18 @@
 
 namespace fathom {
 
-std::string nameOf(Channel channel) {
-  switch (channel) {
-    case Channel::gyro:
-      return "gyro";
-    case Channel::accelerometer:
-      return "accelerometer";
-    case Channel::attitude:
-      return "attitude";
-    case Channel::dvl:
-      return "dvl";
-    case Channel::altitude:
-      return "altitude";
-    case Channel::depth:
-      return "depth";
-    case Channel::usbl:
-      return "usbl";
-    case Channel::landmark:
-      return "landmark";
-  }
-  return "";
-}
-
 namespace {
 
 std::vector<Channel> readChannels(const YamlMap& y) {
   std::vector<Channel> channels;
   for (const std::string& name : y.texts("fuse")) {
-    const auto found = std::find_if(kAllChannels.begin(), kAllChannels.end(),
-                                    [&](Channel channel) { return nameOf(channel) == name; });
-    if (found == kAllChannels.end()) {
+    const auto found = std::find_if(kEveryChannel.begin(), kEveryChannel.end(), [&](Channel channel) {
+      return textOf(channel).is_filtered && textOf(channel).id == name;
+    });
+    if (found == kEveryChannel.end()) {
       std::string known;
-      for (const Channel channel : kAllChannels)
-        known.append(known.empty() ? "" : ", ").append(nameOf(channel));
+      for (const Channel channel : kEveryChannel)
+        if (textOf(channel).is_filtered) known.append(known.empty() ? "" : ", ").append(nameOf(channel));
       throw y.error(
           "fuse",
           std::string("unknown channel `").append(name).append("` (known: ").append(known).append(")"));

@@ -6,17 +6,10 @@
 #include <vector>
 
 #include "localization/error_state_filter.h"
+#include "sensors/channels.h"
 #include "sensors/vehicle.h"
 
 namespace fathom {
-
-/// What a reading can be fused as. One sensor may serve several channels.
-enum class Channel { gyro, accelerometer, attitude, dvl, altitude, depth, usbl, landmark };
-inline constexpr std::array kAllChannels{Channel::gyro, Channel::accelerometer, Channel::attitude,
-                                         Channel::dvl,  Channel::altitude,      Channel::depth,
-                                         Channel::usbl, Channel::landmark};
-/// The name in configs, results and plots, e.g. "gyro".
-std::string nameOf(Channel channel);
 
 /// When an innovation is too large to be believed.
 struct Gate {
@@ -51,8 +44,8 @@ struct LostOptions {
 struct LocalizationOptions {
   std::string task = "TL2";  ///< names the results: EKF_TL2
   /// Which channels are fused; one that the recording lacks does no harm.
-  std::vector<Channel> fuse{Channel::gyro, Channel::accelerometer, Channel::attitude, Channel::dvl,
-                            Channel::altitude};
+  std::vector<Channel> fuse{kChannel<Gyro>, kChannel<Accelerometer>, kChannel<Attitude>, kChannel<Dvl>,
+                            kChannel<DvlBeams>};
   bool bias_states = true;  ///< 23 states instead of the paper's 15 (sigma and time constant: vehicle file)
   ProcessNoise noise;
   Gate gate;

@@ -31,7 +31,7 @@ YawPitchRollPose posePdf(const Estimate& estimate);
 /// One innovation: kept for the report whether it was fused or not.
 struct Innovation {
   double t_s = 0.0;
-  Channel channel = Channel::gyro;
+  Channel channel = kChannel<Gyro>;
   int degrees_of_freedom = 0;
   double nis = 0.0;  ///< normalized innovation squared; chi-square distributed where the filter is consistent
   bool fused = false;

@@ -34,30 +34,43 @@ void appendTriangle(Values& values, const auto& matrix) {
     for (int column = row; column < matrix.cols(); ++column) values.emplace_back(matrix(row, column));
 }
 
+template <class T>
+std::optional<T> asOptional(const T* value) {
+  return value == nullptr ? std::nullopt : std::optional(*value);
+}
+
+void append(Values& values, const std::optional<double>& scalar) { values.push_back(scalar); }
+
+/// `number`: what follows its name.
+void appendNames(const ValueText& text, const std::string& number, std::vector<std::string>& names) {
+  const std::string name = std::string(text.name) + number, unit = "_" + std::string(text.unit);
+  if (text.kind == ValueText::Kind::geodetic) {
+    names.insert(names.end(), {"latitude_deg", "longitude_deg", "height_m"});
+    return;
+  }
+  if (text.kind == ValueText::Kind::scalar) names.push_back(name + unit);
+  for (const char* axis : {"_x", "_y", "_z"})
+    if (text.kind != ValueText::Kind::scalar)
+      names.push_back(name + axis + (text.kind == ValueText::Kind::vector ? unit : ""));
+  if (text.kind == ValueText::Kind::rotation) names.push_back(name + "_w");
+}
+
 struct Names {
   using List = std::vector<std::string>;
-  List operator()(const InsSample&) const {
-    return {"angular_velocity_ins_x_rad_s",
-            "angular_velocity_ins_y_rad_s",
-            "angular_velocity_ins_z_rad_s",
-            "specific_force_ins_x_m_s2",
-            "specific_force_ins_y_m_s2",
-            "specific_force_ins_z_m_s2",
-            "q_odom_ins_x",
-            "q_odom_ins_y",
-            "q_odom_ins_z",
-            "q_odom_ins_w"};
-  }
-  List operator()(const DvlSample&) const {
-    return {"velocity_dvl_x_m_s", "velocity_dvl_y_m_s", "velocity_dvl_z_m_s"};
-  }
-  List operator()(const DvlBeamsSample& sample) const {
+  template <class Entry>
+  List operator()(const Entry& entry) const {
     List names;
-    for (std::size_t k = 0; k < sample.beams.size(); ++k)
-      names.push_back("range_" + std::to_string(k + 1) + "_m");
+    if constexpr (kIsInstruments<Entry>) {
+      using Instrument = InstrumentOf<Entry>;
+      int number = 0;
+      Instrument::forEachValue(entry, [&](int k, const auto*) {
+        appendNames(
+            Instrument::values[static_cast<std::size_t>(k)],
+            requires { Instrument::numbered; } ? "_" + std::to_string(++number) : "", names);
+      });
+    }
     return names;
   }
-  List operator()(const DepthSample&) const { return {"pressure_pa", "temperature_celsius"}; }
   List operator()(const PoseSample&) const {
     List names{"x_odom_m",       "y_odom_m",       "z_odom_m",      "q_odom_robot_x",
                "q_odom_robot_y", "q_odom_robot_z", "q_odom_robot_w"};
@@ -95,23 +108,15 @@ struct Names {
             "cov_yaw_pitch_rad2",
             "cov_pitch_pitch_rad2"};
   }
-  List operator()(const auto&) const { return {}; }
 };
 
 struct AppendValues {
   Values& values;
-  void operator()(const InsSample& ins) const {
-    append(values, ins.angular_velocity_ins);
-    append(values, ins.specific_force_ins);
-    append(values, ins.R_odom_ins);
-  }
-  void operator()(const DvlSample& dvl) const { append(values, dvl.velocity_dvl); }
-  void operator()(const DvlBeamsSample& sample) const {
-    for (const DvlBeam& beam : sample.beams) values.push_back(beam.range_m);
-  }
-  void operator()(const DepthSample& depth) const {
-    values.emplace_back(depth.pressure_pa);
-    values.push_back(depth.temperature_celsius);
+  template <class Entry>
+  void operator()(const Entry& entry) const {
+    if constexpr (kIsInstruments<Entry>)
+      InstrumentOf<Entry>::forEachValue(entry,
+                                        [&](int, const auto* value) { append(values, asOptional(value)); });
   }
   void operator()(const PoseSample& sample) const {
     const Pose T_odom_robot = sample.T_odom_robot.mean;
@@ -134,47 +139,41 @@ struct AppendValues {
       appendTriangle(values, marker.covariance);
     }
   }
-  void operator()(const auto&) const {}
 };
 
 struct Absent {
   using List = std::vector<std::string>;
-  List operator()(const InsSample& ins) const {
+  List operator()(const PoseSample&) const { return {}; }
+  template <class Entry>
+  List operator()(const Entry& entry) const {
     List parts;
-    if (!ins.angular_velocity_ins) parts.emplace_back("angular velocity");
-    if (!ins.specific_force_ins) parts.emplace_back("specific force");
-    if (!ins.R_odom_ins) parts.emplace_back("attitude");
+    if constexpr (kIsInstruments<Entry>) {
+      using Instrument = InstrumentOf<Entry>;
+      int number = 0;
+      Instrument::forEachValue(entry, [&](int k, const auto* value) {
+        ++number;
+        if (value != nullptr) return;
+        parts.emplace_back(Instrument::values[static_cast<std::size_t>(k)].absent);
+        if constexpr (requires { Instrument::numbered; }) parts.back() += " " + std::to_string(number);
+      });
+    }
     return parts;
   }
-  List operator()(const DvlSample& dvl) const { return dvl.velocity_dvl ? List{} : List{"bottom lock"}; }
-  List operator()(const DvlBeamsSample& sample) const {
-    List parts;
-    for (std::size_t k = 0; k < sample.beams.size(); ++k)
-      if (!sample.beams[k].range_m) parts.push_back("echo of beam " + std::to_string(k + 1));
-    return parts;
-  }
-  List operator()(const DepthSample& depth) const {
-    return depth.temperature_celsius ? List{} : List{"temperature"};
-  }
-  List operator()(const auto&) const { return {}; }
 };
 
 struct Mountings {
   using List = std::vector<Pose>;
-  List operator()(const InsSample& ins) const { return {ins.T_robot_ins}; }
-  List operator()(const DvlSample& dvl) const { return {dvl.T_robot_dvl}; }
-  List operator()(const DepthSample& depth) const { return {depth.T_robot_depth}; }
-  List operator()(const PoseSample& pose) const { return {pose.T_robot_sensor}; }
   List operator()(const ImageSample& image) const { return {image.T_robot_camera}; }
   List operator()(const PanelSample& panels) const { return {panels.T_robot_camera}; }
   List operator()(const MarkersSample& markers) const { return {markers.T_robot_camera_forward}; }
   List operator()(const StereoSample& stereo) const { return {stereo.T_robot_left, stereo.T_left_right}; }
-  List operator()(const DvlBeamsSample& sample) const {
-    List poses;
-    for (const DvlBeam& beam : sample.beams) poses.push_back(beam.T_robot_beam);
-    return poses;
+  template <class Entry>
+  List operator()(const Entry& entry) const {
+    if constexpr (kIsInstruments<Entry>)
+      return InstrumentOf<Entry>::mountings(entry);
+    else
+      return {};
   }
-  List operator()(const auto&) const { return {}; }
 };
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include "recording/samples.h"
 
 /// This program's types as MRPT's and back, for what reads and writes MRPT's files; nobody else includes
-/// this. There and back is exact but for the skew of a camera, which is left out.
+/// this. There and back is exact where a camera has square pixels' axes: skew is left out.
 namespace fathom {
 
 mrpt::poses::CPose3D toMrpt(const Pose& pose);

@@ -133,6 +133,7 @@ struct Layout {
   std::string_view class_name;
   std::uint8_t version;
   void (*walk)(Walker&);
+  bool others_skipped = false;  ///< of other versions its fields are not known, which is no damage
 };
 
 constexpr std::string_view kPose = "mrpt::poses::CPose3D";
@@ -187,6 +188,19 @@ const Layout kObservations[] = {
        w.label();
        w.time();
      }},
+    {"mrpt::obs::CObservationGPS", 11,
+     [](Walker& w) {
+       w.time();
+       w.take(sizeof(std::uint64_t));  // when it was received
+       w.label();
+       w.object(kPose);
+       w.flag();  // whether the time is the satellites'
+       for (auto messages = w.count(kMaxElements); messages > 0; --messages) {
+         w.number<std::int32_t>();  // what kind
+         w.take(w.number<std::uint32_t>());
+       }
+     },
+     true},
     {"mrpt::obs::CObservationRobotPose", 1,
      [](Walker& w) {
        w.object(kPosePdf);
@@ -281,7 +295,8 @@ bool beginsObservation(ByteStream& in, std::size_t offset) {
   try {
     const Header header = Walker(in, offset).header();
     const Layout* layout = findLayout(kObservations, header.class_name);
-    return layout ? header.version == layout->version : isObservation(header.class_name);
+    return layout && !layout->others_skipped ? header.version == layout->version
+                                             : isObservation(header.class_name);
   } catch (const Damage&) {
     return false;
   }
@@ -290,7 +305,9 @@ bool beginsObservation(ByteStream& in, std::size_t offset) {
 /// Whether the table has the observation that begins there.
 bool beginsKnown(ByteStream& in, std::size_t offset) {
   try {
-    return findLayout(kObservations, Walker(in, offset).header().class_name) != nullptr;
+    const Header header = Walker(in, offset).header();
+    const Layout* layout = findLayout(kObservations, header.class_name);
+    return layout != nullptr && (!layout->others_skipped || layout->version == header.version);
   } catch (const Damage&) {
     return false;
   }
@@ -313,7 +330,9 @@ ObjectExtent measure(ByteStream& in, std::size_t offset) {
   const Header header = walker.header();
   ObjectExtent& extent = walker.found;
   extent.mrpt_class = header.class_name;
-  if (const Layout* layout = findLayout(kObservations, header.class_name)) {
+  const Layout* layout = findLayout(kObservations, header.class_name);
+  if (layout != nullptr && layout->others_skipped && layout->version != header.version) layout = nullptr;
+  if (layout != nullptr) {
     requireVersion(*layout, header.version);
     layout->walk(walker);
     walker.end();

@@ -4,6 +4,7 @@
 #include <mrpt/obs/CObservation6DFeatures.h>
 #include <mrpt/obs/CObservationBearingRange.h>
 #include <mrpt/obs/CObservationComment.h>
+#include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationRange.h>
@@ -33,6 +34,7 @@ using mrpt::poses::CPose3DQuat;
 constexpr const char* kComment = "mrpt::obs::CObservationComment";
 constexpr const char* kImu = "mrpt::obs::CObservationIMU";
 constexpr const char* kRange = "mrpt::obs::CObservationRange";
+constexpr const char* kGps = "mrpt::obs::CObservationGPS";
 constexpr const char* kRobotPose = "mrpt::obs::CObservationRobotPose";
 constexpr const char* kImageClass = "mrpt::obs::CObservationImage";
 constexpr const char* kStereoImages = "mrpt::obs::CObservationStereoImages";
@@ -43,11 +45,14 @@ struct LabelledClass {
   std::string_view label;
   std::string_view mrpt_class;
 };
-constexpr std::array<LabelledClass, 12> kConvention{{{labels::kIns, kImu},
+constexpr std::array<LabelledClass, 15> kConvention{{{labels::kIns, kImu},
                                                      {labels::kDvl, kImu},
                                                      {labels::kDvlBeams, kRange},
                                                      {labels::kDepth, kImu},
                                                      {labels::kUsbl, kRobotPose},
+                                                     {Compass::label, kImu},
+                                                     {Gnss::label, kGps},
+                                                     {Altimeter::label, kRange},
                                                      {labels::kCamera, kImageClass},
                                                      {labels::kStereo, kStereoImages},
                                                      {labels::kSimulated, kImageClass},
@@ -102,6 +107,10 @@ Reading readImu(const std::string& label, const CObservationIMU& imu) {
     return InsSample{T_robot_sensor, readTriple(imu, kAngularVelocity), readTriple(imu, kSpecificForce),
                      readAttitude(imu)};
   if (label == labels::kDvl) return DvlSample{T_robot_sensor, readTriple(imu, kVelocity)};
+  if (label == Compass::label) {
+    if (!imu.has(IMU_YAW)) throw ConventionBreach{"a COMPASS entry lacks IMU_YAW"};
+    return CompassSample{T_robot_sensor, imu.get(IMU_YAW)};
+  }
   if (label != labels::kDepth) return UnknownSample{kImu};
   if (!imu.has(IMU_PRESSURE)) throw ConventionBreach{"a DEPTH entry lacks IMU_PRESSURE"};
   DepthSample depth{T_robot_sensor, imu.get(IMU_PRESSURE), {}};
@@ -116,6 +125,23 @@ Reading readBeams(const CObservationRange& range) {
     if (beam.sensedDistance != 0.0F) beams.beams.back().range_m = static_cast<double>(beam.sensedDistance);
   }
   return beams;
+}
+
+Reading readAltimeter(const CObservationRange& range) {
+  if (range.sensedData.size() != 1) throw ConventionBreach{"an ALTIMETER entry must have one range"};
+  const auto& beam = range.sensedData.front();
+  AltimeterSample sample{fromMrpt(CPose3D(beam.sensorPose)), {}};
+  if (beam.sensedDistance != 0.0F) sample.range_m = static_cast<double>(beam.sensedDistance);
+  return sample;
+}
+
+Reading readGnss(const CObservationGPS& gps) {
+  GnssSample sample{fromMrpt(gps.sensorPose), {}};
+  if (!gps.hasMsgClass<gnss::Message_NMEA_GGA>()) return sample;
+  const auto& gga = gps.getMsgByClass<gnss::Message_NMEA_GGA>().fields;
+  if (gga.fix_quality != 0)
+    sample.geodetic = {gga.latitude_degrees, gga.longitude_degrees, gga.altitude_meters};
+  return sample;
 }
 
 Reading readStereo(const CObservationStereoImages& stereo) {
@@ -213,6 +239,39 @@ struct Encoder {
     imu.set(IMU_PRESSURE, depth.pressure_pa);
     if (depth.temperature_celsius) imu.set(IMU_TEMPERATURE, *depth.temperature_celsius);
     write(imu);
+  }
+  void operator()(const CompassSample& compass) const {
+    requireLabel(Compass::label);
+    CObservationIMU imu;
+    imu.sensorPose = toMrpt(compass.T_robot_compass);
+    imu.set(IMU_YAW, compass.heading_rad);
+    write(imu);
+  }
+  void operator()(const GnssSample& entry) const {
+    requireLabel(Gnss::label);
+    CObservationGPS gps;
+    gps.sensorPose = toMrpt(entry.T_robot_gnss);
+    gnss::Message_NMEA_GGA gga;
+    gga.fields.fix_quality = entry.geodetic ? 1 : 0;
+    if (entry.geodetic) {
+      gga.fields.latitude_degrees = entry.geodetic->x();
+      gga.fields.longitude_degrees = entry.geodetic->y();
+      gga.fields.altitude_meters = entry.geodetic->z();
+    }
+    gps.setMsg(gga);
+    gps.originalReceivedTimestamp = toMrpt(sample.time);
+    write(gps);
+  }
+  void operator()(const AltimeterSample& altimeter) const {
+    requireLabel(Altimeter::label);
+    CObservationRange range;
+    range.minSensorDistance = 0.0F;
+    range.maxSensorDistance = 200.0F;
+    CObservationRange::TMeasurement measurement;
+    measurement.sensorPose = toMrpt(altimeter.T_robot_altimeter).asTPose();
+    measurement.sensedDistance = static_cast<float>(altimeter.range_m.value_or(0.0));
+    range.sensedData.push_back(measurement);
+    write(range);
   }
   void operator()(const DvlBeamsSample& beams) const {
     requireLabel(labels::kDvlBeams);
@@ -319,6 +378,8 @@ Reading decodeReading(const std::string& mrpt_class, const std::string& label,
     return readPanels(decode<CObservation6DFeatures>(object));
   if (label == labels::kMarkerSights) return readMarkers(decode<CObservationBearingRange>(object));
   if (label == labels::kDvlBeams) return readBeams(decode<CObservationRange>(object));
+  if (label == Altimeter::label) return readAltimeter(decode<CObservationRange>(object));
+  if (label == Gnss::label) return readGnss(decode<CObservationGPS>(object));
   if (label == labels::kStereo) return readStereo(decode<CObservationStereoImages>(object));
   if (label == labels::kCamera || label == labels::kSimulated) {
     const auto observation = decode<CObservationImage>(object);

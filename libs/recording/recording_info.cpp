@@ -18,11 +18,10 @@ namespace {
 constexpr double kPoseTolerance = 1e-9;
 
 struct Kind {
-  std::string operator()(const InsSample&) const { return "INS"; }
-  std::string operator()(const DvlSample&) const { return "DVL"; }
-  std::string operator()(const DvlBeamsSample&) const { return "DVL beams"; }
-  std::string operator()(const DepthSample&) const { return "depth"; }
-  std::string operator()(const PoseSample&) const { return "pose"; }
+  template <class Entry>
+  std::string operator()(const Entry&) const {
+    return std::string(InstrumentOf<Entry>::kind);
+  }
   std::string operator()(const ImageSample&) const { return "image"; }
   std::string operator()(const StereoSample&) const { return "stereo image"; }
   std::string operator()(const PanelSample&) const { return "panels"; }

@@ -10,17 +10,18 @@
 #include "core/geometry.h"
 #include "core/time.h"
 #include "core/uncertain_pose.h"
+#include "sensors/all_instruments.h"
 
 /// One entry of a recording as typed data, in the frames and units of the recording convention: right-handed,
 /// metres, radians, z up; T_robot_sensor is the mounting.
 namespace fathom {
 
 namespace labels {
-inline constexpr const char* kIns = "INS";
-inline constexpr const char* kDvl = "DVL";
-inline constexpr const char* kDvlBeams = "DVL_BEAMS";
-inline constexpr const char* kDepth = "DEPTH";
-inline constexpr const char* kUsbl = "USBL";
+inline constexpr const char* kIns = Ins::label;
+inline constexpr const char* kDvl = Dvl::label;
+inline constexpr const char* kDvlBeams = DvlBeams::label;
+inline constexpr const char* kDepth = Depth::label;
+inline constexpr const char* kUsbl = Usbl::label;
 inline constexpr const char* kCamera = "CAMERA";
 inline constexpr const char* kStereo = "STEREO";
 inline constexpr const char* kTruth = "TRUTH";
@@ -37,39 +38,6 @@ struct RecordingHeader {
   std::string panel_map;  ///< path relative to the rawlog's folder; empty: none
   std::string vehicle;    ///< likewise, the vehicle file
   std::string description;
-};
-
-struct InsSample {
-  Pose T_robot_ins;
-  std::optional<Vector3d> angular_velocity_ins;  ///< rad/s
-  std::optional<Vector3d> specific_force_ins;    ///< m/s², +9.81 on the up axis at rest
-  /// Attitude, where the INS gives one; NaN where its quaternion is not of unit norm (to 1 %).
-  std::optional<Matrix3d> R_odom_ins;
-};
-
-struct DvlSample {
-  Pose T_robot_dvl;
-  std::optional<Vector3d> velocity_dvl;  ///< m/s over ground, sensor frame; absent: no bottom lock
-};
-
-struct DvlBeam {
-  Pose T_robot_beam;              ///< x along the beam
-  std::optional<double> range_m;  ///< slant range; absent: no echo (stored as 0)
-};
-struct DvlBeamsSample {
-  std::vector<DvlBeam> beams;
-};
-
-struct DepthSample {
-  Pose T_robot_depth;
-  double pressure_pa = 0.0;  ///< absolute
-  std::optional<double> temperature_celsius;
-};
-
-/// A pose or position with covariance: USBL (orientation covariance huge), TRUTH, and derived results.
-struct PoseSample {
-  YawPitchRollPose T_odom_robot;
-  Pose T_robot_sensor{};  ///< mounting of what measured it, e.g. the USBL transponder
 };
 
 /// A camera as rawlogs keep it: what this program computes with, and what it only passes on.
@@ -133,8 +101,14 @@ struct UnknownSample {
   std::string mrpt_class;
 };
 
-using Reading = std::variant<InsSample, DvlSample, DvlBeamsSample, DepthSample, PoseSample, ImageSample,
-                             StereoSample, PanelSample, MarkersSample, RecordingHeader, UnknownSample>;
+namespace detail {
+/// A pose by whichever instrument; an image's; what is derived.
+template <class... Instruments>
+auto readingOf(std::tuple<Instruments...>*)
+    -> std::variant<typename Instruments::Sample..., ImageSample, StereoSample, PanelSample, MarkersSample,
+                    RecordingHeader, UnknownSample>;
+}  // namespace detail
+using Reading = decltype(detail::readingOf(static_cast<AllInstruments*>(nullptr)));
 
 struct Sample {
   Time time;          ///< of validity; Time{} where the entry has none

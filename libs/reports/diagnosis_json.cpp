@@ -10,33 +10,6 @@ namespace fathom {
 namespace {
 using Json = nlohmann::ordered_json;
 
-/// The recording's label of the sensor that a channel belongs to.
-const char* labelOf(BatchChannel channel) {
-  switch (channel) {
-    case BatchChannel::gyro:
-    case BatchChannel::accelerometer:
-    case BatchChannel::attitude:
-      return labels::kIns;
-    case BatchChannel::dvl:
-      return labels::kDvl;
-    case BatchChannel::depth:
-      return labels::kDepth;
-    case BatchChannel::usbl:
-      return labels::kUsbl;
-    case BatchChannel::markers:
-      return labels::kMarkers;
-    case BatchChannel::pixels:
-    case BatchChannel::edges:
-    case BatchChannel::specks:
-      return labels::kCamera;
-    case BatchChannel::tie_points:
-      return "TIE_POINTS";
-    case BatchChannel::prior:
-      break;
-  }
-  return "prior";
-}
-
 std::string_view idOf(const Candidate& candidate) { return allEffects()[candidate.effect].id; }
 
 Json optionalJson(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
@@ -60,7 +33,7 @@ Json candidateJson(const Candidate& candidate, const BatchData& data) {
 
 Json mismatchJson(const Mismatch& m, const BatchData& data) {
   const Interval when = within(m.when_s, data).value_or(Interval{data.first_s, data.last_s});
-  return {{"channel", labelOf(m.channel)},
+  return {{"channel", textOf(m.channel).label},
           {"sensor", sensorOf(m)},
           {"statistic", m.statistic},
           {"against", m.against},
@@ -173,7 +146,7 @@ Json heldOutJson(const std::vector<HeldOut>& heldout) {
   Json list = Json::array();
   for (const HeldOut& h : heldout) {
     Json json = headlineJson({h});
-    json["channel"] = labelOf(h.channel);
+    json["channel"] = textOf(h.channel).label;
     json["blocks"] = blocksJson(h);
     list.push_back(json);
   }
@@ -209,8 +182,8 @@ Json testedJson(const DiagnosisStory& story) {
 
 Json noiseJson(const NoiseModel& noise) {
   Json json = Json::object();
-  for (const BatchChannel channel : kBatchChannels) {
-    const ChannelNoise& c = noise.channels[static_cast<std::size_t>(channel)];
+  for (const Channel channel : kEveryChannel) {
+    const ChannelNoise& c = noise.channels[indexOf(channel)];
     if (c.rows > 0)
       json[nameOf(channel)] = {{"rows", c.rows}, {"scale", c.scale}, {"correlation", c.correlation}};
   }

@@ -51,14 +51,14 @@ Series blockSeries(const HeldOut& heldout, double HeldOut::Block::*value, const 
 // ---- raw residuals
 
 /// Of one channel, a cloud a component.
-std::vector<Series> clouds(BatchChannel channel, const Linearization& linear) {
-  const bool is_scalar = channel == BatchChannel::depth || channel == BatchChannel::tie_points;
-  const std::size_t count = is_scalar ? 1 : channel == BatchChannel::markers ? 2 : 3;
+std::vector<Series> clouds(Channel channel, const Linearization& linear) {
+  const ChannelText& text = textOf(channel);
+  const auto count = static_cast<std::size_t>(text.component_count);
   std::vector<Series> components;
   for (std::size_t c = 0; c < count; ++c)
     components.push_back(
-        {.name = count > 1 ? nameOfAxis(channel, static_cast<int>(c)) : "", .style = Series::Style::kPoints});
-  const double scale = unitOf(channel).scale;
+        {.name = count > 1 ? std::string(text.components[c]) : "", .style = Series::Style::kPoints});
+  const double scale = text.scale;
   for (const RowInfo& row : linear.rows) {
     if (row.channel != channel) continue;
     Series& series = components[static_cast<std::size_t>(row.component) % count];
@@ -68,10 +68,10 @@ std::vector<Series> clouds(BatchChannel channel, const Linearization& linear) {
   return components;
 }
 
-Plot cloudPlot(BatchChannel channel, const Linearization& linear, const char* when) {
+Plot cloudPlot(Channel channel, const Linearization& linear, const char* when) {
   Plot plot{.title = "Residuals of " + nameOf(channel) + when,
             .x_label = "time [s]",
-            .y_label = "residual [" + unitOf(channel).name + "]",
+            .y_label = "residual [" + std::string(textOf(channel).unit) + "]",
             .series = clouds(channel, linear)};
   plot.height_px = 300;
   return plot;
@@ -106,7 +106,7 @@ Series recordedSeries(const Linearization& linear, const BatchData& data, ImageP
   for (const RowInfo& row : linear.rows) {
     if (!isOn(row, data, surface, colour)) continue;
     series.x.push_back(row.range_m);
-    series.y.push_back((row.level + row.raw) * unitOf(BatchChannel::pixels).scale);
+    series.y.push_back((row.level + row.raw) * Pixels::channel.scale);
   }
   return series;
 }
@@ -127,7 +127,7 @@ Series modelSeries(const Linearization& linear, const BatchData& data, ImagePatc
     const double at = (row.range_m - *least) / std::max(*most - *least, 1e-9) * kRangeBins;
     Bin& bin = bins[static_cast<std::size_t>(std::clamp(static_cast<int>(at), 0, kRangeBins - 1))];
     bin.range_m += row.range_m;
-    bin.level += row.level * unitOf(BatchChannel::pixels).scale;
+    bin.level += row.level * Pixels::channel.scale;
     ++bin.rows;
   }
   for (const Bin& bin : bins) {
@@ -153,10 +153,10 @@ std::vector<Plot> brightnessPlots(const DiagnosisStory& story, const BeforeAndAf
   if (data.patches.empty() || !before) return {};
   std::vector<Plot> plots;
   for (int colour = 0; colour < 3; ++colour) {
-    Plot plot{
-        .title = std::string("White and black of the markers, ") + nameOfAxis(BatchChannel::pixels, colour),
-        .x_label = "range [m]",
-        .y_label = "linear brightness [" + unitOf(BatchChannel::pixels).name + "]"};
+    Plot plot{.title = std::string("White and black of the markers, ") +
+                       std::string(Pixels::channel.components[static_cast<std::size_t>(colour)]),
+              .x_label = "range [m]",
+              .y_label = "linear brightness [" + std::string(Pixels::channel.unit) + "]"};
     plot.height_px = 320;
     const auto model = [&](const Linearization& linear, Surface surface, const char* name, const char* color,
                            Series::Style style) {
@@ -209,7 +209,7 @@ std::vector<Plot> residualPlots(const DiagnosisStory& story, const BeforeAndAfte
   std::vector<Plot> plots;
   if (!before) return plots;
   for (const auto& [channel, residual] : story.diagnosis.before.residuals) {
-    if (channel == BatchChannel::prior || residual.rows == 0) continue;
+    if (channel == kChannel<Prior> || residual.rows == 0) continue;
     plots.push_back(cloudPlot(channel, *before, after ? ", before" : ""));
     if (!after) continue;
     Plot then = cloudPlot(channel, *after, ", after");

@@ -188,7 +188,7 @@ void addElsewhere(const DiagnosisStory& story, HtmlReport& report) {
 void addNoise(const DiagnosisStory& story, HtmlReport& report) {
   const NoiseModel& noise = story.diagnosis.noise;
   Table table{{"channel", "readings' coordinates", "sigma / stated", "correlation of neighbours"}, {}};
-  for (const BatchChannel channel : kBatchChannels)
+  for (const Channel channel : kEveryChannel)
     if (const ChannelNoise& c = noise.of(channel); c.rows > 0)
       table.rows.push_back(
           {nameOf(channel), std::to_string(c.rows), fixed(c.scale, 3), fixed(c.correlation, 3)});
@@ -250,8 +250,9 @@ void addInputs(const DiagnosisStory& story, HtmlReport& report) {
   report.heading("From what");
   report.paragraph(print("%.1f s; %zu intervals of the gyro, %zu DVL and %zu pressure readings, %zu markers, "
                          "%zu tie points and %zu patches in images. Started from: ",
-                         data.last_s - data.first_s, data.gyro.size(), data.dvl.size(), data.pressure.size(),
-                         data.markers.size(), data.tie_points.size(), data.patches.size()) +
+                         data.last_s - data.first_s, data.of<Gyro>().size(), data.of<Dvl>().size(),
+                         data.of<Depth>().size(), data.markers.size(), data.tie_points.size(),
+                         data.patches.size()) +
                    story.read.input.start.source + ".");
   Table files{{"input", "fingerprint"}, {}};
   for (const InputFile& input : story.read.files)

@@ -103,8 +103,8 @@ bool isSignificant(const Mismatch& mismatch, double false_alarm) { return mismat
 
 std::string sensorOf(const Mismatch& mismatch) {
   std::string channel = nameOf(mismatch.channel);
-  if (mismatch.direction.empty() || mismatch.channel == BatchChannel::depth) return channel;
-  return channel + (mismatch.channel == BatchChannel::markers ? ", " : " ") + mismatch.direction;
+  if (mismatch.direction.empty() || textOf(mismatch.channel).component_count == 1) return channel;
+  return channel + (mismatch.channel == kChannel<Markers> ? ", " : " ") + mismatch.direction;
 }
 
 const std::vector<FoundEffect>& modelledEffects(const Diagnosis& diagnosis) {

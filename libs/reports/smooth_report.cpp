@@ -36,7 +36,7 @@ nlohmann::ordered_json toJson(const SmoothedRecording& recording) {
   auto& channels = json["residuals"];
   for (const auto& [channel, r] : e.residuals)
     channels[nameOf(channel)] = {{"rows", r.rows},
-                                 {"noise_scale", recording.noise_scale[static_cast<std::size_t>(channel)]},
+                                 {"noise_scale", recording.noise_scale[indexOf(channel)]},
                                  {"rms_sigma", r.rms},
                                  {"expected_rms_sigma", r.expected_rms},
                                  {"down_weighted_rows", r.down_weighted}};
@@ -58,7 +58,7 @@ Table residualTable(const SmoothedRecording& recording) {
   Table table{{"channel", "rows", "noise assumed", "rms [sigma]", "expected", "ratio", "down-weighted"}, {}};
   for (const auto& [channel, r] : estimate.residuals)
     table.rows.push_back({nameOf(channel), std::to_string(r.rows),
-                          fixed(recording.noise_scale[static_cast<std::size_t>(channel)], 2), fixed(r.rms, 3),
+                          fixed(recording.noise_scale[indexOf(channel)], 2), fixed(r.rms, 3),
                           fixed(r.expected_rms, 3), fixed(r.rms / r.expected_rms, 3),
                           std::to_string(r.down_weighted)});
   return table;
@@ -103,15 +103,15 @@ Plot sigmaPlot(const BatchEstimate& estimate) {
 }
 
 /// Whitened residuals over time: one colour a component; of markers, x and y.
-Plot residualPlot(BatchChannel channel, const Linearization& linear) {
+Plot residualPlot(Channel channel, const Linearization& linear) {
   Plot plot{.title = "Residuals of " + nameOf(channel),
             .x_label = "time [s]",
             .y_label = "reading - prediction [sigma]"};
-  const bool markers = channel == BatchChannel::markers;
-  const char* const names[] = {"x", "y", "z"};
-  const std::size_t components = markers ? 2 : channel == BatchChannel::depth ? 1 : 3;
+  const ChannelText& text = textOf(channel);
+  const auto components = static_cast<std::size_t>(text.component_count);
   for (std::size_t c = 0; c < components; ++c)
-    plot.series.push_back({.name = components > 1 ? names[c] : "", .style = Series::Style::kPoints});
+    plot.series.push_back(
+        {.name = components > 1 ? std::string(text.components[c]) : "", .style = Series::Style::kPoints});
   for (std::size_t i = 0; i < linear.rows.size(); ++i) {
     const RowInfo& row = linear.rows[i];
     if (row.channel != channel) continue;
@@ -147,7 +147,7 @@ void writeSmoothReport(const SmoothedRecording& recording, const std::filesystem
                "is left out of the model. A ratio beyond 1 is noise that is larger than assumed, or a "
                "mismatch.");
   for (const auto& [channel, residual] : e.residuals)
-    if (channel != BatchChannel::prior) report.plot(residualPlot(channel, recording.linear));
+    if (channel != kChannel<Prior>) report.plot(residualPlot(channel, recording.linear));
   report.heading("Path");
   report.plot(pathPlot(e));
   report.plot(sigmaPlot(e));

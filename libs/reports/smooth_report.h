@@ -16,8 +16,8 @@ struct SmoothedRecording {
   std::filesystem::path recording;
   BatchInput input;
   BatchEstimate estimate;
-  std::array<double, kBatchChannels.size()> noise_scale{};  ///< as taken, by BatchChannel
-  Linearization linear;                                     ///< without effect columns
+  std::array<double, kChannelCount> noise_scale{};  ///< as taken, by Channel
+  Linearization linear;                             ///< without effect columns
   std::vector<std::string> remarks;
 };
 

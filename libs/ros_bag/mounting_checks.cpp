@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/text.h"
-#include "sensors/models.h"
+#include "sensors/ins.h"
 
 namespace fathom {
 
@@ -30,11 +30,11 @@ void MountingChecks::addOdometry(Time time, const Vector3d& velocity, const Vect
   const double span = secondsBetween(start_, time);
   if (span < 1.0) return;
   if (forces_ > 0 && span < 3.0) {  // a longer one has a gap in it
-    KinematicState<double> level;
-    level.acceleration_robot =
+    Inputs<double> level;
+    level.world.gravity_odom = -up();
+    level.state.acceleration_robot =
         (velocity - start_velocity_) / span + turning_ / static_cast<double>(readings_);
-    force_axes_.add(predictSpecificForce(level, World<double>{-up()}, Pose{}, {}, 0),
-                    force_robot_ / static_cast<double>(forces_));
+    force_axes_.add(Accelerometer::specificForce(level, {}), force_robot_ / static_cast<double>(forces_));
   }
   force_robot_ = turning_ = Vector3d::Zero();
   forces_ = readings_ = 0;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sensors/models.h"
+#include "sensors/ins.h"
 
 namespace fathom {
 namespace {
@@ -33,10 +33,11 @@ AxesEvidence accelerometerEvidence(const AlignedStreams& s, const std::vector<Ma
     const double from = s.gt_time_s[k - 1], to = s.gt_time_s[k + 1];
     if (!s.pushed_imu.covers(from, to)) continue;
     const Vector3d acceleration_ned = (s.data.velocity_ned[k + 1] - s.data.velocity_ned[k - 1]) / (to - from);
-    KinematicState<double> state;
-    state.R_odom_robot = R_ned_frd[k];
-    state.acceleration_robot = R_ned_frd[k].transpose() * acceleration_ned;
-    evidence.add(predictSpecificForce(state, ned, Pose{}, {}, 0),
+    Inputs<double> in;
+    in.world = ned;
+    in.state.R_odom_robot = R_ned_frd[k];
+    in.state.acceleration_robot = R_ned_frd[k].transpose() * acceleration_ned;
+    evidence.add(Accelerometer::specificForce(in, {}),
                  (s.pushed_imu.at(to) - s.pushed_imu.at(from)) / (to - from));
   }
   return evidence;

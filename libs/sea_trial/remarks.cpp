@@ -8,7 +8,7 @@
 #include "core/linear_algebra.h"
 #include "core/median.h"
 #include "core/text.h"
-#include "sensors/models.h"
+#include "sensors/dvl.h"
 
 namespace fathom {
 namespace {
@@ -44,10 +44,11 @@ class DvlModel {
 
   /// Of a robot that moves and turns so, in its axes.
   Design design(const Vector3d& velocity, const Vector3d& rate) const {
-    KinematicState<Jet> state;
-    state.velocity_robot = velocity.cast<Jet>();
-    state.angular_velocity_robot = rate.cast<Jet>();
-    const Vector3<Jet> reading = predictDvlVelocity(state, Pose{}, effects_, 0);
+    Inputs<Jet> in;
+    in.state.velocity_robot = velocity.cast<Jet>();
+    in.state.angular_velocity_robot = rate.cast<Jet>();
+    in.effects = effects_;
+    const Vector3<Jet> reading = Dvl::velocity(in, {});
     Design design;
     for (int i = 0; i < 3; ++i) design.row(i) = reading[i].v;
     return design;

@@ -2,57 +2,38 @@
 
 #include <cmath>
 
+#include "core/yaml.h"
+
 namespace fathom {
 namespace {
 
-InsSheet readIns(const YamlMap& y) {
-  InsSheet s;
-  s.rate_hz = y.positive("rate_hz");
-  s.gyro_sigma_rad_s = y.positive("gyro_sigma_rad_s");
-  s.accelerometer_sigma_m_s2 = y.positive("accelerometer_sigma_m_s2");
-  s.gyro_bias_sigma_rad_s = y.notNegative("gyro_bias_sigma_rad_s");
-  s.accelerometer_bias_sigma_m_s2 = y.notNegative("accelerometer_bias_sigma_m_s2");
-  s.bias_time_constant_s = y.positive("bias_time_constant_s");
-  if (y.has("attitude_sigma_deg")) s.attitude_sigma_rad = radians(y.positive("attitude_sigma_deg"));
-  s.T_robot_ins = y.pose("pose");
-  return s;
-}
+/// Fills a specification from its section, see its fields().
+class ReadFields {
+ public:
+  explicit ReadFields(const YamlMap& y) : y_(y) {}
 
-DvlSheet readDvl(const YamlMap& y) {
-  DvlSheet s;
-  s.rate_hz = y.positive("rate_hz");
-  s.assumed_sound_speed_m_s = y.positive("assumed_sound_speed_m_s");
-  s.beam_sigma_m_s = y.positive("beam_sigma_m_s");
-  s.velocity_sigma_xy_m_s = y.positive("velocity_sigma_xy_m_s");
-  s.velocity_sigma_z_m_s = y.positive("velocity_sigma_z_m_s");
-  s.range_sigma_m = y.positive("range_sigma_m");
-  s.beam_angle_rad = radians(y.positive("beam_angle_deg"));
-  if (s.beam_angle_rad >= radians(90)) throw y.error("beam_angle_deg", "must be below 90");
-  s.beam_azimuths_rad.clear();
-  for (const double azimuth_deg : y.numbers("beam_azimuths_deg"))
-    s.beam_azimuths_rad.push_back(radians(azimuth_deg));
-  s.T_robot_dvl = y.pose("pose");
-  return s;
-}
+  void positive(const char* key, double& value) const { value = y_.positive(key); }
+  void notNegative(const char* key, double& value) const { value = y_.notNegative(key); }
+  void number(const char* key, double& value) const { value = y_.number(key); }
+  void degrees(const char* key, double& value_rad) const { value_rad = radians(y_.number(key)); }
+  void positiveDegrees(const char* key, double& value_rad) const { value_rad = radians(y_.positive(key)); }
+  void degreesBelow(const char* key, double& value_rad, double limit_deg) const {
+    value_rad = radians(y_.positive(key));
+    if (value_rad >= radians(limit_deg))
+      throw y_.error(key, "must be below " + std::to_string(std::lround(limit_deg)));
+  }
+  void optionalDegrees(const char* key, std::optional<double>& value_rad) const {
+    if (y_.has(key)) value_rad = radians(y_.positive(key));
+  }
+  void listOfDegrees(const char* key, std::vector<double>& values_rad) const {
+    values_rad.clear();
+    for (const double value_deg : y_.numbers(key)) values_rad.push_back(radians(value_deg));
+  }
+  void pose(const char* key, Pose& pose) const { pose = y_.pose(key); }
 
-DepthSheet readDepth(const YamlMap& y) {
-  DepthSheet s;
-  s.rate_hz = y.positive("rate_hz");
-  s.pressure_sigma_pa = y.positive("pressure_sigma_pa");
-  s.pressure_offset_sigma_pa = y.notNegative("pressure_offset_sigma_pa");
-  s.atmospheric_pressure_pa = y.positive("atmospheric_pressure_pa");
-  s.water_density_kg_m3 = y.positive("water_density_kg_m3");
-  s.T_robot_depth = y.pose("pose");
-  return s;
-}
-
-UsblSheet readUsbl(const YamlMap& y) {
-  UsblSheet s;
-  s.rate_hz = y.positive("rate_hz");
-  s.position_sigma_m = y.positive("position_sigma_m");
-  s.T_robot_usbl = y.pose("pose");
-  return s;
-}
+ private:
+  const YamlMap& y_;
+};
 
 Window readWindow(const YamlMap& y) {
   const Window window{y.notNegative("distance_m"), radians(y.number("tilt_deg")),
@@ -108,13 +89,6 @@ LampSheet readLamp(const YamlMap& y) {
 
 }  // namespace
 
-Pose DvlSheet::T_robot_beam(std::size_t k) const {
-  // x along the beam: from straight down (-z of the DVL), beam_angle outwards at the azimuth.
-  const double azimuth = beam_azimuths_rad.at(k);
-  const Pose T_dvl_beam{rotationFromYawPitchRoll(azimuth, radians(90) - beam_angle_rad, 0), Vector3d::Zero()};
-  return T_robot_dvl * T_dvl_beam;
-}
-
 void readPinhole(const YamlMap& y, CameraModel& camera) {
   camera.fx_px = y.positive("fx_px");
   camera.fy_px = y.positive("fy_px");
@@ -127,10 +101,13 @@ Vehicle readVehicle(const std::filesystem::path& file) {
   const YamlMap& y = yaml.root();
   Vehicle v;
   v.gravity_m_s2 = y.notNegative("gravity_m_s2");
-  if (y.has("ins")) v.ins = readIns(y.map("ins"));
-  if (y.has("dvl")) v.dvl = readDvl(y.map("dvl"));
-  if (y.has("depth")) v.depth = readDepth(y.map("depth"));
-  if (y.has("usbl")) v.usbl = readUsbl(y.map("usbl"));
+  forEachInstrument([&]<class Instrument>() {
+    const std::string section(Instrument::section);
+    if (!y.has(section) || v.*Instrument::on_board) return;  // one section may be of two instruments
+    typename Instrument::Sheet sheet;
+    sheet.fields(ReadFields(y.map(section)));
+    v.*Instrument::on_board = sheet;
+  });
   if (y.has("camera")) v.camera = readCamera(y.map("camera"));
   if (y.has("lamps"))
     for (const YamlMap& lamp : y.maps("lamps")) v.lamps.push_back(readLamp(lamp));

@@ -7,55 +7,15 @@
 
 #include "core/camera_model.h"
 #include "core/geometry.h"
-#include "core/yaml.h"
+#include "sensors/all_instruments.h"
 
 /// The vehicle file: what an engineer knows of the robot from data sheets and drawings. See config/rov.yaml.
 namespace fathom {
 
-struct InsSheet {
-  double rate_hz = 100;
-  double gyro_sigma_rad_s = 0.001;              ///< white, each sample
-  double accelerometer_sigma_m_s2 = 0.01;       ///< white, each sample
-  double gyro_bias_sigma_rad_s = 5e-5;          ///< stationary sigma of a first-order Gauss-Markov process
-  double accelerometer_bias_sigma_m_s2 = 3e-3;  ///< likewise
-  double bias_time_constant_s = 120;
-  /// Optional key: sigma of the attitude, where the INS gives one; absent, its attitude is used for the start
-  /// only.
-  std::optional<double> attitude_sigma_rad;
-  Pose T_robot_ins;
-};
+class YamlMap;
 
-struct DvlSheet {
-  double rate_hz = 5;
-  double assumed_sound_speed_m_s = 1500;
-  double beam_sigma_m_s = 0.007;
-  double velocity_sigma_xy_m_s = 0.0099;
-  double velocity_sigma_z_m_s = 0.00404;
-  double range_sigma_m = 0.015;
-  double beam_angle_rad = radians(30);                                                ///< from straight down
-  std::vector<double> beam_azimuths_rad{0, radians(90), radians(180), radians(270)};  ///< DVL frame
-  Pose T_robot_dvl;
-
-  /// Beam k's frame on the robot: x along the beam, down and out. The one place that knows the Janus
-  /// geometry.
-  Pose T_robot_beam(std::size_t k) const;
-};
-
-struct DepthSheet {
-  double rate_hz = 5;
-  double pressure_sigma_pa = 100;
-  double pressure_offset_sigma_pa = 100;
-  double atmospheric_pressure_pa = 101325;
-  double water_density_kg_m3 = 1025;
-  Pose T_robot_depth;
-};
-
-/// Optional section `usbl`: position of the transponder.
-struct UsblSheet {
-  double rate_hz = 0.2;
-  double position_sigma_m = 0.5;  ///< each axis
-  Pose T_robot_usbl;
-};
+/// The camera, as effects name it (Mounting, ValidityOffset).
+struct Camera;
 
 struct CameraSheet {
   double rate_hz = 1;
@@ -85,18 +45,29 @@ struct LampSheet {
   Pose T_robot_lamp;  ///< light leaves along x
 };
 
+/// What instruments of a list there are on board, each under its own name: `ins`, `dvl`, …
+template <class Instruments>
+struct OnBoardOf;
+template <class... Instruments>
+struct OnBoardOf<std::tuple<Instruments...>> : Instruments::OnBoard... {};
+
 /// A sensor whose section is absent is not on board.
-struct Vehicle {
+struct Vehicle : OnBoardOf<AllInstruments> {
   double gravity_m_s2 = 9.80665;
-  std::optional<InsSheet> ins;
-  std::optional<DvlSheet> dvl;
-  std::optional<DepthSheet> depth;
-  std::optional<UsblSheet> usbl;
   std::optional<CameraSheet> camera;
   std::vector<LampSheet> lamps;
 
   Vector3d gravityOdom() const { return {0, 0, -gravity_m_s2}; }
 };
+
+/// An instrument's or a channel's part of the vehicle file; the defaults where there is none.
+template <class C>
+const auto& sheetOf(const Vehicle& vehicle) {
+  using Sheet = typename C::Instrument::Sheet;
+  static const Sheet defaults;
+  const std::optional<Sheet>& sheet = vehicle.*C::Instrument::on_board;
+  return sheet ? *sheet : defaults;
+}
 
 /// Strict, see core/yaml.h. Throws Error.
 Vehicle readVehicle(const std::filesystem::path& file);

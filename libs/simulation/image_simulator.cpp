@@ -9,7 +9,7 @@
 #include "effects/drawn.h"
 #include "imaging/fingerprints.h"
 #include "render/scene.h"
-#include "sensors/models.h"
+#include "sensors/channel_model.h"
 #include "simulation/image_store.h"
 
 namespace fathom {
@@ -34,7 +34,7 @@ struct Dive {
 
   KinematicState<double> motion(std::size_t image) const {
     const double t_s = stamp_s(image);
-    const double valid_s = t_s + validityOffset<Sensor::camera>(options.effects, t_s);
+    const double valid_s = t_s + validityOffset<Camera>(options.effects, t_s);
     return trajectory.at(std::clamp(options.begin_s + valid_s, trajectory.start_s(), trajectory.end_s()));
   }
 

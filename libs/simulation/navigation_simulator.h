@@ -34,7 +34,7 @@ struct SimulationOptions {
   double beam_min_range_m = 0.05, beam_max_range_m = 50.0;
 };
 
-/// Runs the forward model (sensors/models.h) along the trajectory, one sample a call, in time order: sample k
+/// Runs the forward model (libs/sensors) along the trajectory, one sample a call, in time order: sample k
 /// of a sensor at start + k / rate, rounded to the 100 ns tick. Keeps nothing of what it has handed out.
 ///
 /// - INS: gyro, specific force; attitude where the vehicle file has attitude_sigma_deg. White noise and

@@ -9,12 +9,15 @@
 namespace fathom {
 namespace {
 
-using Labels = std::initializer_list<const char*>;
+using Labels = std::vector<std::string>;
 
 const std::vector<std::string>& knownSensors() {
-  static const std::vector<std::string> sensors{
-      labels::kIns,    labels::kDvl,    labels::kDvlBeams, labels::kDepth,   labels::kUsbl,
-      labels::kCamera, labels::kStereo, kLandmarks,        labels::kMarkers, labels::kPanel};
+  static const std::vector<std::string> sensors = [] {
+    std::vector<std::string> all = instrumentLabels();
+    for (const char* label : {labels::kCamera, labels::kStereo, kLandmarks, labels::kMarkers, labels::kPanel})
+      all.emplace_back(label);
+    return all;
+  }();
   return sensors;
 }
 
@@ -49,10 +52,10 @@ class ReadFields {
   void option(const char* key, double& value, Limit limit) {
     if (map_.has(key)) value = checked(key, map_.number(key), limit);
   }
-  void amount(const char* key, Labels labels, double& value, Limit limit) {
+  void amount(const char* key, const Labels& labels, double& value, Limit limit) {
     if (present(key, labels)) value = checked(key, map_.number(key), limit);
   }
-  void amount(const char* key, Labels labels, Vector3d& value, Limit limit) {
+  void amount(const char* key, const Labels& labels, Vector3d& value, Limit limit) {
     if (!present(key, labels)) return;
     value = map_.isList(key) ? map_.vector3(key) : Vector3d::Constant(map_.number(key));
     for (const double component : value) checked(key, component, limit);
@@ -79,11 +82,11 @@ class ReadFields {
   }
 
  private:
-  bool present(const char* key, Labels labels) {
+  bool present(const char* key, const Labels& labels) {
     const bool given = map_.has(key) || (key == vary_);
     bool wanted = false;
     for (const std::string& sensor : sensors_)
-      for (const char* label : labels) {
+      for (const std::string& label : labels) {
         if (!standsFor(sensor, label)) continue;
         wanted = true;
         auto& keys = amounts_[sensor];
@@ -114,8 +117,8 @@ struct ScaleFields {
     if (limit == Limit::probability) value = std::min(value, 1.0);
   }
   void option(const char*, double&, Limit) const {}
-  void amount(const char*, Labels, double& value, Limit) const { value *= factor; }
-  void amount(const char*, Labels, Vector3d& value, Limit) const { value *= factor; }
+  void amount(const char*, const Labels&, double& value, Limit) const { value *= factor; }
+  void amount(const char*, const Labels&, Vector3d& value, Limit) const { value *= factor; }
   void choices(const char*, const auto&, auto&) const {}
 };
 
@@ -129,8 +132,8 @@ struct SetField {
     value = to;
   }
   void option(const char*, double&, Limit) const {}
-  void amount(const char* name, Labels, double& value, Limit limit) { strength(name, value, limit); }
-  void amount(const char* name, Labels, Vector3d& value, Limit limit) {
+  void amount(const char* name, const Labels&, double& value, Limit limit) { strength(name, value, limit); }
+  void amount(const char* name, const Labels&, Vector3d& value, Limit limit) {
     if (!matches(name, limit)) return;
     const double largest = value.cwiseAbs().maxCoeff();
     value = largest > 0 ? Vector3d(value / largest * to) : Vector3d::Constant(to);
@@ -151,7 +154,7 @@ struct ListStrengths {
 
   void strength(const char* key, double&, Limit) { keys.emplace_back(key); }
   void option(const char*, double&, Limit) const {}
-  void amount(const char* key, Labels, const auto&, Limit) { keys.emplace_back(key); }
+  void amount(const char* key, const Labels&, const auto&, Limit) { keys.emplace_back(key); }
   void choices(const char*, const auto&, auto&) const {}
 };
 

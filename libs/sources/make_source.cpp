@@ -6,6 +6,7 @@
 
 #include "core/files.h"
 #include "effects/calibration.h"
+#include "recording/instrument_entries.h"
 #include "recording/rawlog.h"
 #include "sources/mixed_source.h"
 #include "sources/simulated_source.h"
@@ -16,8 +17,12 @@ namespace {
 
 constexpr const char* kRecording = "recording";
 constexpr const char* kSimulation = "simulation";
-const std::set<std::string> kSensors{labels::kIns,  labels::kDvl,    labels::kDvlBeams, labels::kDepth,
-                                     labels::kUsbl, labels::kCamera, labels::kStereo,   labels::kTruth};
+const std::set<std::string> kSensors = [] {
+  const std::vector<std::string> instruments = instrumentLabels();
+  std::set<std::string> all{labels::kCamera, labels::kStereo, labels::kTruth};
+  all.insert(instruments.begin(), instruments.end());
+  return all;
+}();
 const std::set<std::string> kImages{labels::kCamera, labels::kStereo};
 
 /// What a recording holds: from when to when, and which labels.
@@ -40,11 +45,10 @@ Contents contentsOf(const fs::path& rawlog) {
 
 std::set<std::string> sensorsOf(const Vehicle& vehicle) {
   std::set<std::string> sensors{labels::kTruth};
-  if (vehicle.ins) sensors.insert(labels::kIns);
-  if (vehicle.dvl) sensors.insert(labels::kDvl);
-  if (vehicle.dvl && !vehicle.dvl->beam_azimuths_rad.empty()) sensors.insert(labels::kDvlBeams);
-  if (vehicle.depth) sensors.insert(labels::kDepth);
-  if (vehicle.usbl) sensors.insert(labels::kUsbl);
+  forEachInstrument([&]<class Instrument>() {
+    const auto& sheet = vehicle.*Instrument::on_board;
+    if (sheet && !Instrument::mountings(*sheet).empty()) sensors.insert(Instrument::label);
+  });
   return sensors;
 }
 

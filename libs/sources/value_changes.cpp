@@ -2,17 +2,12 @@
 
 #include <algorithm>
 #include <limits>
-#include <set>
 
 namespace fathom {
 namespace {
 
-/// What a sensor of a slow vehicle could read, from -limit to limit in each axis.
-constexpr double kWildRate_rad_s = 2.0, kWildForce_m_s2 = 20.0, kWildVelocity_m_s = 3.0;
+/// How far landmarks are moved by garbage.
 constexpr double kWildPosition_m = 10.0, kWildAngle_rad = 2.0;
-constexpr double kWildRange_m = 50.0;       // from 0
-constexpr double kWildPressure_pa = 1.1e6;  // from 0: 100 m of water
-constexpr double kShortestRange_m = 1e-3;   // 0 is "no echo" in a recording
 constexpr double kHuge = 1e12;
 
 /// Draws garbage values.
@@ -26,8 +21,8 @@ struct GarbageDraw {
     if (kind == Garbage::huge) return wild < 0.5 * (low + high) && low < 0 ? -kHuge : kHuge;
     return wild;
   }
-  Vector3d vector(double limit) const {
-    const double x = value(-limit, limit), y = value(-limit, limit), z = value(-limit, limit);
+  Vector3d vector(double low, double high) const {
+    const double x = value(low, high), y = value(low, high), z = value(low, high);
     return {x, y, z};
   }
   Matrix3d rotation() const {
@@ -37,8 +32,16 @@ struct GarbageDraw {
   }
 };
 
+void replace(double& value, const ValueText& text, const GarbageDraw& draw) {
+  if (!text.fault.empty()) value = draw.value(text.wild_low, text.wild_high);
+}
+void replace(Vector3d& value, const ValueText& text, const GarbageDraw& draw) {
+  value = draw.vector(text.wild_low, text.wild_high);
+}
+void replace(Matrix3d& value, const ValueText&, const GarbageDraw& draw) { value = draw.rotation(); }
+
 void replaceInLandmark(Sample& sample, const GarbageDraw& draw) {
-  const Vector3d offset = draw.vector(kWildPosition_m);
+  const Vector3d offset = draw.vector(-kWildPosition_m, kWildPosition_m);
   const Vector3d turn = logSO3<double>(GarbageDraw{Garbage::wild, draw.random}.rotation());
   detail::moveRobot(sample, offset, turn);
 }
@@ -47,12 +50,21 @@ void replaceInLandmark(Sample& sample, const GarbageDraw& draw) {
 
 namespace detail {
 
-void addToRange(std::optional<double>& range_m, double amount_m) {
-  if (range_m && amount_m != 0) range_m = std::max(*range_m + amount_m, kShortestRange_m);
+void add(double& value, const Vector3d& amount, const ValueText& text) {
+  if (amount.x() == 0) return;
+  value += amount.x();
+  if (text.least > 0) value = std::max(value, text.least);
 }
-
-void addToUsbl(PoseSample& sample, const Vector3d& amount_m) {
-  sample.T_odom_robot.mean.position += amount_m;
+void add(Vector3d& value, const Vector3d& amount, const ValueText& text) {
+  if (text.kind != ValueText::Kind::geodetic) {
+    value += amount;
+  } else if (!amount.isZero(0)) {
+    const Geodetic moved = geodetic(amount, {value.x(), value.y(), value.z()});
+    value = {moved.latitude_deg, moved.longitude_deg, moved.height_m};
+  }
+}
+void add(Matrix3d& value, const Vector3d& amount_deg, const ValueText&) {
+  if (!amount_deg.isZero(0)) value *= expSO3<double>(amount_deg * radians(1));
 }
 
 void moveRobot(Sample& sample, const Vector3d& offset_m, const Vector3d& turn_rad) {
@@ -70,28 +82,47 @@ void moveRobot(Sample& sample, const Vector3d& offset_m, const Vector3d& turn_ra
 
 void replaceValues(Sample& sample, Garbage garbage, Random& random) {
   const GarbageDraw draw{garbage, random};
-  if (auto* ins = std::get_if<InsSample>(&sample.reading)) {
-    if (ins->angular_velocity_ins) ins->angular_velocity_ins = draw.vector(kWildRate_rad_s);
-    if (ins->specific_force_ins) ins->specific_force_ins = draw.vector(kWildForce_m_s2);
-    if (ins->R_odom_ins) ins->R_odom_ins = draw.rotation();
-  } else if (auto* dvl = std::get_if<DvlSample>(&sample.reading)) {
-    if (dvl->velocity_dvl) dvl->velocity_dvl = draw.vector(kWildVelocity_m_s);
-  } else if (auto* beams = std::get_if<DvlBeamsSample>(&sample.reading)) {
-    for (DvlBeam& beam : beams->beams)
-      if (beam.range_m) beam.range_m = draw.value(0, kWildRange_m);
-  } else if (auto* depth = std::get_if<DepthSample>(&sample.reading)) {
-    depth->pressure_pa = draw.value(0, kWildPressure_pa);
-  } else if (sample.label == labels::kUsbl && std::holds_alternative<PoseSample>(sample.reading)) {
-    std::get<PoseSample>(sample.reading).T_odom_robot.mean.position = draw.vector(kWildPosition_m);
-  } else {
-    replaceInLandmark(sample, draw);
-  }
+  if (!isOfInstrument(sample)) return replaceInLandmark(sample, draw);
+  withInstrument(sample, [&]<class Instrument>(auto& entry) {
+    Instrument::forEachValue(entry, [&](int k, auto* value) {
+      if (value != nullptr) replace(*value, Instrument::values[static_cast<std::size_t>(k)], draw);
+    });
+  });
+}
+
+const std::vector<AmountText>& amountTexts() {
+  static const std::vector<AmountText> texts = [] {
+    std::vector<AmountText> all;
+    const auto concern = [&](std::string_view key, bool is_scalar, const char* label) {
+      auto found = std::find_if(all.begin(), all.end(), [&](const AmountText& t) { return t.key == key; });
+      if (found == all.end()) found = all.insert(all.end(), {key, is_scalar, {}});
+      found->labels.emplace_back(label);
+    };
+    forEachInstrument([&]<class Instrument>() {
+      for (const ValueText& value : Instrument::values)
+        if (!value.fault.empty())
+          concern(value.fault, value.kind == ValueText::Kind::scalar, Instrument::label);
+    });
+    for (const char* label : {labels::kMarkers, labels::kPanel}) {
+      concern("position_m", false, label);
+      concern("angle_deg", false, label);
+    }
+    return all;
+  }();
+  return texts;
+}
+
+std::size_t Amounts::placeOf(std::string_view key) {
+  const auto& texts = amountTexts();
+  return static_cast<std::size_t>(
+      std::find_if(texts.begin(), texts.end(), [&](const AmountText& t) { return t.key == key; }) -
+      texts.begin());
 }
 
 bool hasValues(const std::string& label) {
-  static const std::set<std::string> with{labels::kIns,  labels::kDvl,     labels::kDvlBeams, labels::kDepth,
-                                          labels::kUsbl, labels::kMarkers, labels::kPanel};
-  return with.contains(label);
+  return std::any_of(amountTexts().begin(), amountTexts().end(), [&](const AmountText& text) {
+    return std::find(text.labels.begin(), text.labels.end(), label) != text.labels.end();
+  });
 }
 
 }  // namespace fathom

@@ -2,10 +2,12 @@
 
 #include <array>
 #include <concepts>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/random.h"
-#include "recording/samples.h"
+#include "recording/instrument_entries.h"
 
 /// Changes of the values in a sample. A landmark comes in two forms of one image: MARKERS (T_odom_robot) and
 /// PANEL (T_camera_panel of each panel seen). Both are changed alike: as if the robot stood elsewhere, by an
@@ -18,61 +20,70 @@
 /// of its fault.
 namespace fathom {
 
-/// How much is added to which value. In YAML a number goes for every axis, or [x, y, z].
-struct Amounts {
-  Vector3d gyro_rad_s = Vector3d::Zero();          ///< INS, its axes
-  Vector3d accelerometer_m_s2 = Vector3d::Zero();  ///< INS, its axes
-  Vector3d attitude_deg = Vector3d::Zero();        ///< INS that gives one: rotation vector in its axes
-  Vector3d velocity_m_s = Vector3d::Zero();        ///< DVL, its axes
-  double range_m = 0.0;                            ///< DVL_BEAMS; a range stays above 1 mm, as 0 is "no echo"
-  double pressure_pa = 0.0;                        ///< DEPTH
-  Vector3d position_m = Vector3d::Zero();          ///< USBL: odom axes; landmarks: robot axes
-  Vector3d angle_deg = Vector3d::Zero();           ///< landmarks: rotation vector in robot axes
+/// The amounts that faults add: one for each value of an instrument that has such a key (ValueText::fault);
+/// for landmarks position_m (robot axes) and angle_deg (rotation vector in robot axes).
+struct AmountText {
+  std::string_view key;
+  bool is_scalar = false;
+  std::vector<std::string> labels;  ///< of the entries that it concerns
+};
+const std::vector<AmountText>& amountTexts();
+
+/// How much is added to which value, in its unit and axes. In YAML a number goes for every axis, or [x, y,
+/// z].
+class Amounts {
+ public:
+  /// Of a scalar, the first component counts. Throws std::out_of_range where no value has such an amount.
+  Vector3d& of(std::string_view key) { return values_.at(placeOf(key)); }
+  const Vector3d& of(std::string_view key) const { return values_.at(placeOf(key)); }
 
   template <class F>
   void fields(F& f, const auto& limit) {
-    f.amount("gyro_rad_s", {labels::kIns}, gyro_rad_s, limit);
-    f.amount("accelerometer_m_s2", {labels::kIns}, accelerometer_m_s2, limit);
-    f.amount("attitude_deg", {labels::kIns}, attitude_deg, limit);
-    f.amount("velocity_m_s", {labels::kDvl}, velocity_m_s, limit);
-    f.amount("range_m", {labels::kDvlBeams}, range_m, limit);
-    f.amount("pressure_pa", {labels::kDepth}, pressure_pa, limit);
-    f.amount("position_m", {labels::kUsbl, labels::kMarkers, labels::kPanel}, position_m, limit);
-    f.amount("angle_deg", {labels::kMarkers, labels::kPanel}, angle_deg, limit);
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      const AmountText& text = amountTexts()[i];
+      const std::string key(text.key);
+      if (text.is_scalar)
+        f.amount(key.c_str(), text.labels, values_[i].x(), limit);
+      else
+        f.amount(key.c_str(), text.labels, values_[i], limit);
+    }
   }
+
+ private:
+  static std::size_t placeOf(std::string_view key);
+  std::vector<Vector3d> values_ = std::vector<Vector3d>(amountTexts().size(), Vector3d::Zero());
 };
 
 namespace detail {
-void addToRange(std::optional<double>& range_m, double amount_m);
-void addToUsbl(PoseSample& sample, const Vector3d& amount_m);
+/// A range stays above what stands for "no echo".
+void add(double& value, const Vector3d& amount, const ValueText& text);
+void add(Vector3d& value, const Vector3d& amount, const ValueText& text);
+/// Degrees, in its own axes.
+void add(Matrix3d& value, const Vector3d& amount_deg, const ValueText& text);
 /// D from an offset and a rotation vector; none where both are zero, which then changes no digit.
 void moveRobot(Sample& sample, const Vector3d& offset_m, const Vector3d& turn_rad);
 }  // namespace detail
 
-/// Adds change(amount) to every value; `change` is a Vector3d of a Vector3d, called in the order of Amounts,
-/// however large they are, once for each value (of a scalar, its first component counts).
+/// Adds change(amount) to every value; `change` is a Vector3d of a Vector3d, called in the order of an
+/// instrument's values, however large they are, once for each value (of a scalar, its first component
+/// counts).
 template <std::invocable<Vector3d> Change>
 void addTo(Sample& sample, const Amounts& amounts, Change change) {
-  const auto scalar = [&](double amount) -> double { return change(Vector3d(amount, 0, 0)).x(); };
-  if (auto* ins = std::get_if<InsSample>(&sample.reading)) {
-    const Vector3d rate = change(amounts.gyro_rad_s), force = change(amounts.accelerometer_m_s2),
-                   turn = change(amounts.attitude_deg);
-    if (ins->angular_velocity_ins) *ins->angular_velocity_ins += rate;
-    if (ins->specific_force_ins) *ins->specific_force_ins += force;
-    if (ins->R_odom_ins && !turn.isZero(0)) *ins->R_odom_ins *= expSO3<double>(turn * radians(1));
-  } else if (auto* dvl = std::get_if<DvlSample>(&sample.reading)) {
-    const Vector3d velocity = change(amounts.velocity_m_s);
-    if (dvl->velocity_dvl) *dvl->velocity_dvl += velocity;
-  } else if (auto* beams = std::get_if<DvlBeamsSample>(&sample.reading)) {
-    for (DvlBeam& beam : beams->beams) detail::addToRange(beam.range_m, scalar(amounts.range_m));
-  } else if (auto* depth = std::get_if<DepthSample>(&sample.reading)) {
-    depth->pressure_pa += scalar(amounts.pressure_pa);
-  } else if (sample.label == labels::kUsbl && std::holds_alternative<PoseSample>(sample.reading)) {
-    detail::addToUsbl(std::get<PoseSample>(sample.reading), change(amounts.position_m));
-  } else {
-    const Vector3d offset = change(amounts.position_m), turn = change(amounts.angle_deg);
-    detail::moveRobot(sample, offset, turn * radians(1));
-  }
+  bool is_instruments = false;
+  withInstrument(sample, [&]<class Instrument>(auto& entry) {
+    is_instruments = true;
+    Instrument::forEachValue(entry, [&](int k, auto* value) {
+      const ValueText& text = Instrument::values[static_cast<std::size_t>(k)];
+      if (text.fault.empty()) return;
+      Vector3d amount = amounts.of(text.fault);
+      if (text.kind == ValueText::Kind::scalar) amount.tail<2>().setZero();
+      const Vector3d changed = change(amount);
+      if (value != nullptr) detail::add(*value, changed, text);
+    });
+  });
+  if (is_instruments) return;
+  const Vector3d offset = change(amounts.of("position_m")), turn = change(amounts.of("angle_deg"));
+  detail::moveRobot(sample, offset, turn * radians(1));
 }
 
 /// What corrupted values look like.

@@ -73,17 +73,16 @@ struct Comparison {
     compare("k3", recorded.k3, sheet.model.k3, kSameDistortion);
   }
 
-  void beams(const LabelInfo& label, const DvlSheet& sheet) {
-    if (label.mountings.size() != sheet.beam_azimuths_rad.size()) {
+  void beams(const LabelInfo& label, const std::vector<Pose>& sheet) {
+    if (label.mountings.size() != sheet.size()) {
       lines.push_back(label.label + ": " + std::to_string(label.mountings.size()) +
-                      " beams in the recording, " + std::to_string(sheet.beam_azimuths_rad.size()) +
-                      " in the vehicle file");
+                      " beams in the recording, " + std::to_string(sheet.size()) + " in the vehicle file");
       return;
     }
     for (std::size_t k = 0; k < label.mountings.size(); ++k) {
       // A beam has no roll of its own: only where it starts and where it points is compared.
       const Pose& recorded = label.mountings[k];
-      const Pose sheet_beam = sheet.T_robot_beam(k);
+      const Pose& sheet_beam = sheet[k];
       const double offset_m = (recorded.position - sheet_beam.position).norm();
       const Vector3d x_recorded = recorded.rotation.col(0), x_sheet = sheet_beam.rotation.col(0);
       const double angle_rad = std::atan2(x_recorded.cross(x_sheet).norm(), x_recorded.dot(x_sheet));
@@ -127,16 +126,16 @@ std::vector<std::string> disagreements(const RecordingInfo& recording, const Veh
   for (const LabelInfo& label : recording.labels) {
     if (label.mountings.empty()) continue;
     const std::string& name = label.label;
-    if (name == labels::kIns && compare.onBoard(label, vehicle.ins, "ins"))
-      compare.mounting(label, vehicle.ins->T_robot_ins);
-    if (name == labels::kDvl && compare.onBoard(label, vehicle.dvl, "dvl"))
-      compare.mounting(label, vehicle.dvl->T_robot_dvl);
-    if (name == labels::kDvlBeams && compare.onBoard(label, vehicle.dvl, "dvl"))
-      compare.beams(label, *vehicle.dvl);
-    if (name == labels::kDepth && compare.onBoard(label, vehicle.depth, "depth"))
-      compare.mounting(label, vehicle.depth->T_robot_depth);
-    if (name == labels::kUsbl && compare.onBoard(label, vehicle.usbl, "usbl"))
-      compare.mounting(label, vehicle.usbl->T_robot_usbl);
+    forEachInstrument([&]<class Instrument>() {
+      const auto& sheet = vehicle.*Instrument::on_board;
+      if (name != Instrument::label || !compare.onBoard(label, sheet, std::string(Instrument::section)))
+        return;
+      const std::vector<Pose> mountings = Instrument::mountings(*sheet);
+      if constexpr (requires { Instrument::numbered; })
+        compare.beams(label, mountings);
+      else
+        compare.mounting(label, mountings.front());
+    });
     if (name == labels::kCamera && compare.onBoard(label, vehicle.camera, "camera")) {
       compare.mounting(label, vehicle.camera->T_robot_camera);
       compare.intrinsics(label, *vehicle.camera);

@@ -7,7 +7,7 @@
 namespace fathom {
 
 bool TaskSpec::fusesLandmarks() const {
-  return std::find(options.fuse.begin(), options.fuse.end(), Channel::landmark) != options.fuse.end();
+  return std::find(options.fuse.begin(), options.fuse.end(), kChannel<Landmark>) != options.fuse.end();
 }
 
 LocalizationOptions readTask(const std::string& task) {

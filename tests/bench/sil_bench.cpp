@@ -60,10 +60,10 @@ double paired(const PosedImages& images, const PairMaker& maker, const SilOption
 int bench(const fs::path& rawlog) {
   const fs::path root = FATHOM_SOURCE_DIR;
   KnownWorld world{readVehicle(root / "config/trial_rov.yaml"),
-                 readPanelMaps(root / "maps/dexrov/panel.yaml"),
-                 readEnvironment(root / "config/water_turbid.yaml"),
-                 {},
-                 KnownSeaFloor{-6, 3}};
+                   readPanelMaps(root / "maps/dexrov/panel.yaml"),
+                   readEnvironment(root / "config/water_turbid.yaml"),
+                   {},
+                   KnownSeaFloor{-6, 3}};
   SilOptions options;
   options.detection.families = familiesOf(world.panels);
   options.detection.backend = Backend::apriltag;

@@ -67,11 +67,11 @@ TEST(BatchSample, ResidualsOfACleanRecordingAreItsNoise) {
   ASSERT_TRUE(estimate.succeeded) << estimate.failure;
   // Its corners are noisier than the fit of their edges says.
   estimate = adaptNoise(run.input.data, estimate, options);
-  EXPECT_LT(options.problem.noise_scale[static_cast<std::size_t>(BatchChannel::markers)], 2.5);
+  EXPECT_LT(options.problem.noise_scale[indexOf(kChannel<Markers>)], 2.5);
   for (const auto& [channel, residual] : estimate.residuals) {
     const double ratio = residual.rms / residual.expected_rms;
     RecordProperty(nameOf(channel), std::to_string(ratio));
-    if (channel == BatchChannel::prior) continue;
+    if (channel == kChannel<Prior>) continue;
     EXPECT_NEAR(ratio, 1.0, 0.1) << nameOf(channel);
   }
   const auto [nees, rms_m] = run.errors(estimate);

@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 
+#include "support/observed.h"
 #include "support/sanitized.h"
 #include "support/shared_data.h"
 
@@ -61,15 +62,20 @@ Errors run(const EkfInputs& inputs, const TruthAt& truth_at, const ProcessNoise&
       last_t = line.t;
       if (line.sensor == "ins") {
         // Through the sensors' forward model, so that the bias states act.
-        MeasurementContext context;
-        context.gravity_odom.setZero();  // the file's accelerations are free of gravity
+        Vehicle vehicle = test::fullVehicle();
+        vehicle.gravity_m_s2 = 0;  // the file's accelerations are free of gravity
+        const MeasurementContext context{&vehicle, {}};
         const auto& z = line.z.motion;
         filter.update(
             directMeasurement<N, 3, 4, 5>(filter.x, line.z, Matrix3d(line.R.topLeftCorner<3, 3>())));
-        filter.update(SensorMeasurements<N>::gyro(filter.x, z.angular_velocity_robot, Pose{},
-                                                  std::sqrt(line.R(3, 3)), context));
-        filter.update(SensorMeasurements<N>::accelerometer(filter.x, z.acceleration_robot, Pose{},
-                                                           std::sqrt(line.R(6, 6)), context));
+        filter.update(test::measured<N, Gyro>(
+            filter.x,
+            Observation::vector(z.angular_velocity_robot, Vector3d::Constant(std::sqrt(line.R(3, 3))), {}),
+            context));
+        filter.update(test::measured<N, Accelerometer>(
+            filter.x,
+            Observation::vector(z.acceleration_robot, Vector3d::Constant(std::sqrt(line.R(6, 6))), {}),
+            context));
       } else {
         withMeasurement<N>(filter.x, line, [&](const auto& m) { return filter.update(m); });
       }

@@ -6,7 +6,7 @@
 
 #include "core/chi_square.h"
 #include "localization/measurements.h"
-#include "sensors/models.h"
+#include "support/observed.h"
 #include "support/random_state.h"
 
 namespace fathom {
@@ -72,12 +72,13 @@ double meanNees(const SensorSet& use, std::uint64_t seed, double noise_factor) {
   Random random = Random::stream(seed, 77);
   const ProcessNoise noise = consistentNoise();
   const Sigmas sigma;
-  MeasurementContext context;
   const Pose ins{expSO3<double>(Vector3d(0.1, -0.2, 0.3)), {0.05, -0.02, 0.03}};
   const Pose dvl{expSO3<double>(Vector3d(0, 0, 0.8)), {-0.2, 0.05, -0.18}};
   const Pose other{Matrix3d::Identity(), {-0.1, 0.1, 0.3}};
-  DvlSheet sheet;
-  sheet.T_robot_dvl = dvl;
+  Vehicle vehicle = test::fullVehicle();
+  vehicle.dvl->T_robot_dvl = dvl;
+  vehicle.depth = sigma.depth;
+  const MeasurementContext context{&vehicle, {}};
 
   NavigationState<double> truth;
   truth.motion.velocity_robot = {0.5, 0, 0};
@@ -94,40 +95,39 @@ double meanNees(const SensorSet& use, std::uint64_t seed, double noise_factor) {
   for (int k = 1; k <= kSteps; ++k) {
     moveRandomly<N>(truth, noise, random);
     filter.predict(kDt, noise);
-    const auto effects = effectsOf(truth, context.calibration, 0);
-    const auto world = World<double>{context.gravity_odom, truth.sea_floor_z_m};
-    const auto& m = truth.motion;
+    const Inputs<double> in = test::inputs(truth.motion, {vehicle.gravityOdom(), truth.sea_floor_z_m},
+                                           effectsOf(truth, context.calibration, 0));
+    const auto update = [&]<class C>(const Observation& seen) {
+      filter.update(test::measured<N, C>(filter.x, seen, context));
+    };
     if (use.gyro)
-      filter.update(SensorMeasurements<N>::gyro(
-          filter.x, predictGyro(m, ins, effects, 0) + noise3(sigma.gyro), ins, sigma.gyro, context));
+      update.template operator()<Gyro>(Observation::vector(
+          Gyro::angularVelocity(in, ins) + noise3(sigma.gyro), Vector3d::Constant(sigma.gyro), ins));
     if (use.accelerometer)
-      filter.update(SensorMeasurements<N>::accelerometer(
-          filter.x, predictSpecificForce(m, world, ins, effects, 0) + noise3(sigma.accelerometer), ins,
-          sigma.accelerometer, context));
+      update.template operator()<Accelerometer>(
+          Observation::vector(Accelerometer::specificForce(in, ins) + noise3(sigma.accelerometer),
+                              Vector3d::Constant(sigma.accelerometer), ins));
     if (use.attitude && k % 5 == 0)
-      filter.update(SensorMeasurements<N>::attitude(
-          filter.x, predictAttitude(m, ins, effects, 0) * expSO3<double>(noise3(sigma.attitude)), ins,
-          Matrix3d::Identity() * sigma.attitude * sigma.attitude, context));
+      update.template operator()<Attitude>(Observation::rotation(
+          Attitude::orientation(in, ins) * expSO3<double>(noise3(sigma.attitude)), sigma.attitude, ins));
     if (use.dvl && k % 10 == 0)
-      filter.update(SensorMeasurements<N>::dvl(filter.x,
-                                               predictDvlVelocity(m, dvl, effects, 0) + noise3(sigma.dvl),
-                                               dvl, Vector3d::Constant(sigma.dvl), context));
+      update.template operator()<Dvl>(Observation::vector(Dvl::velocity(in, dvl) + noise3(sigma.dvl),
+                                                          Vector3d::Constant(sigma.dvl), dvl));
     if (use.altitude && k % 10 == 0)
       for (std::size_t beam = 0; beam < 4; ++beam) {
-        const double range = predictBeamRange(m, world, dvl, sheet.T_robot_beam(beam), effects, 0);
-        filter.update(SensorMeasurements<N>::beam(filter.x,
-                                                  range + noise_factor * sigma.beam * random.normal(), dvl,
-                                                  sheet.T_robot_beam(beam), sigma.beam, context));
+        const Pose T_robot_beam = vehicle.dvl->T_robot_beam(beam);
+        const double range = DvlBeams::range(in, dvl, T_robot_beam);
+        update.template operator()<DvlBeams>(Observation::scalar(
+            range + noise_factor * sigma.beam * random.normal(), sigma.beam, T_robot_beam));
       }
     if (use.depth && k % 10 == 0)
-      filter.update(
-          SensorMeasurements<N>::depth(filter.x,
-                                       predictPressure(m, world, sigma.depth, other, effects, 0) +
-                                           noise_factor * sigma.depth.pressure_sigma_pa * random.normal(),
-                                       sigma.depth, other, context));
+      update.template operator()<Depth>(
+          Observation::scalar(Depth::pressure(in, sigma.depth, other) +
+                                  noise_factor * sigma.depth.pressure_sigma_pa * random.normal(),
+                              sigma.depth.pressure_sigma_pa, other));
     if (use.usbl && k % 50 == 0)
-      filter.update(SensorMeasurements<N>::usbl(filter.x, predictUsbl(m, other) + noise3(sigma.usbl), other,
-                                                Matrix3d::Identity() * sigma.usbl * sigma.usbl));
+      update.template operator()<Usbl>(Observation::vector(Usbl::position(in, other) + noise3(sigma.usbl),
+                                                           Vector3d::Constant(sigma.usbl), other));
     if (use.landmark && k % 25 == 0) {
       auto z = truth;
       z.motion.position_odom += noise3(sigma.landmark_m);

@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 
 #include "recording/rawlog.h"
-#include "sensors/models.h"
 #include "simulation/read_trajectory.h"
+#include "support/observed.h"
 #include "support/shared_data.h"
 
 namespace fathom {
@@ -41,7 +41,6 @@ TEST(SampleRecording, ForwardModelPredictsItToTheDataSheetsNoise) {
   const Trajectory trajectory = Trajectory::fromTum(truth);
   RawlogReader reader(test::sharedData("data/sample/none/recording.rawlog"));
   const World<double> world{vehicle.gravityOdom(), 0.0};
-  const EffectParameters<double> nominal;
 
   Chi2 gyro, force, velocity_xy, velocity_z, pressure, range;
   std::vector<Vector3d> gyro_error, force_error;
@@ -52,18 +51,18 @@ TEST(SampleRecording, ForwardModelPredictsItToTheDataSheetsNoise) {
     // The ends of a natural spline know no acceleration.
     if (t < trajectory.start_s() + 1 || t > trajectory.end_s() - 1) continue;
     const auto state = trajectory.at(t);
+    const Inputs<double> in = test::inputs(state, world);
     if (const auto* ins = std::get_if<InsSample>(&sample->reading)) {
-      gyro_error.emplace_back(*ins->angular_velocity_ins - predictGyro(state, ins->T_robot_ins, nominal, 0));
-      force_error.emplace_back(*ins->specific_force_ins -
-                               predictSpecificForce(state, world, ins->T_robot_ins, nominal, 0));
+      gyro_error.emplace_back(*ins->angular_velocity_ins - Gyro::angularVelocity(in, ins->T_robot_ins));
+      force_error.emplace_back(*ins->specific_force_ins - Accelerometer::specificForce(in, ins->T_robot_ins));
     } else if (const auto* dvl = std::get_if<DvlSample>(&sample->reading)) {
-      const Vector3d error = *dvl->velocity_dvl - predictDvlVelocity(state, dvl->T_robot_dvl, nominal, 0);
+      const Vector3d error = *dvl->velocity_dvl - Dvl::velocity(in, dvl->T_robot_dvl);
       velocity_xy.add(error.x(), vehicle.dvl->velocity_sigma_xy_m_s);
       velocity_xy.add(error.y(), vehicle.dvl->velocity_sigma_xy_m_s);
       velocity_z.add(error.z(), vehicle.dvl->velocity_sigma_z_m_s);
     } else if (const auto* depth = std::get_if<DepthSample>(&sample->reading)) {
-      pressure_error.push_back(depth->pressure_pa - predictPressure(state, world, *vehicle.depth,
-                                                                    depth->T_robot_depth, nominal, 0));
+      pressure_error.push_back(depth->pressure_pa -
+                               Depth::pressure(in, *vehicle.depth, depth->T_robot_depth));
     } else if (const auto* beams = std::get_if<DvlBeamsSample>(&sample->reading)) {
       for (const DvlBeam& beam : beams->beams) {
         const Pose T_odom_beam = Pose{state.R_odom_robot, state.position_odom} * beam.T_robot_beam;

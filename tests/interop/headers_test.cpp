@@ -72,12 +72,14 @@ class HeaderCompiler {
   }
   /// What the compiler complains of; empty: nothing.
   std::string complaint(const std::string& header) const {
-    const auto result = test::runShell(command(header) + " -fsyntax-only");
+    auto result = test::runShell(command(header) + " -fsyntax-only");
+    // With what is kept, clang 14 itself may crash; by itself a header is the judge.
+    if (result.status != 0) result = test::runShell(command(header, false) + " -fsyntax-only");
     return result.status == 0 ? "" : result.err;
   }
 
  private:
-  std::string command(const std::string& header) const {
+  std::string command(const std::string& header, bool with_kept = true) const {
     std::string line =
         FATHOM_COMPILER " -std=c++20 -x c++-header -Wno-pragma-once-outside-header " FATHOM_INCLUDES;
     std::optional<std::string> largest;
@@ -85,7 +87,7 @@ class HeaderCompiler {
       if (graph_.included(header).contains(kept) &&
           (!largest || graph_.included(kept).size() > graph_.included(*largest).size()))
         largest = kept;
-    if (largest) line += " -include-pch " + kept_.at(*largest);
+    if (largest && with_kept) line += " -include-pch " + kept_.at(*largest);
     return line + " " + test::shellQuoted((kLibs / header).string());
   }
 

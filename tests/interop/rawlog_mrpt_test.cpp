@@ -146,7 +146,8 @@ TEST_F(RawlogMrpt, RawlogEditListsIt) {
   EXPECT_EQ(pclose(pipe), 0) << output;
   EXPECT_NE(output.find("Overall number of objects         : 4001"), std::string::npos) << output;
   EXPECT_NE(output.find("Observations format               : Yes"), std::string::npos) << output;
-  EXPECT_NE(output.find("CAMERA, DEPTH, DVL, DVL_BEAMS, EKF_TL2, INS, MARKER_SIGHTS, PANEL, STEREO, USBL"),
+  EXPECT_NE(output.find("ALTIMETER, CAMERA, COMPASS, DEPTH, DVL, DVL_BEAMS, EKF_TL2, GNSS, INS, "
+                        "MARKER_SIGHTS, PANEL, STEREO, USBL"),
             std::string::npos)
       << output;
 }

@@ -158,7 +158,7 @@ TEST(RosBag, PoseBecomesUsblPositionOfUnknownOrientation) {
   fix.pose.covariance[1] = fix.pose.covariance[6] = 0.1;
   const auto recording = importBag(bagOf("/usbl", fix), topicMap({bagTopic("/usbl", TopicRole::usbl)}));
   const auto pdf = onlyReading<PoseSample>(recording, labels::kUsbl).T_odom_robot;
-  EXPECT_EQ(pdf.mean.y(), 4.0);
+  EXPECT_EQ(pdf.mean.position.y(), 4.0);
   EXPECT_EQ(pdf.covariance(0, 0), 0.25);
   EXPECT_EQ(pdf.covariance(1, 0), 0.1);
   EXPECT_GE(pdf.covariance(3, 3), 1e6);

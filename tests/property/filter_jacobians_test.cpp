@@ -2,7 +2,7 @@
 // sizes.
 #include <gtest/gtest.h>
 
-#include "localization/measurements.h"
+#include "support/observed.h"
 #include "support/random_state.h"
 
 namespace fathom {
@@ -36,14 +36,11 @@ Eigen::MatrixXd numericJacobian(const NavigationState<double>& x, const Make& ma
 
 template <int N, class Measurement>
 Eigen::MatrixXd denseH(const Measurement& m) {
-  using Cols = typename Measurement::Columns;
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(m.residual.size(), N);
-  for (int k = 0; k < Cols::size; ++k) {
-    if constexpr (requires { m.H; })
-      H.col(Cols::list[static_cast<std::size_t>(k)]) = m.H.col(k);
-    else
-      H(k, Cols::list[static_cast<std::size_t>(k)]) = 1.0;
-  }
+  if constexpr (requires { m.H; })
+    for (int k = 0; k < m.columns.count; ++k) H.col(m.columns.list[static_cast<std::size_t>(k)]) = m.H.col(k);
+  else
+    for (int k = 0; k < m.columns.size; ++k) H(k, m.columns.list[static_cast<std::size_t>(k)]) = 1.0;
   return H;
 }
 
@@ -76,43 +73,28 @@ TYPED_TEST(FilterJacobians, EverySensor) {
   Random random(1);
   for (int i = 0; i < kStates; ++i) {
     auto x = randomState(random);
-    MeasurementContext context;
-    context.calibration = someCalibration(random);
-    const Pose mount = randomPose(random);
-    const Vector3d z = random.normal3();
-    using State = NavigationState<double>;
-    expectJacobian<N>(
-        x, [&](const State& s) { return SensorMeasurements<N>::gyro(s, z, mount, 0.1, context); }, "gyro");
-    expectJacobian<N>(
-        x, [&](const State& s) { return SensorMeasurements<N>::accelerometer(s, z, mount, 0.1, context); },
-        "accelerometer");
-    expectJacobian<N>(
-        x, [&](const State& s) { return SensorMeasurements<N>::dvl(s, z, mount, Vector3d::Ones(), context); },
-        "dvl");
-    expectJacobian<N>(
-        x, [&](const State& s) { return SensorMeasurements<N>::depth(s, 2e5, DepthSheet{}, mount, context); },
-        "depth");
-    expectJacobian<N>(
-        x, [&](const State& s) { return SensorMeasurements<N>::usbl(s, z, mount, Matrix3d::Identity()); },
-        "usbl");
-    // Attitude: a measurement within a radian, where Log is smooth.
-    const Matrix3d R = x.motion.R_odom_robot * mount.rotation * expSO3<double>(0.3 * random.normal3());
-    expectJacobian<N>(
-        x,
-        [&](const State& s) {
-          return SensorMeasurements<N>::attitude(s, R, mount, Matrix3d::Identity(), context);
-        },
-        "attitude");
-    // A beam that looks down: from a level vehicle with some tilt.
-    x.motion.R_odom_robot = expSO3<double>(0.2 * random.normal3());
-    DvlSheet dvl;
-    expectJacobian<N>(
-        x,
-        [&](const State& s) {
-          return SensorMeasurements<N>::beam(s, 5.0, dvl.T_robot_dvl,
-                                             dvl.T_robot_beam(static_cast<std::size_t>(i % 4)), 0.1, context);
-        },
-        "beam");
+    const MeasurementContext context{&test::fullVehicle(), someCalibration(random)};
+    // Every channel there is. A rotation is measured within a radian, where Log is smooth; a beam looks down,
+    // from a level vehicle with some tilt.
+    [&]<class... Channels>(std::tuple<Channels...>*) {
+      const auto check = [&]<class C>() {
+        auto at = x;
+        Observation seen{
+            Vector3d(random.normal3()).head(C::channel.component_count),
+            Observation::Covariance::Identity(C::channel.component_count, C::channel.component_count),
+            randomPose(random), x.motion.R_odom_robot};
+        seen.about =
+            x.motion.R_odom_robot * seen.T_robot_sensor.rotation * expSO3<double>(0.3 * random.normal3());
+        if (C::channel.is_indirect) {
+          at.motion.R_odom_robot = expSO3<double>(0.2 * random.normal3());
+          seen.T_robot_sensor = DvlSheet{}.T_robot_beam(static_cast<std::size_t>(i % 4));
+        }
+        expectJacobian<N>(
+            at, [&](const NavigationState<double>& s) { return test::measured<N, C>(s, seen, context); },
+            std::string(C::channel.id).c_str());
+      };
+      (check.template operator()<Channels>(), ...);
+    }(static_cast<InstrumentChannels*>(nullptr));
   }
 }
 

@@ -26,7 +26,7 @@ BatchOptions estimating(const EffectParameters<double>& truth) {
   return options;
 }
 
-double largestRaw(const Linearization& linear, BatchChannel channel) {
+double largestRaw(const Linearization& linear, Channel channel) {
   double largest = 0;
   for (const RowInfo& row : linear.rows)
     if (row.channel == channel) largest = std::max(largest, std::abs(row.raw));
@@ -58,11 +58,11 @@ TEST(BatchEstimate, LeavesNothingOfReadingsWithoutNoise) {
   const BatchEstimate estimate = estimateBatch(input.data, input.start, options);
   ASSERT_TRUE(estimate.succeeded) << estimate.failure;
   const Linearization linear = linearize(input.data, *problemAt(input.data, estimate, options), false);
-  EXPECT_LT(largestRaw(linear, BatchChannel::gyro), 3e-5);
-  EXPECT_LT(largestRaw(linear, BatchChannel::accelerometer), 1e-3);
-  EXPECT_LT(largestRaw(linear, BatchChannel::dvl), 2e-4);
-  EXPECT_LT(largestRaw(linear, BatchChannel::depth), 2.0);
-  EXPECT_LT(largestRaw(linear, BatchChannel::markers), 0.02);
+  EXPECT_LT(largestRaw(linear, kChannel<Gyro>), 3e-5);
+  EXPECT_LT(largestRaw(linear, kChannel<Accelerometer>), 1e-3);
+  EXPECT_LT(largestRaw(linear, kChannel<Dvl>), 2e-4);
+  EXPECT_LT(largestRaw(linear, kChannel<Depth>), 2.0);
+  EXPECT_LT(largestRaw(linear, kChannel<Markers>), 0.02);
   for (const PathPose& pose : estimate.path)
     EXPECT_LT(poseDifference(pose.T_odom_robot.pose, run.truth(pose.t_s)).head<3>().norm(), 2e-4) << pose.t_s;
   EXPECT_TRUE(estimate.down_weighted.empty());
@@ -87,7 +87,7 @@ TEST_P(BatchRecovery, FindsEffectsWithinTheirSigma) {
   }
   EXPECT_LT(smallest_share, 0.2) << "too uncertain to have been found";
   for (const auto& [channel, residual] : estimate.residuals) {
-    if (channel == BatchChannel::prior || residual.rows <= 100) continue;
+    if (channel == kChannel<Prior> || residual.rows <= 100) continue;
     // A mean square over 100 rows or more: 1 ± sqrt(2/100); the expected one is of what the fit leaves.
     EXPECT_NEAR(residual.rms / residual.expected_rms, 1.0, 0.2) << nameOf(channel);
   }
@@ -116,7 +116,7 @@ TEST(BatchEstimate, DoesNotTellOneShiftOfTimeFromTheSame) {
     run.seed = static_cast<std::uint64_t>(seed);
     run.effects = calibration("{id: ins-latency, latency_s: 0.03}");
     BatchInput input = run.input();
-    input.data.pressure.clear();  // no effect has it late
+    input.data.of<Depth>().clear();  // no effect has it late
     BatchOptions late, early;
     late.calibration = run.effects;
     early.calibration =

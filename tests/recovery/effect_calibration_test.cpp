@@ -5,6 +5,7 @@
 #include "effects/catalogue.h"
 #include "localization/evaluation.h"
 #include "localization/localizer.h"
+#include "sensors/channel_model.h"
 #include "simulation/navigation_simulator.h"
 #include "simulation/read_trajectory.h"
 #include "support/shipped.h"
@@ -24,11 +25,13 @@ class EffectCalibration : public testing::Test {
     simulation_.vehicle = readVehicle(test::kRov);
     simulation_.vehicle.ins->rate_hz = 50;
     simulation_.vehicle.camera.reset();
+    simulation_.vehicle.compass.emplace();
     simulation_.duration_s = 30.0;
     simulation_.begin_s = 1.0;  // a latency reaches back
     simulation_.noise = false;
   }
 
+  bool with_compass = false;  ///< fused
   /// Of the filter that starts at the truth and knows `calibration`.
   Errors errors(const EffectParameters<double>& effects, const EffectParameters<double>& calibration) {
     simulation_.effects = effects;
@@ -43,7 +46,8 @@ class EffectCalibration : public testing::Test {
     LocalizationSetup setup;
     setup.vehicle = simulation_.vehicle;
     setup.calibration = calibration;
-    setup.options.fuse.push_back(Channel::depth);
+    setup.options.fuse.push_back(kChannel<Depth>);
+    if (with_compass) setup.options.fuse.push_back(kChannel<Compass>);
     setup.options.gate.kind = Gate::Kind::none;
     setup.time_zero = simulation_.start;
     setup.start = StartPose{.T_odom_robot = truth.front().T_odom_robot, .position_sigma_m = 0.01};
@@ -72,9 +76,10 @@ class EffectCalibration : public testing::Test {
 };
 
 TEST_F(EffectCalibration, MakesUpForEveryNavigationEffect) {
-  const Errors nominal = errors({}, {});
   for (const EffectInfo& effect : allEffects()) {
     if (effect.text.channel != EffectChannel::navigation) continue;
+    with_compass = modelOf(kChannel<Compass>).effects[effect.index];
+    const Errors nominal = errors({}, {});
     EffectParameters<double> effects;
     effects.on.set(effect.index);
     std::size_t i = effect.first_scalar;

@@ -65,7 +65,7 @@ class EffectImages : public testing::Test {
       entry.eyes.push_back({{file, sheet.model}, entry.eyes.empty() ? Pose{} : *sheet.T_left_right});
       detections.by_file[file] = detector->detect(cv::imread(file.string()));
     }
-    const double valid_s = options_.begin_s + validityOffset<Sensor::camera>(effects, 0);
+    const double valid_s = options_.begin_s + validityOffset<Camera>(effects, 0);
     const KinematicState<double> at_stamp = trajectory_->at(options_.begin_s),
                                  state = trajectory_->at(valid_s);
     entry.velocity_robot = state.velocity_robot;

@@ -208,8 +208,7 @@ TEST_P(HiddenDrawnEffect, IsNamed) {
   ASSERT_EQ(diagnosis.effects.size(), 1U) << test::told(answer);
   EXPECT_EQ(diagnosis.effects[0].candidate.effect, effect.index) << test::told(answer);
   // What shows in every image is not what noise is.
-  EXPECT_NEAR(diagnosis.noise.channels[static_cast<std::size_t>(BatchChannel::pixels)].independentScale(), 1,
-              0.15);
+  EXPECT_NEAR(diagnosis.noise.channels[indexOf(kChannel<Pixels>)].independentScale(), 1, 0.15);
   // It is what those images were given, about their mean.
   ASSERT_EQ(diagnosis.effects[0].estimates.size(), 1U);
   const EffectEstimate& found = diagnosis.effects[0].estimates[0];

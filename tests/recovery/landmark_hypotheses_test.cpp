@@ -44,7 +44,7 @@ TEST(LandmarkHypotheses, NothingIsReportedWhereNothingIsWrong) {
     EXPECT_EQ(outcome.summary.panels.at(0).state, PanelResult::State::known);
     EXPECT_LT(outcome.worst(20.0, 60.0), kOnTrack_m) << "seed " << seed;
     gated += outcome.count("fix-rejected");
-    fixes += outcome.summary.channels.at(Channel::landmark).fused;
+    fixes += outcome.summary.channels.at(kChannel<Landmark>).fused;
   }
   // One in 10 000 good fixes is rejected; of some 2000 more than three by chance once in 10 000 such tests.
   EXPECT_GT(fixes, 2000u);

@@ -42,7 +42,7 @@ TEST(ShownNoise, OfLightThatScattersWithItsStrength) {
   // Some two thousand readings: a sigma is known to 2 %, and less where what is stated weighs as much.
   EXPECT_NEAR(noise.light_scatter, kShare, 0.1 * kShare);
   EXPECT_FALSE(noise.print.isSeen());
-  EXPECT_NEAR(noise.of(BatchChannel::pixels).scale, 1, 0.1);
+  EXPECT_NEAR(noise.of(kChannel<Pixels>).scale, 1, 0.1);
 }
 
 // What is stated counts what lasts, such as rounding: where it is not used up nothing is made less of it.
@@ -56,7 +56,7 @@ TEST(ShownNoise, NoPartThatGoesWithLightWhereThereIsLessThanStated) {
     }
   };
   const NoiseModel noise = noiseOf(run);
-  EXPECT_LT(noise.of(BatchChannel::pixels).scale, 0.9);
+  EXPECT_LT(noise.of(kChannel<Pixels>).scale, 0.9);
   EXPECT_EQ(noise.light_scatter, 0);
 }
 
@@ -76,7 +76,7 @@ TEST(ShownNoise, OfPrintThatIsUneven) {
   // By the median of some thirty places and colours of a kind: 20 % are one sigma.
   EXPECT_NEAR(noise.print.black, kShare, 0.6 * kShare);
   EXPECT_NEAR(noise.print.white, kShare, 0.6 * kShare);
-  EXPECT_NEAR(noise.of(BatchChannel::pixels).scale, 1, 0.1);
+  EXPECT_NEAR(noise.of(kChannel<Pixels>).scale, 1, 0.1);
 }
 
 // Each for good: taken for noise, most of it would be what one image has in common with the next, and what a
@@ -93,8 +93,8 @@ TEST(ShownNoise, OfEdgesThatAreSofterMarkerByMarker) {
   }
   const NoiseModel noise = noiseOf(input);
   EXPECT_NEAR(noise.print.edges_px2, kScatter_px2, 0.6 * kScatter_px2);
-  EXPECT_NEAR(noise.of(BatchChannel::edges).scale, 1, 0.1);
-  EXPECT_NEAR(noise.of(BatchChannel::edges).correlation, 0, 0.1);
+  EXPECT_NEAR(noise.of(kChannel<Edges>).scale, 1, 0.1);
+  EXPECT_NEAR(noise.of(kChannel<Edges>).correlation, 0, 0.1);
 }
 
 // What is printed unevenly within a place shows where images show another part of it each.
@@ -112,7 +112,7 @@ TEST(ShownNoise, OfPlacesThatAreSeenInPart) {
   const NoiseModel noise = noiseOf(run);
   // Some eight hundred prints, half of whose variance counts: a sigma is known to 5 %.
   EXPECT_NEAR(noise.print.parts, kShare, 0.15 * kShare);
-  EXPECT_NEAR(noise.of(BatchChannel::pixels).scale, 1, 0.1);
+  EXPECT_NEAR(noise.of(kChannel<Pixels>).scale, 1, 0.1);
 }
 
 TEST(ShownNoise, OfMarkersThatAreNotInOnePlane) {

@@ -133,7 +133,7 @@ std::vector<ImagePatch> BatchRun::emptyPatches() const {
 }
 
 KinematicState<double> BatchRun::stateAtImage(double t_s) const {
-  return path_.at(options().begin_s + t_s + validityOffset<Sensor::camera>(effects, t_s));
+  return path_.at(options().begin_s + t_s + validityOffset<Camera>(effects, t_s));
 }
 
 Vector3d BatchRun::readingOf(const ImagePatch& patch, Random& random) const {

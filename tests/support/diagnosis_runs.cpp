@@ -98,7 +98,7 @@ Eigen::VectorXd Excitation::residualsWith(const EffectParameters<double>& effect
   Eigen::VectorXd all = Eigen::VectorXd::Zero(linear_.residual.size()), residual;
   Eigen::Index row = 0;
   for (const auto& cost : problem->costs()) {
-    if (cost->source.channel == BatchChannel::prior) break;
+    if (cost->source.channel == kChannel<Prior>) break;
     cost->compute(zero, residual, nullptr);
     all.segment(row, residual.size()) = residual;
     row += residual.size();

@@ -127,7 +127,7 @@ inline auto LandmarkRun::run(double duration_s) const -> Outcome {
   LocalizationSetup setup;
   setup.vehicle = simulation.vehicle;
   setup.options = options;
-  setup.options.fuse.push_back(Channel::landmark);
+  setup.options.fuse.push_back(kChannel<Landmark>);
   setup.time_zero = zero;
   setup.panels = priors;
   for (std::size_t i = priors.size(); i < panels.size(); ++i)

@@ -38,7 +38,7 @@ std::optional<T> sometimes(Random& random, const T& field) {
   return random.uniform() < 0.8 ? std::optional<T>(field) : std::nullopt;
 }
 
-constexpr int kKinds = 10;
+constexpr int kKinds = 13;
 
 /// A sample of the `kind`-th kind with random content and randomly absent fields.
 inline Sample randomSample(int kind, Time time, Random& random) {
@@ -75,6 +75,16 @@ inline Sample randomSample(int kind, Time time, Random& random) {
       return {time, labels::kCamera,
               ImageSample{randomPose(random), randomCamera(random),
                           "CAMERA_" + std::to_string(random.bits() % 10000) + ".png"}};
+    case 10:
+      return {time, Compass::label, CompassSample{randomPose(random), random.uniform(-3, 3)}};
+    case 11:
+      return {time, Gnss::label,
+              GnssSample{randomPose(random),
+                         sometimes<Vector3d>(random, {random.uniform(-80, 80), random.uniform(-180, 180),
+                                                      random.uniform(-50, 50)})}};
+    case 12:
+      return {time, Altimeter::label,
+              AltimeterSample{randomPose(random), sometimes(random, random.uniform(0.5, 50.0))}};
     case 8: {
       PanelSample panels{randomPose(random), {}};
       for (auto count = 1 + random.bits() % 3; count > 0; --count)

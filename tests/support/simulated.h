@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "recording/instrument_entries.h"
 #include "sensors/vehicle.h"
 #include "simulation/navigation_simulator.h"
 
@@ -55,22 +56,18 @@ inline std::vector<double> numbersOf(const Sample& sample) {
   const auto add = [&](const auto& m) {
     for (Eigen::Index i = 0; i < m.size(); ++i) numbers.push_back(m(i));
   };
-  const auto addOptional = [&](const auto& m) {
-    if (m)
-      add(*m);
-    else
+  const auto addValue = [&](const auto* value) {
+    if (value == nullptr)
       numbers.push_back(std::nan(""));
+    else if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(*value)>>)
+      numbers.push_back(*value);
+    else
+      add(*value);
   };
-  if (const auto* ins = std::get_if<InsSample>(&sample.reading)) {
-    addOptional(ins->angular_velocity_ins);
-    addOptional(ins->specific_force_ins);
-    addOptional(ins->R_odom_ins);
-  } else if (const auto* dvl = std::get_if<DvlSample>(&sample.reading)) {
-    addOptional(dvl->velocity_dvl);
-  } else if (const auto* beams = std::get_if<DvlBeamsSample>(&sample.reading)) {
-    for (const DvlBeam& beam : beams->beams) numbers.push_back(beam.range_m.value_or(std::nan("")));
-  } else if (const auto* depth = std::get_if<DepthSample>(&sample.reading)) {
-    numbers.push_back(depth->pressure_pa);
+  if (!std::holds_alternative<PoseSample>(sample.reading)) {
+    withInstrument(sample, [&]<class Instrument>(const auto& entry) {
+      Instrument::forEachValue(entry, [&](int, const auto* value) { addValue(value); });
+    });
   } else if (const auto* pose = std::get_if<PoseSample>(&sample.reading)) {
     const Pose T = pose->T_odom_robot.mean;
     add(T.position);

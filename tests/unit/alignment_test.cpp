@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sensors/models.h"
+#include "support/observed.h"
 
 namespace fathom {
 namespace {
@@ -25,28 +25,27 @@ struct Drifting {
 
   std::vector<Sample> readings() const {
     const Vehicle& v = setup.vehicle;
-    const EffectParameters<double>& effects = setup.calibration;
-    const World<double> world{v.gravityOdom(), floor_z_m};
-    InsSample ins{v.ins->T_robot_ins, predictGyro(truth, v.ins->T_robot_ins, effects, 0),
-                  predictSpecificForce(truth, world, v.ins->T_robot_ins, effects, 0), std::nullopt};
+    const Inputs<double> in = test::inputs(truth, {v.gravityOdom(), floor_z_m}, setup.calibration);
+    InsSample ins{v.ins->T_robot_ins, Gyro::angularVelocity(in, v.ins->T_robot_ins),
+                  Accelerometer::specificForce(in, v.ins->T_robot_ins), std::nullopt};
     const Pose& T_robot_dvl = v.dvl->T_robot_dvl;
-    const DvlSample dvl{T_robot_dvl, predictDvlVelocity(truth, T_robot_dvl, effects, 0)};
+    const DvlSample dvl{T_robot_dvl, Dvl::velocity(in, T_robot_dvl)};
     DvlBeamsSample beams;
     for (std::size_t k = 0; k < v.dvl->beam_azimuths_rad.size(); ++k) {
       const Pose T_robot_beam = v.dvl->T_robot_beam(k);
-      beams.beams.push_back(
-          {T_robot_beam, predictBeamRange(truth, world, T_robot_dvl, T_robot_beam, effects, 0)});
+      beams.beams.push_back({T_robot_beam, DvlBeams::range(in, T_robot_dvl, T_robot_beam)});
     }
-    const DepthSample depth{v.depth->T_robot_depth,
-                            predictPressure(truth, world, *v.depth, v.depth->T_robot_depth, effects, 0),
-                            {}};
-    const Pose usbl{Matrix3d::Identity(), predictUsbl(truth, v.usbl->T_robot_usbl)};
+    const DepthSample depth{
+        v.depth->T_robot_depth, Depth::pressure(in, *v.depth, v.depth->T_robot_depth), {}};
+    PoseSample usbl;
+    usbl.T_odom_robot = {{Matrix3d::Identity(), Usbl::position(in, v.usbl->T_robot_usbl)},
+                         Matrix6d::Identity()};
     const Time time = setup.time_zero;
     return {{time, labels::kIns, ins},
             {time, labels::kDvl, dvl},
             {time, labels::kDvlBeams, beams},
             {time, labels::kDepth, depth},
-            {time, labels::kUsbl, PoseSample{{usbl}}}};
+            {time, labels::kUsbl, usbl}};
   }
 
   void expectFound() const {

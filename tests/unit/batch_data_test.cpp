@@ -32,17 +32,18 @@ TEST(BatchData, NodesAverageAQuadraticAsTheSamplesDo) {
   }
   test::ListSource source(samples);
   const BatchData data = collectBatch(source, {}, withAttitude(), {});
-  ASSERT_EQ(data.gyro.size(), 5u);
+  ASSERT_EQ(data.of<Gyro>().size(), 5u);
   int total = 0;
-  for (const InsBin& bin : data.gyro) {
+  for (const BatchReading& bin : data.of<Gyro>()) {
     const Vector3d by_nodes = 0.5 * (quadratic(bin.node_s[0]) + quadratic(bin.node_s[1]));
-    EXPECT_LT((bin.mean - by_nodes).norm(), 1e-12);
+    EXPECT_LT((bin.seen.value - by_nodes).norm(), 1e-12);
     EXPECT_GE(bin.node_s[0], std::floor(bin.t_s() / 0.2) * 0.2);
     total += bin.samples;
   }
   EXPECT_EQ(total, std::ssize(samples));
-  for (const InsBin& bin : data.attitude) {  // a steady turn: the mean rotation is that at the mean time
-    const Matrix3d mean = bin.about * expSO3<double>(bin.mean);
+  for (const BatchReading& bin :
+       data.of<Attitude>()) {  // a steady turn: the mean rotation is that at the mean time
+    const Matrix3d mean = bin.seen.about * expSO3<double>(Vector3d(bin.seen.value));
     EXPECT_LT(angleBetween(mean, expSO3<double>(Vector3d(0, 0, 0.3 * bin.t_s()))), 1e-7);
   }
 }
@@ -59,9 +60,9 @@ TEST(BatchData, LeavesOutAndCountsWhatIsNone) {
                            {at(0.3), labels::kDvl, mad},
                            {at(0.1), labels::kDvl, good}});
   const BatchData data = collectBatch(source, {}, readVehicle(test::kRov), {});
-  EXPECT_TRUE(data.gyro.empty());
-  ASSERT_EQ(data.dvl.size(), 2u);
-  EXPECT_NEAR(data.dvl[0].t_s, 0.1, 1e-9);
+  EXPECT_TRUE(data.of<Gyro>().empty());
+  ASSERT_EQ(data.of<Dvl>().size(), 2u);
+  EXPECT_NEAR(data.of<Dvl>()[0].t_s(), 0.1, 1e-9);
   EXPECT_EQ(data.left_out.at("not-a-number"), 1u);
   EXPECT_EQ(data.left_out.at("impossible"), 1u);
   EXPECT_EQ(data.left_out.at("DVL without bottom lock"), 1u);

@@ -17,8 +17,8 @@ using test::stage;
 TEST(DegradationFile, ScalesAllStrengthsAndNothingElse) {
   const auto noise =
       stage("kind: noise, sensors: [INS], gyro_rad_s: [0.1, 0, 0], accelerometer_m_s2: 1").scaled(2);
-  EXPECT_EQ(std::get<NoiseFault>(noise.fault).sigma.gyro_rad_s, Vector3d(0.2, 0, 0));
-  EXPECT_EQ(std::get<NoiseFault>(noise.fault).sigma.accelerometer_m_s2, Vector3d(2, 2, 2));
+  EXPECT_EQ(std::get<NoiseFault>(noise.fault).sigma.of("gyro_rad_s"), Vector3d(0.2, 0, 0));
+  EXPECT_EQ(std::get<NoiseFault>(noise.fault).sigma.of("accelerometer_m_s2"), Vector3d(2, 2, 2));
   const auto reorder = stage("kind: reorder, sensors: [INS], probability: 0.4, within_s: 3").scaled(5);
   EXPECT_EQ(std::get<ReorderFault>(reorder.fault).probability, 1.0);
   EXPECT_EQ(std::get<ReorderFault>(reorder.fault).within_s, 3.0);
@@ -26,8 +26,9 @@ TEST(DegradationFile, ScalesAllStrengthsAndNothingElse) {
 
 TEST(DegradationFile, SetsOneStrength) {
   const auto bias = stage("kind: bias, sensors: [DVL], velocity_m_s: [1, -2, 0]");
-  EXPECT_EQ(std::get<BiasFault>(bias.with("velocity_m_s", 4).fault).offset.velocity_m_s, Vector3d(2, -4, 0));
-  EXPECT_EQ(std::get<BiasFault>(bias.with("pressure_pa", 4).fault).offset.pressure_pa, 4);
+  EXPECT_EQ(std::get<BiasFault>(bias.with("velocity_m_s", 4).fault).offset.of("velocity_m_s"),
+            Vector3d(2, -4, 0));
+  EXPECT_EQ(std::get<BiasFault>(bias.with("pressure_pa", 4).fault).offset.of("pressure_pa").x(), 4);
   EXPECT_THROW(bias.with("probability", 1), std::invalid_argument);
   EXPECT_THROW(stage("kind: drop, sensors: [DVL], probability: 0").with("probability", 1.1),
                std::invalid_argument);

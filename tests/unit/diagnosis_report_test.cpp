@@ -25,7 +25,7 @@ EffectEstimate estimateOf(std::size_t i, double value, double sigma) {
 
 Mismatch dvlAgainstSpeed(double size_sigma, double p) {
   Mismatch m;
-  m.channel = BatchChannel::dvl;
+  m.channel = kChannel<Dvl>;
   m.direction = "x";
   m.statistic = "mean residual";
   m.against = "speed";
@@ -44,7 +44,7 @@ Mismatch dvlAgainstSpeed(double size_sigma, double p) {
 
 HeldOut heldOutDvl() {
   HeldOut h;
-  h.channel = BatchChannel::dvl;
+  h.channel = kChannel<Dvl>;
   h.metric = "dvl_rms_m_s";
   h.before = 0.021;
   h.after = 0.0102;
@@ -112,7 +112,7 @@ DiagnosisStory storyOf(Verdict verdict, std::vector<FoundEffect> effects = {}) {
   story.read.vehicle = "rov.yaml";
   story.read.input.data.first_s = 0.5;
   story.read.input.data.last_s = 180;
-  story.read.input.data.dvl.resize(1);
+  story.read.input.data.of<Dvl>().resize(1);
   Diagnosis& d = story.diagnosis;
   d.verdict = verdict;
   d.why = "Because.";
@@ -139,7 +139,7 @@ DiagnosisStory explainedStory() {
   tested.support = 290;
   tested.one_step = d.effects[0].estimates;
   d.tested = {tested};
-  d.noise.channels[static_cast<std::size_t>(BatchChannel::dvl)].rows = 300;
+  d.noise.channels[indexOf(kChannel<Dvl>)].rows = 300;
   return story;
 }
 

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "localization/measurements.h"
+#include "support/observed.h"
 #include "support/random_state.h"
 #include "support/textbook_filter.h"
 
@@ -42,18 +43,20 @@ TYPED_TEST(FilterSizes, EqualsTheTextbook) {
     ours.x = textbook.x = randomState(random);
     ours.P = randomCovariance<N>(random, 0.01);
     textbook.P = ours.P;
-    MeasurementContext context;
+    const MeasurementContext context{&test::fullVehicle(), {}};
     for (int k = 0; k < 20; ++k) {
       const double dt = random.uniform(0.0, 0.2);
       ours.predict(dt, noise);
       textbook.predict(dt, noise);
       const Pose mount = randomPose(random);
-      const auto accelerometer =
-          SensorMeasurements<N>::accelerometer(ours.x, random.normal3(), mount, 0.3, context);
-      using Columns = typename decltype(accelerometer)::Columns;
+      const auto accelerometer = test::measured<N, Accelerometer>(
+          ours.x, Observation::vector(random.normal3(), Vector3d::Constant(0.3), mount), context);
       const double nis = ours.update(accelerometer);
-      EXPECT_NEAR(nis, textbook.update(accelerometer, {Columns::list.begin(), Columns::list.end()}),
-                  1e-8 * (1.0 + nis));
+      EXPECT_NEAR(
+          nis,
+          textbook.update(accelerometer, {accelerometer.columns.list.begin(),
+                                          accelerometer.columns.list.begin() + accelerometer.columns.count}),
+          1e-8 * (1.0 + nis));
       auto z = ours.x;
       retract<N>(z, 0.1 * Eigen::Matrix<double, N, 1>::Ones());
       const auto pose = directMeasurement<N, 0, 1, 2, 3, 4, 5>(ours.x, z, randomCovariance<6>(random, 0.01));

@@ -157,17 +157,17 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
       // Of one that comes and goes every row is taken for at the peak.
       if (comes_and_goes) expected[at] *= std::exp(-0.5 * std::pow((linear.rows[i].t_s - kPeak_s) / 10, 2));
       if (of_marker && linear.rows[i].marker_id != marker_id) expected[at] = 0;
-      if (linear.rows[i].channel == BatchChannel::prior) found[at] = 0;  // its own prior, where estimated
+      if (linear.rows[i].channel == kChannel<Prior>) found[at] = 0;  // its own prior, where estimated
       // Light tells of water and camera, not of where things are.
-      if (linear.rows[i].channel == BatchChannel::pixels && !of_light) found[at] = 0;
+      if (linear.rows[i].channel == kChannel<Pixels> && !of_light) found[at] = 0;
     }
     // A latency's derivative at a new base is the motion elsewhere: the spline's next derivative times h. A
     // port's tilt changes nothing where it has no thickness: differences of rounding.
     EXPECT_LT((found - expected).norm(), 1e-4 * expected.norm() + 1e-7) << column.name;
     if (expected.norm() > 1e-3) ++columns_seen;
   }
-  // Without a peak it does not matter when it is, and how wide.
-  EXPECT_EQ(columns_seen + 4, linear.columns.size());
+  // Without a peak it does not matter when it is, and how wide; there is no compass.
+  EXPECT_EQ(columns_seen + 4 + parameterSize<HeadingDisturbance>(), linear.columns.size());
 }
 
 TEST(Linearization, RowsSayWhatTheyAre) {
@@ -187,8 +187,8 @@ TEST(Linearization, RowsSayWhatTheyAre) {
     }
   }
   for (const RowInfo& row : linear.rows) {
-    if (row.channel == BatchChannel::prior) ++priors;
-    if (row.channel != BatchChannel::markers) continue;
+    if (row.channel == kChannel<Prior>) ++priors;
+    if (row.channel != kChannel<Markers>) continue;
     const BatchMarker& seen = data.markers[static_cast<std::size_t>(row.marker)];
     EXPECT_EQ(row.pixel, seen.detection.corners_px[static_cast<std::size_t>(row.component / 2)]);
     const Pose T_odom_camera = linear_run.run.truth(row.t_s) * seen.T_robot_camera;

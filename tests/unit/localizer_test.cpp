@@ -110,7 +110,7 @@ TEST_F(LocalizerTest, GarbageIsNotBelieved) {
       if ((burst || std::exchange(next, !next)) && t_s > 5.0) dvl->velocity_dvl = 8.0 * random.normal3();
     }
   const Outcome outcome = run(samples);
-  EXPECT_GT(outcome.summary.channels.at(Channel::dvl).gated, 80u);
+  EXPECT_GT(outcome.summary.channels.at(kChannel<Dvl>).gated, 80u);
   EXPECT_LT(finalError(outcome), 0.5);
 }
 
@@ -149,7 +149,7 @@ TEST_F(LocalizerTest, LateReadingsChangeNothing) {
 // One ping gives a DVL's velocity and its beams' ranges: stamps that are late by a known latency change
 // nothing.
 TEST_F(LocalizerTest, CalibratedLatencyMovesVelocityAndBeams) {
-  setup_.options.fuse.push_back(Channel::altitude);
+  setup_.options.fuse.push_back(kChannel<DvlBeams>);
   setup_.options.bias_states = true;
   const Outcome expected = run(samples_);
   constexpr double kLatency_s = 0.437;  // between the INS's readings
@@ -165,7 +165,7 @@ TEST_F(LocalizerTest, CalibratedLatencyMovesVelocityAndBeams) {
   std::stable_sort(late.begin(), late.end(),
                    [](const Sample& a, const Sample& b) { return a.time < b.time; });
   const Outcome outcome = run(late);
-  EXPECT_GT(outcome.summary.channels.at(Channel::altitude).fused, 700u);
+  EXPECT_GT(outcome.summary.channels.at(kChannel<DvlBeams>).fused, 700u);
   const auto& a = expected.estimates.back().state;
   const auto& b = outcome.estimates.back().state;
   // The filter knows height to a millimetre here; fused 0.44 s late at 0.1 m/s up or down it would be off
@@ -207,7 +207,7 @@ TEST_F(LocalizerTest, GatesOutliersAndNamesContradiction) {
     if (t_s > 20.0) std::get<DvlSample>(contradiction[k].reading).velocity_dvl->x() += 2.0;
   }
   const Outcome clean = run(samples_), gated = run(outliers), contradicted = run(contradiction);
-  EXPECT_GE(gated.summary.channels.at(Channel::dvl).gated, 3u);
+  EXPECT_GE(gated.summary.channels.at(kChannel<Dvl>).gated, 3u);
   EXPECT_LT(finalError(gated), finalError(clean) + 0.1);
   EXPECT_TRUE(contradicted.summary.event_counts.contains("rejected"));
 }

@@ -30,7 +30,7 @@ TEST(MismatchMaps, ReadEachDirectionFromItsOwnCoordinate) {
   const WhitenedRun run;
   Linearization linear = run.linear();
   for (RowInfo& row : linear.rows)
-    if (row.channel == BatchChannel::markers) row.raw = row.component % 2 == 0 ? 1.0 : 0.0;
+    if (row.channel == kChannel<Markers>) row.raw = row.component % 2 == 0 ? 1.0 : 0.0;
   int sideways = 0, up_and_down = 0;
   for (const Mismatch& map : mismatchMaps(WhitenedModel(linear, {}, run.input.data), 1)) {
     if (map.direction == "sideways" && ++sideways > 0) EXPECT_NEAR(meanOf(map), 1.0, 1e-12) << map.against;

@@ -190,7 +190,7 @@ TEST(MakeSource, SaysWhatIsWrong) {
   };
   const std::string simulation = "simulation: {trajectory: recording}\n";
   says("defualt: recording\n", "unknown key; did you mean `default`?");
-  says("from: {DLV: recording}\n", "DLV (line 1): is no sensor that a recording has: CAMERA");
+  says("from: {DLV: recording}\n", "DLV (line 1): is no sensor that a recording has: ALTIMETER");
   says("from: {LANDMARKS: recording}\n", "is no sensor that a recording has");
   says("from: {DVL: simulation}\n", "missing key `simulation`");
   says(simulation, "is not used");

@@ -45,8 +45,8 @@ TEST(MotionTable, GyroAndAccelerometerShareTheirMotions) {
     return problem.pointAt(Eigen::VectorXd::Zero(problem.unknowns()), false).motions.values.size();
   };
   BatchData without_force = input.data;
-  without_force.force.clear();
-  ASSERT_FALSE(input.data.force.empty());
+  without_force.of<Accelerometer>().clear();
+  ASSERT_FALSE(input.data.of<Accelerometer>().empty());
   EXPECT_EQ(motions(input.data), motions(without_force));
 }
 

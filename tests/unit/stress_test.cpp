@@ -28,8 +28,8 @@ TEST(Stress, VariesOneStrength) {
   EXPECT_EQ(read[0].name, "lost");
   EXPECT_EQ(read[0].strengths, (std::vector<double>{0.1, 0.5}));
   EXPECT_EQ(std::get<DropFault>(read[0].at(0.5).fault).probability, 0.5);
-  EXPECT_EQ(std::get<BiasFault>(read[1].at(0.1).fault).offset.velocity_m_s, Vector3d(0.1, 0, 0));
-  EXPECT_EQ(std::get<BiasFault>(read[2].at(0.1).fault).offset.velocity_m_s, Vector3d(0.1, 0.1, 0.1));
+  EXPECT_EQ(std::get<BiasFault>(read[1].at(0.1).fault).offset.of("velocity_m_s"), Vector3d(0.1, 0, 0));
+  EXPECT_EQ(std::get<BiasFault>(read[2].at(0.1).fault).offset.of("velocity_m_s"), Vector3d(0.1, 0.1, 0.1));
 }
 
 TEST(Stress, VariesAllTogether) {
@@ -37,8 +37,8 @@ TEST(Stress, VariesAllTogether) {
       "  - {name: noise, kind: noise, sensors: [INS], gyro_rad_s: 0.1, accelerometer_m_s2: 1, vary: factor, "
       "strengths: [1, 3]}\n");
   const Amounts sigma = std::get<NoiseFault>(read.at(0).at(3).fault).sigma;
-  EXPECT_NEAR(sigma.gyro_rad_s.x(), 0.3, 1e-15);
-  EXPECT_EQ(sigma.accelerometer_m_s2.x(), 3);
+  EXPECT_NEAR(sigma.of("gyro_rad_s").x(), 0.3, 1e-15);
+  EXPECT_EQ(sigma.of("accelerometer_m_s2").x(), 3);
 }
 
 TEST(Stress, SaysWhatIsWrong) {

@@ -50,10 +50,10 @@ TEST(TaskOptions, EachTaskDiffersInOneThingFromTheOneBefore) {
 }
 
 TEST(TaskOptions, ValuesAreThePapers) {
-  const Channels odometry{Channel::gyro, Channel::accelerometer, Channel::dvl, Channel::altitude};
+  const Channels odometry{kChannel<Gyro>, kChannel<Accelerometer>, kChannel<Dvl>, kChannel<DvlBeams>};
   Channels all = odometry;
-  all.push_back(Channel::landmark);
-  EXPECT_EQ(shippedTask("TL1").fuse, Channels{Channel::landmark});
+  all.push_back(kChannel<Landmark>);
+  EXPECT_EQ(shippedTask("TL1").fuse, Channels{kChannel<Landmark>});
   EXPECT_EQ(shippedTask("TL2").fuse, odometry);
   EXPECT_EQ(shippedTask("TL3").fuse, all);
   EXPECT_EQ(shippedTask("TL5").fuse, all);

@@ -4,7 +4,7 @@
 
 #include "core/random.h"
 #include "diagnosis/discovery.h"
-#include "diagnosis/lasting_bias.h"
+#include "sensors/channels.h"
 #include "support/batch_runs.h"
 
 namespace fathom {
@@ -18,7 +18,7 @@ struct Model {
 
 /// Every reading of one kind moved by so much of its own unit, up or down at random, so that nothing which is
 /// estimated follows.
-Eigen::VectorXd moved(const Linearization& linear, BatchChannel channel, double size) {
+Eigen::VectorXd moved(const Linearization& linear, Channel channel, double size) {
   Random random(1);
   Eigen::VectorXd change = Eigen::VectorXd::Zero(std::ssize(linear.rows));
   for (std::size_t i = 0; i < linear.rows.size(); ++i)
@@ -30,13 +30,13 @@ Eigen::VectorXd moved(const Linearization& linear, BatchChannel channel, double 
 
 TEST(WhatCounts, CornersThatMoveByMoreThanTheyAreOff) {
   const Model model;
-  const auto counts = [&](BatchChannel channel, double size) {
+  const auto counts = [&](Channel channel, double size) {
     return isBeyondBias(model.whitened, moved(model.whitened.linear(), channel, size));
   };
-  const double off_px = lastingBias(BatchChannel::markers);
-  EXPECT_FALSE(counts(BatchChannel::markers, 0.8 * off_px));
-  EXPECT_TRUE(counts(BatchChannel::markers, 1.5 * off_px));  // the path follows a little of it
-  EXPECT_TRUE(counts(BatchChannel::dvl, 1e-4));              // of which nothing is known
+  const double off_px = Markers::channel.systematic;
+  EXPECT_FALSE(counts(kChannel<Markers>, 0.8 * off_px));
+  EXPECT_TRUE(counts(kChannel<Markers>, 1.5 * off_px));  // the path follows a little of it
+  EXPECT_TRUE(counts(kChannel<Dvl>, 1e-4));              // of which nothing is known
 }
 
 TEST(WhatCounts, LightAndPartsHaveToBeLarger) {

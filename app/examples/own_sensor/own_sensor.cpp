@@ -20,15 +20,20 @@ T predictRange(const NavigationState<T>& state, const Vector3d& beacon_odom) {
   return (beacon_odom.cast<T>() - state.motion.position_odom).norm();
 }
 
-using Position =
-    Columns<kPosition, kPosition + 1, kPosition + 2>;  // the part of the state that it depends on
+/// The part of the state that it depends on.
+StateColumns position() {
+  StateColumns columns;
+  for (const int axis : {0, 1, 2}) columns.add(kPosition + axis);
+  return columns;
+}
 
-Filter::Measurement<1, Position> rangeMeasurement(const NavigationState<double>& state, double range_m,
-                                                  const Vector3d& beacon_odom, double sigma_m) {
-  const auto predicted = predictRange(lift<Position>(state), beacon_odom);
-  Filter::Measurement<1, Position> m;
+Filter::Measurement<1> rangeMeasurement(const NavigationState<double>& state, double range_m,
+                                        const Vector3d& beacon_odom, double sigma_m) {
+  Filter::Measurement<1> m;
+  m.columns = position();
+  const auto predicted = predictRange(lift<3>(state, m.columns), beacon_odom);
   m.residual[0] = range_m - predicted.a;
-  m.H = predicted.v.transpose();
+  m.H.leftCols<3>() = predicted.v.transpose();
   m.R(0, 0) = sigma_m * sigma_m;
   return m;
 }

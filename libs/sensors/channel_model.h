@@ -1,0 +1,40 @@
+#pragma once
+
+#include <ceres/jet.h>
+
+#include <bitset>
+
+#include "sensors/channels.h"
+#include "sensors/vehicle.h"
+
+/// The forward model of an instrument's channel, whichever: filter and batch estimate differentiate it by the
+/// same Jets, compiled once.
+namespace fathom {
+
+/// So many derivatives at once: as many as a filter's measurement has columns at most.
+inline constexpr int kJetSize = 12;
+using SensorJet = ceres::Jet<double, kJetSize>;
+template <class T>
+using Prediction = Eigen::Matrix<T, Eigen::Dynamic, 1, 0, 3, 1>;
+
+struct ChannelModel {
+  /// What should be read, own unit; `in` holds the motion at the time of validity.
+  Prediction<double> (*predict)(const Inputs<double>& in, const Vehicle& vehicle, const Observation& seen);
+  Prediction<SensorJet> (*differentiate)(const Inputs<SensorJet>& in, const Vehicle& vehicle,
+                                         const Observation& seen);
+  /// When it was valid, seconds after its stamp.
+  double (*validityOffset)(const EffectParameters<double>& effects, double t_s);
+  SensorJet (*validityOffsetJet)(const EffectParameters<SensorJet>& effects, double t_s);
+  /// Those that can change it, as its equations ask for them.
+  std::bitset<kEffectCount> effects;
+};
+
+/// The channel must be an instrument's.
+const ChannelModel& modelOf(Channel channel);
+
+/// An example, for those who ask how a model behaves: motion, effects, mounting and measurement at random,
+/// all effects on.
+Inputs<double> exampleInputs();
+Observation exampleObservation();
+
+}  // namespace fathom

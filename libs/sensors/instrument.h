@@ -1,0 +1,110 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "core/geometry.h"
+#include "core/random.h"
+#include "sensors/inputs.h"
+
+/// What instruments are made of. An instrument is what writes entries of a recording (INS, DVL, DEPTH, …); a
+/// channel is what of an entry is compared with a model (gyro, accelerometer, attitude, dvl, …). All that the
+/// program knows of one stands in its header: its part of the vehicle file, its entries, its equations, its
+/// noise. sensors/all_instruments.h lists them; to add one, see libs/README.md.
+namespace fathom {
+
+/// A channel's name, units and what is usual of it.
+struct ChannelText {
+  std::string_view id{};     ///< in configs and results
+  std::string_view label{};  ///< of the recording's entries that it is taken from
+  /// As people read it: the measurement's own unit (SI) times `scale`.
+  std::string_view unit{};
+  double scale = 1;
+  std::string_view metric{};  ///< of its residuals' root mean square, in results
+  /// A misfit below this root mean square matters to nobody; own unit.
+  double material = 0;
+  /// What measurements can be off by for no reason of their own however often they are taken; own unit.
+  double systematic = 0;
+  std::array<std::string_view, 3> components{"x", "y", "z"};
+  int component_count = 3;
+  bool is_of_images = false;
+  bool has_outliers = false;  ///< the batch estimate down-weights them (Huber)
+  bool is_filtered = true;    ///< fused by the filter
+  bool is_estimated = true;   ///< part of the batch estimate
+  bool is_averaged = false;  ///< comes faster than a path can follow: means over knot intervals are estimated
+  bool shows_motion = false;  ///< the path between fixes can be told from it
+  /// What it tells a filter that may be lost: nothing by itself, the velocity, or where the vehicle is.
+  enum class Tells { nothing, velocity, position } tells = Tells::nothing;
+  /// What the first measurements tell of a start from which nothing is known, and of which field of Inputs.
+  enum class Start {
+    nothing,
+    specific_force,  ///< acceleration_robot without gravity
+    orientation,     ///< R_odom_robot
+    heading,         ///< its yaw
+    rate,            ///< angular_velocity_robot
+    velocity,        ///< velocity_robot
+    position,        ///< position_odom
+    height,          ///< its z
+    sea_floor        ///< sea_floor_z_m
+  } start = Start::nothing;
+  bool is_indirect =
+      false;  ///< depends on what is no more than assumed (a flat sea floor): contradicts nobody
+};
+
+/// One measurement of one channel, taken from an entry: at most three components, own unit.
+struct Observation {
+  using Value = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
+  using Covariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
+  Value value;  ///< of a rotation: zero, see `about`
+  Covariance covariance;
+  Pose T_robot_sensor;  ///< nominal mounting, as the entry has it
+  /// A rotation is measured as its rotation vector from this one, R_odom_sensor.
+  Matrix3d about = Matrix3d::Identity();
+
+  static Observation scalar(double value, double sigma, const Pose& T_robot_sensor) {
+    return {Value::Constant(1, value), Covariance::Constant(1, 1, sigma * sigma), T_robot_sensor};
+  }
+  static Observation vector(const Vector3d& value, const Vector3d& sigma, const Pose& T_robot_sensor) {
+    return {value, sigma.cwiseAbs2().asDiagonal().toDenseMatrix(), T_robot_sensor};
+  }
+  static Observation rotation(const Matrix3d& R_odom_sensor, double sigma_rad, const Pose& T_robot_sensor) {
+    return {Vector3d::Zero(), Matrix3d::Identity() * sigma_rad * sigma_rad, T_robot_sensor, R_odom_sensor};
+  }
+};
+
+template <class T>
+using Vector1 = Eigen::Matrix<T, 1, 1>;
+
+/// One number, vector or rotation of an entry: its names in tables, the fault that adds to it, its bounds.
+struct ValueText {
+  /// Of what is geodetic, latitude and longitude in degrees and height in metres, faults add metres east,
+  /// north and up.
+  enum class Kind { scalar, vector, rotation, geodetic };
+  std::string_view name{};  ///< of columns: "velocity_dvl" gives velocity_dvl_x_m_s, …
+  std::string_view unit{};  ///< their suffix
+  Kind kind = Kind::vector;
+  std::string_view absent{};  ///< what an entry lacks that has none of it; empty: it always has it
+  std::string_view fault{};   ///< key of the amount that faults add; empty: none does
+  /// What no underwater vehicle does, and no sea allows, of each component. Equal: no bounds.
+  double lowest = 0, highest = 0;
+  /// What a corrupted entry of a slow vehicle could read, of each component.
+  double wild_low = 0, wild_high = 0;
+  double least = 0;  ///< of a scalar that is there: less stands for "none" in a recording
+};
+
+/// What a simulated instrument draws from: a random stream of its own for each purpose, so that leaving one
+/// out changes no other's noise.
+struct SimulatedNoise {
+  std::uint64_t seed = 1;
+  bool on = true;
+  /// A beam of sound has an echo between these slant ranges, m.
+  double beam_min_range_m = 0.05, beam_max_range_m = 50.0;
+
+  Random stream(std::uint64_t number) const { return Random::stream(seed, number); }
+  double sigma(double of_sheet) const { return on ? of_sheet : 0.0; }
+};
+
+}  // namespace fathom
