@@ -1,5 +1,6 @@
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "camera_tables/camera_alone.h"
 #include "commands.h"

@@ -17,6 +17,12 @@ double Random::normal() {
   return radius * std::cos(angle);
 }
 
+Eigen::MatrixXd Random::normals(Eigen::Index rows, Eigen::Index columns) {
+  Eigen::MatrixXd all(rows, columns);
+  for (double& value : all.reshaped()) value = normal();
+  return all;
+}
+
 Random Random::stream(std::uint64_t seed, std::uint64_t number) {
   std::seed_seq words{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
                       static_cast<std::uint32_t>(number), static_cast<std::uint32_t>(number >> 32)};

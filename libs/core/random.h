@@ -21,11 +21,7 @@ class Random {
     const double x = normal(), y = normal(), z = normal();
     return {x, y, z};
   }
-  Eigen::MatrixXd normals(Eigen::Index rows, Eigen::Index columns) {
-    Eigen::MatrixXd all(rows, columns);
-    for (double& value : all.reshaped()) value = normal();
-    return all;
-  }
+  Eigen::MatrixXd normals(Eigen::Index rows, Eigen::Index columns);
   std::uint64_t bits() { return engine_(); }
   /// An independent stream, for a sensor or a run of its own: adding one draw here moves no other stream.
   static Random stream(std::uint64_t seed, std::uint64_t number);

@@ -1,6 +1,7 @@
 #include "core/yaml.h"
 
 #include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <charconv>
@@ -159,17 +160,17 @@ void rejectUnknown(const YAML::Node& node, const std::string& path, const std::s
 }  // namespace
 
 YamlMap::YamlMap(const YAML::Node& node, std::string path, std::shared_ptr<Known> known)
-    : node_(node), path_(std::move(path)), known_(std::move(known)) {}
+    : node_(std::make_shared<const YAML::Node>(node)), path_(std::move(path)), known_(std::move(known)) {}
 
 bool YamlMap::has(const std::string& key) const {
   known_->keys.insert(join(path_, key));
-  return static_cast<bool>(node_[key]);
+  return static_cast<bool>((*node_)[key]);
 }
 
-bool YamlMap::isList(const std::string& key) const { return has(key) && node_[key].IsSequence(); }
+bool YamlMap::isList(const std::string& key) const { return has(key) && (*node_)[key].IsSequence(); }
 
 YAML::Node YamlMap::child(const std::string& key) const {
-  if (has(key)) return node_[key];
+  if (has(key)) return (*node_)[key];
   std::set<std::string> unknown;
   for (const std::string& present : keys())
     if (!known_->keys.contains(join(path_, present))) unknown.insert(present);
@@ -181,8 +182,8 @@ YAML::Node YamlMap::child(const std::string& key) const {
 }
 
 Error YamlMap::error(const std::string& key, const std::string& why) const {
-  YAML::Mark mark = node_.Mark();
-  for (const auto& entry : node_)
+  YAML::Mark mark = node_->Mark();
+  for (const auto& entry : *node_)
     if (entry.first.Scalar() == key) mark = entry.first.Mark();
   return {known_->file, join(path_, key) + lineOf(mark), why};
 }
@@ -300,7 +301,7 @@ void YamlMap::read(const std::string& key, Vector3d& value) const {
 
 std::vector<std::string> YamlMap::keys() const {
   std::vector<std::string> names;
-  for (const auto& entry : node_) names.push_back(entry.first.Scalar());
+  for (const auto& entry : *node_) names.push_back(entry.first.Scalar());
   return names;
 }
 
@@ -326,7 +327,7 @@ YamlFile::YamlFile(const std::string& text, const std::string& name) {
 }
 
 void YamlFile::rejectUnknownKeys() const {
-  rejectUnknown(root_->node_, "", root_->known_->file, root_->known_->keys);
+  rejectUnknown(*root_->node_, "", root_->known_->file, root_->known_->keys);
 }
 
 }  // namespace fathom

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <yaml-cpp/yaml.h>
-
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -13,6 +11,10 @@
 
 /// The strict YAML reader: an unknown, duplicate or missing key, a value of the wrong kind, NaN or infinity,
 /// a number with letters behind it and broken syntax are each an Error that names file, key and line.
+namespace YAML {
+class Node;
+}
+
 namespace fathom {
 
 class YamlFile;
@@ -58,7 +60,7 @@ class YamlMap {
   YAML::Node child(const std::string& key) const;
   double toNumber(const YAML::Node& node, const std::string& key) const;
 
-  YAML::Node node_;
+  std::shared_ptr<const YAML::Node> node_;
   std::string path_;  ///< dotted path of this map in the file, "" for the root
   std::shared_ptr<Known> known_;
 };

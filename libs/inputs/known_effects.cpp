@@ -1,5 +1,7 @@
 #include "inputs/known_effects.h"
 
+#include <nlohmann/json.hpp>
+
 #include "effects/calibration.h"
 #include "effects/catalogue.h"
 #include "inputs/batch_recording.h"

@@ -1,5 +1,7 @@
 #include "report/run_info.h"
 
+#include <nlohmann/json.hpp>
+
 #include "core/files.h"
 
 namespace fathom {

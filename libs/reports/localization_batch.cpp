@@ -1,6 +1,7 @@
 #include "reports/localization_batch.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/files.h"

@@ -1,6 +1,7 @@
 #include "reports/localization_report.h"
 
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "core/chi_square.h"
 #include "report/html_report.h"

@@ -1,5 +1,6 @@
 #include "reports/panel_evaluation_report.h"
 
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "core/files.h"

@@ -1,5 +1,7 @@
 #include "reports/smooth_report.h"
 
+#include <nlohmann/json.hpp>
+
 #include "core/text.h"
 #include "effects/catalogue.h"
 #include "inputs/batch_recording.h"

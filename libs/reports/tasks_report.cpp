@@ -1,6 +1,7 @@
 #include "reports/tasks_report.h"
 
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "report/html_report.h"
 #include "reports/localization_report.h"

@@ -1,6 +1,7 @@
 #include "advised.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "diagnosis/manoeuvre.h"

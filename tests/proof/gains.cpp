@@ -1,5 +1,7 @@
 #include "gains.h"
 
+#include <nlohmann/json.hpp>
+
 #include "diagnosis/nominal.h"
 #include "effects/drawn.h"
 #include "imaging/exposure_time.h"

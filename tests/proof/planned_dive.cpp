@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "imaging/exposure_time.h"
 #include "inputs/batch_recording.h"

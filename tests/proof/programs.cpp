@@ -1,5 +1,7 @@
 #include "programs.h"
 
+#include <nlohmann/json.hpp>
+
 #include "core/child_process.h"
 #include "core/error.h"
 #include "core/files.h"

@@ -1,6 +1,7 @@
 #include "proof_case.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace fathom::proof {
 

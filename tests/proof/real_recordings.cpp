@@ -1,5 +1,7 @@
 #include "real_recordings.h"
 
+#include <nlohmann/json.hpp>
+
 #include "core/error.h"
 #include "core/files.h"
 #include "core/text.h"

@@ -1,5 +1,7 @@
 #include "truth.h"
 
+#include <nlohmann/json.hpp>
+
 #include "core/files.h"
 #include "recording/tum.h"
 #include "sha256.h"

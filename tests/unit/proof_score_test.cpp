@@ -1,6 +1,8 @@
 // The proof's scorer: what answers are worth, on answers made up.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "proof/advised.h"
 #include "proof/proof_measures.h"
 #include "proof/proof_report.h"
