@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <type_traits>
 
 #include "core/camera_model.h"
@@ -35,9 +36,7 @@ struct CameraProjector {
 
   /// Ideal image coordinates (x/z, y/z) that a pinhole without distortion would see at this pixel's place.
   template <class T>
-  Vector2<T> ideal(const Vector3<T>& point_camera) const {
-    return straight(shutter.rolling ? atItsRow(point_camera) : point_camera);
-  }
+  Vector2<T> ideal(const Vector3<T>& point_camera) const;
 
   /// The pixel of a point before the camera (z > 0).
   template <class T>
@@ -46,18 +45,7 @@ struct CameraProjector {
   }
 
   /// The line on which lies what is seen at a pixel, camera frame; all rows are read at once.
-  SightLine<P> lineOfSight(const Vector2d& pixel) const {
-    // Solved in double, then one Newton step in P.
-    using Slope = ceres::Jet<double, 2>;
-    const Vector2d root = values().lensModel({}).idealAt(pixel);
-    const Vector2<Slope> slope = values().pixelAt(Vector2<Slope>(Slope(root.x(), 0), Slope(root.y(), 1)));
-    Eigen::Matrix2d J;
-    J << slope.x().v.transpose(), slope.y().v.transpose();
-    const Vector2<P> miss = pixelAt(Vector2<P>(root.cast<P>())) - pixel.cast<P>();
-    const Vector2<P> ideal = root.cast<P>() - J.inverse().cast<P>() * miss;
-    const Vector3<P> sight(ideal.x(), ideal.y(), P(1));
-    return port.present ? lightBehind(port, sight) : SightLine<P>{Vector3<P>::Zero(), sight.normalized()};
-  }
+  SightLine<P> lineOfSight(const Vector2d& pixel) const;
 
   /// Pinhole and lens alone, in an image of the nominal camera's size.
   CameraModel lensModel(const CameraModel& nominal) const {
@@ -135,24 +123,45 @@ struct CameraProjector {
   /// step in T. What is far out of the image gets a row not far from it.
   template <class T>
   Vector3<T> atItsRow(const Vector3<T>& point_camera) const {
-    using Slope = ceres::Jet<double, 1>;
-    const CameraProjector<double> plain = values();
-    const Vector3<Slope> point(Slope(valueOf(point_camera.x())), Slope(valueOf(point_camera.y())),
-                               Slope(valueOf(point_camera.z())));
-    double row = 0;
-    for (int i = 0; i < 20; ++i) {
-      const Slope seen = plain.rowSeen(point, Slope(row, 0));
-      const double step = (seen.a - row) / (1.0 - seen.v[0]);
-      if (std::abs(step) < 1e-11 * (1.0 + std::abs(row)))
-        return atRow(point_camera, T(row + (rowSeen(point_camera, T(row)) - row) / (1.0 - seen.v[0])));
-      row = std::clamp(row + step, -height_px, 2.0 * height_px);
-    }
-    return atRow(point_camera, T(row));
+    const RowSought sought =
+        values().rowOf({valueOf(point_camera.x()), valueOf(point_camera.y()), valueOf(point_camera.z())});
+    if (!sought.slope) return atRow(point_camera, T(sought.row));
+    return atRow(point_camera,
+                 T(sought.row + (rowSeen(point_camera, T(sought.row)) - sought.row) / (1.0 - *sought.slope)));
   }
+  struct RowSought {
+    double row = 0;
+    std::optional<double> slope;  ///< of rowSeen() there; nothing where Newton's method came to no end
+  };
+  /// Only of a camera without derivatives.
+  RowSought rowOf(const Vector3d& point_camera) const;
 
   template <class Other>
   friend struct CameraProjector;
 };
+
+template <class P>
+template <class T>
+Vector2<T> CameraProjector<P>::ideal(const Vector3<T>& point_camera) const {
+  return straight(shutter.rolling ? atItsRow(point_camera) : point_camera);
+}
+
+template <class P>
+SightLine<P> CameraProjector<P>::lineOfSight(const Vector2d& pixel) const {
+  // Solved in double, then one Newton step in P.
+  using Slope = ceres::Jet<double, 2>;
+  const Vector2d root = values().lensModel({}).idealAt(pixel);
+  const Vector2<Slope> slope = values().pixelAt(Vector2<Slope>(Slope(root.x(), 0), Slope(root.y(), 1)));
+  Eigen::Matrix2d J;
+  J << slope.x().v.transpose(), slope.y().v.transpose();
+  const Vector2<P> miss = pixelAt(Vector2<P>(root.cast<P>())) - pixel.cast<P>();
+  const Vector2<P> ideal = root.cast<P>() - J.inverse().cast<P>() * miss;
+  const Vector3<P> sight(ideal.x(), ideal.y(), P(1));
+  return port.present ? lightBehind(port, sight) : SightLine<P>{Vector3<P>::Zero(), sight.normalized()};
+}
+
+template <>
+CameraProjector<double>::RowSought CameraProjector<double>::rowOf(const Vector3d& point_camera) const;
 
 /// The camera of an image stamped t_s. It stands still: give it its motion by movingWith() where the shutter
 /// rolls.
@@ -239,5 +248,14 @@ std::array<Vector2<T>, 4> predictCorners(const KinematicState<T>& state, PanelPl
   }
   return pixels;
 }
+
+// Without derivatives: compiled once, in camera_geometry.cpp.
+extern template Vector2<double> CameraProjector<double>::ideal(const Vector3<double>&) const;
+extern template SightLine<double> CameraProjector<double>::lineOfSight(const Vector2d&) const;
+extern template std::array<Vector2<double>, 4> predictCorners(const KinematicState<double>&,
+                                                              PanelPlacement<double>, const Marker&,
+                                                              const CameraModel&, const Pose&,
+                                                              const EffectParameters<double>&, double,
+                                                              const Pose&);
 
 }  // namespace fathom

@@ -75,18 +75,7 @@ inline double missBySlope(const PortCrossing<double>& port, double slope) {
 
 /// Newton's method from 0. miss() is concave and grows, so it comes up to the root and never beyond. A point
 /// that no light reaches the camera from (beyond the critical angle) is seen along the port.
-inline double solveSlope(const PortCrossing<double>& port) {
-  constexpr double kSteepest = 50;  // tan(theta_air)
-  double slope = 0;
-  for (int i = 0; i < 100; ++i) {
-    const double step = -port.miss(slope) / missBySlope(port, slope);
-    slope += step;
-    if (slope * slope * port.lateral_squared > kSteepest * kSteepest)
-      return kSteepest / std::sqrt(port.lateral_squared);
-    if (step <= 1e-15 * slope) break;
-  }
-  return slope;
-}
+double solveSlope(const PortCrossing<double>& port);
 
 }  // namespace detail
 
@@ -142,5 +131,9 @@ SightLine<T> lightBehind(const FlatPort<P>& port, const Vector3<T>& apparent) {
   }
   return line;
 }
+
+// Without derivatives: compiled once, in camera_geometry.cpp.
+extern template Vector3<double> apparentDirection(const FlatPort<double>&, const Vector3<double>&);
+extern template SightLine<double> lightBehind(const FlatPort<double>&, const Vector3<double>&);
 
 }  // namespace fathom

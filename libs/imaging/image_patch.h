@@ -147,4 +147,12 @@ Vector3<T> predictPatch(const KinematicState<T>& state, PanelPlacement<T> panel,
   return predictPatchReading<T>(light, patch, effects, t_s);
 }
 
+// Without derivatives: compiled once, in image_patch.cpp.
+extern template Vector3<double> predictPatchLight(const PatchSurface&, const double&, const double&,
+                                                  const PatchUnderLamps<double>&, const Vector9<double>&,
+                                                  const EffectParameters<double>&, double);
+extern template Vector3<double> predictPatch(const KinematicState<double>&, PanelPlacement<double>,
+                                             const ImagePatch&, const std::vector<LampSheet>&,
+                                             const Vector9<double>&, const EffectParameters<double>&, double);
+
 }  // namespace fathom
