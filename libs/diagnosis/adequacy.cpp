@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/chi_square.h"
+#include "core/stable_sort.h"
 #include "diagnosis/covariate.h"
 #include "diagnosis/screening.h"
 
@@ -79,8 +80,7 @@ std::vector<InteractionTest> interactionTests(const Refit& fit, const Candidate&
                   isBeyondBias(*fit.model, test.relative_change * columns.col(c));
     tests.push_back(std::move(test));
   }
-  std::stable_sort(tests.begin(), tests.end(),
-                   [](const auto& a, const auto& b) { return a.log_p < b.log_p; });
+  stableSort(tests, [](const auto& a, const auto& b) { return a.log_p < b.log_p; });
   return tests;
 }
 

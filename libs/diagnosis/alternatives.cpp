@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/stable_sort.h"
 #include "diagnosis/onset.h"
 #include "diagnosis/screening.h"
 
@@ -29,9 +30,8 @@ std::vector<std::size_t> othersThan(std::size_t effect, const std::vector<Tested
   std::vector<std::size_t> order;
   for (std::size_t m = 0; m < candidates.size(); ++m)
     if (candidates[m].candidate.effect != effect) order.push_back(m);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return candidates[a].support > candidates[b].support;
-  });
+  stableSort(order,
+             [&](std::size_t a, std::size_t b) { return candidates[a].support > candidates[b].support; });
   return order;
 }
 

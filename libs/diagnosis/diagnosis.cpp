@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/progress.h"
+#include "core/stable_sort.h"
 #include "core/text.h"
 #include "diagnosis/alternatives.h"
 #include "diagnosis/discovery.h"
@@ -201,9 +202,8 @@ void Course::attribute() {
       diagnosis_.tested = screening.candidates();
       for (TestedCandidate& tested : diagnosis_.tested)
         for (EffectEstimate& one : tested.one_step) one = whole(one);
-      std::stable_sort(
-          diagnosis_.tested.begin(), diagnosis_.tested.end(),
-          [](const TestedCandidate& a, const TestedCandidate& b) { return a.support > b.support; });
+      stableSort(diagnosis_.tested,
+                 [](const TestedCandidate& a, const TestedCandidate& b) { return a.support > b.support; });
     }
     if (alarm > options_.false_alarm) break;
     const std::size_t left = options_.max_effects - final_.effects.size();

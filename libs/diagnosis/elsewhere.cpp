@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/stable_sort.h"
 #include "diagnosis/refit.h"
 #include "diagnosis/residual_metrics.h"
 #include "diagnosis/rows_alone.h"
@@ -101,10 +102,9 @@ Elsewhere JudgeElsewhere::judge(const BatchInput& other) const {
     result.channels.push_back({channel, std::string(textOf(channel).metric), unit * was, unit * is,
                                unit * rmsOf(boxed, model.linear(), channel), was - is});
   }
-  std::stable_sort(result.channels.begin(), result.channels.end(),
-                   [](const ElsewhereChannel& a, const ElsewhereChannel& b) {
-                     return std::abs(a.less) > std::abs(b.less);
-                   });
+  stableSort(result.channels, [](const ElsewhereChannel& a, const ElsewhereChannel& b) {
+    return std::abs(a.less) > std::abs(b.less);
+  });
   return result;
 }
 

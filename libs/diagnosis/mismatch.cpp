@@ -10,6 +10,7 @@
 
 #include "core/chi_square.h"
 #include "core/random.h"
+#include "core/stable_sort.h"
 #include "core/text.h"
 #include "diagnosis/screening.h"
 #include "effects/registry.h"
@@ -357,8 +358,7 @@ std::vector<Mismatch> mismatchMaps(const WhitenedModel& model, std::uint64_t see
     map.size_raw *= text.scale;
     map.raw_unit = text.unit;
   }
-  std::stable_sort(maps.begin(), maps.end(),
-                   [](const Mismatch& a, const Mismatch& b) { return a.log_p < b.log_p; });
+  stableSort(maps, [](const Mismatch& a, const Mismatch& b) { return a.log_p < b.log_p; });
   return maps;
 }
 

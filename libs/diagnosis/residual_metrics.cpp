@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/stable_sort.h"
 #include "diagnosis/covariate.h"
 
 namespace fathom {
@@ -16,8 +17,7 @@ std::vector<Channel> channelsOf(const WhitenedModel& model, const Eigen::VectorX
       squares[channel] += left[static_cast<Eigen::Index>(i)] * left[static_cast<Eigen::Index>(i)];
   std::vector<Channel> channels;
   for (const auto& [channel, square] : squares) channels.push_back(channel);
-  std::stable_sort(channels.begin(), channels.end(),
-                   [&](Channel a, Channel b) { return squares[a] > squares[b]; });
+  stableSort(channels, [&](Channel a, Channel b) { return squares[a] > squares[b]; });
   return channels;
 }
 

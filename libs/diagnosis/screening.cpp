@@ -12,6 +12,7 @@
 #include "core/linear_algebra.h"
 #include "core/median.h"
 #include "core/random.h"
+#include "core/stable_sort.h"
 #include "diagnosis/finer_edges.h"
 #include "effects/drawn.h"
 
@@ -106,8 +107,7 @@ void Screening::takeFinerEdges(int segments, std::vector<std::optional<TestedCan
     for (const Test& test : all_)
       if (test.run.family == family && !test.is_lasting)
         best[family].push_back(edges.best(scores, test.information.inverse, test.run.from, test.run.to));
-    std::stable_sort(best[family].begin(), best[family].end(),
-                     [](const auto& a, const auto& b) { return a.statistic > b.statistic; });
+    stableSort(best[family], [](const auto& a, const auto& b) { return a.statistic > b.statistic; });
     if (best[family].size() > kFinerTried) best[family].resize(kFinerTried);
   });
   std::vector<Candidate> candidates;
@@ -326,12 +326,12 @@ std::vector<TestedSet> Screening::bestSets(std::size_t size, std::size_t count, 
     for (const auto& members : grown) latest.push_back({members, 0});
     tbb::parallel_for(std::size_t{0}, latest.size(),
                       [&](std::size_t i) { latest[i].support = supportOf(latest[i].members); });
-    std::stable_sort(latest.begin(), latest.end(), byEvidence);
+    stableSort(latest, byEvidence);
     if (latest.size() > kKeptSets) latest.resize(kKeptSets);
     for (const TestedSet& set : latest)
       all.push_back({set.members, set.support - log_odds * static_cast<double>(k - 1)});
   }
-  std::stable_sort(all.begin(), all.end(), byEvidence);
+  stableSort(all, byEvidence);
   if (all.size() > count) all.resize(count);
   return all;
 }

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/evenly.h"
 #include "core/for_each.h"
+#include "core/stable_sort.h"
 #include "core/text.h"
 #include "evaluation/contact_sheet.h"
 #include "image_files/jpeg.h"
@@ -38,8 +39,7 @@ struct Studio {
 
 /// So many of the images, spread evenly over range, nearest first.
 std::vector<std::size_t> byRange(std::vector<std::size_t> images, std::size_t count, const Studio& studio) {
-  std::stable_sort(images.begin(), images.end(),
-                   [&](std::size_t a, std::size_t b) { return studio.range(a) < studio.range(b); });
+  stableSort(images, [&](std::size_t a, std::size_t b) { return studio.range(a) < studio.range(b); });
   return evenly(images, count);
 }
 

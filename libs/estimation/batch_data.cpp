@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/linear_algebra.h"
+#include "core/stable_sort.h"
 #include "estimation/tie_point_gate.h"
 #include "landmarks/image_entry.h"
 #include "localization/input_watch.h"
@@ -36,8 +37,7 @@ BatchReading meanOf(Readings::const_iterator begin, Readings::const_iterator end
 
 /// Means over knot intervals.
 Readings averaged(Readings readings, double knot_s) {
-  std::stable_sort(readings.begin(), readings.end(),
-                   [](const BatchReading& a, const BatchReading& b) { return a.t_s() < b.t_s(); });
+  stableSort(readings, [](const BatchReading& a, const BatchReading& b) { return a.t_s() < b.t_s(); });
   const auto intervalOf = [&](const BatchReading& r) { return std::floor(r.t_s() / knot_s + 1e-6); };
   Readings result;
   for (auto begin = readings.cbegin(); begin != readings.cend();) {

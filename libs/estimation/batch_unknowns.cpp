@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 
+#include "core/stable_sort.h"
 #include "effects/catalogue.h"
 #include "effects/drawn.h"
 
@@ -40,8 +41,7 @@ void BatchUnknowns::layOut(const BatchData& data, const std::bitset<kEffectCount
   for (std::size_t i = 0; i < reference_.bias.size(); ++i)
     placed.push_back(
         {reference_.bias_interval_s * (static_cast<double>(i) + 1.0) + 3.5 * knot_s, {Kind::bias, i, 6, 0}});
-  std::stable_sort(placed.begin(), placed.end(),
-                   [](const Placed& a, const Placed& b) { return a.at_s < b.at_s; });
+  stableSort(placed, [](const Placed& a, const Placed& b) { return a.at_s < b.at_s; });
   for (const Placed& p : placed) blocks_.push_back(p.block);
   if (!data.of<Depth>().empty() && reference_.path.isSpline())
     blocks_.push_back({Kind::pressure_offset, 0, 1, 0});

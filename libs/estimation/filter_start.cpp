@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/for_each.h"
+#include "core/stable_sort.h"
 #include "fiducials/panel_pose.h"
 #include "landmarks/landmark_source.h"
 #include "localization/localizer.h"
@@ -50,7 +51,7 @@ std::vector<View> viewsOf(const BatchData& data) {
     views.push_back(std::max_element(panels.begin(), panels.end(), [](const auto& a, const auto& b) {
                       return a.second.markers < b.second.markers;
                     })->second);
-  std::stable_sort(views.begin(), views.end(), [](const View& a, const View& b) { return a.t_s < b.t_s; });
+  stableSort(views, [](const View& a, const View& b) { return a.t_s < b.t_s; });
   return views;
 }
 

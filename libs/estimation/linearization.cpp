@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "core/stable_sort.h"
 #include "core/text.h"
 #include "effects/catalogue.h"
 #include "estimation/wide_prior.h"
@@ -174,8 +175,7 @@ void findTracks(Linearization& linear) {
         .push_back(i);
   }
   for (auto& [key, rows] : tracks) {
-    std::stable_sort(rows.begin(), rows.end(),
-                     [&](std::size_t a, std::size_t b) { return linear.rows[a].t_s < linear.rows[b].t_s; });
+    stableSort(rows, [&](std::size_t a, std::size_t b) { return linear.rows[a].t_s < linear.rows[b].t_s; });
     for (const std::size_t i : rows) linear.rows[i].track = static_cast<int>(linear.tracks.size());
     linear.tracks.push_back(std::move(rows));
   }

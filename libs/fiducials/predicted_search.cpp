@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/linear_algebra.h"
+#include "core/stable_sort.h"
 
 namespace fathom {
 namespace {
@@ -163,8 +164,7 @@ Confirmed confirmInTurn(Detector& detector, const cv::Mat& gray, const PanelMap&
                         std::vector<PredictedMarker> markers) {
   Confirmed confirmed{{}, prediction};
   confirmed.prediction.covariance = covarianceWithMargin(prediction, map, camera);
-  std::stable_sort(markers.begin(), markers.end(),
-                   [](const auto& a, const auto& b) { return a.side_px > b.side_px; });
+  stableSort(markers, [](const auto& a, const auto& b) { return a.side_px > b.side_px; });
   std::optional<double> blur_sigma_px;
   int failures = 0;
   for (const PredictedMarker& marker : markers) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <opencv2/calib3d.hpp>
 
+#include "core/stable_sort.h"
+
 namespace fathom {
 namespace {
 
@@ -55,8 +57,7 @@ std::vector<MarkerPose> poseOfMarker(const Detection& detection, double size_m, 
     }
     poses.push_back({pose, std::sqrt(squares / 8.0)});
   }
-  std::stable_sort(poses.begin(), poses.end(),
-                   [](const MarkerPose& a, const MarkerPose& b) { return a.rms_px < b.rms_px; });
+  stableSort(poses, [](const MarkerPose& a, const MarkerPose& b) { return a.rms_px < b.rms_px; });
   return poses;
 }
 

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "core/stable_sort.h"
 
 namespace fathom {
 namespace {
@@ -69,8 +70,8 @@ PosedImages posedImages(const std::filesystem::path& rawlog, const std::vector<P
   const Sightings sightings = solveSightings(entries, detections, panels, calibration);
   PosedImages images = posedImages(entries, detections, sightings, panels, calibration);
   const auto earlier = [](const auto& a, const auto& b) { return a.time < b.time; };
-  std::stable_sort(images.posed.begin(), images.posed.end(), earlier);
-  std::stable_sort(images.unposed.begin(), images.unposed.end(), earlier);
+  stableSort(images.posed, earlier);
+  stableSort(images.unposed, earlier);
   if (const auto loss = source.loss())
     images.remarks.push_back("the recording is damaged: " + describe(*loss));
   if (!detections.not_kept_why.empty())

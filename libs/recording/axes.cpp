@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/stable_sort.h"
+
 namespace fathom {
 namespace {
 
@@ -55,9 +57,8 @@ std::vector<AxesScore> AxesEvidence::ranking() const {
     }
     scores.push_back(score);
   }
-  std::stable_sort(scores.begin(), scores.end(), [](const AxesScore& a, const AxesScore& b) {
-    return a.log_likelihood > b.log_likelihood;
-  });
+  stableSort(scores,
+             [](const AxesScore& a, const AxesScore& b) { return a.log_likelihood > b.log_likelihood; });
   return scores;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/files.h"
+#include "core/stable_sort.h"
 #include "core/text.h"
 #include "effects/calibration.h"
 #include "effects/catalogue.h"
@@ -37,9 +38,8 @@ void addEffects(const DiagnosisStory& story, HtmlReport& report) {
 
 /// The most improbable first.
 std::vector<InteractionTest> worstOf(std::vector<InteractionTest> tests, std::size_t count) {
-  std::stable_sort(tests.begin(), tests.end(), [](const InteractionTest& a, const InteractionTest& b) {
-    return a.statistic > b.statistic;
-  });
+  stableSort(tests,
+             [](const InteractionTest& a, const InteractionTest& b) { return a.statistic > b.statistic; });
   tests.resize(std::min(count, tests.size()));
   return tests;
 }

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
+#include "core/stable_sort.h"
 #include "effects/drawn.h"
 #include "imaging/exposure_time.h"
 #include "sil/pair_maker.h"
@@ -129,7 +130,7 @@ class Simulated {
 std::vector<std::size_t> chosenOf(const Simulated& simulated, const std::vector<PanelMap>& panels) {
   std::vector<const PosedImage*> order;
   for (const PosedImage& image : simulated.posed()) order.push_back(&image);
-  std::stable_sort(order.begin(), order.end(), [&](const PosedImage* a, const PosedImage* b) {
+  stableSort(order, [&](const PosedImage* a, const PosedImage* b) {
     return range_m(*a, panels) < range_m(*b, panels);
   });
   std::vector<std::size_t> chosen;

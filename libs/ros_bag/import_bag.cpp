@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "core/stable_sort.h"
 #include "ros_bag/bag_check.h"
 #include "ros_bag/bag_image.h"
 #include "ros_bag/bag_message.h"
@@ -263,8 +264,7 @@ void BagImporter::takeReference(const BagTopic& topic, const BagMessage& message
 }
 
 void BagImporter::sortReference() {
-  std::stable_sort(reference_.begin(), reference_.end(),
-                   [](const StampedPose& a, const StampedPose& b) { return a.time < b.time; });
+  stableSort(reference_, [](const StampedPose& a, const StampedPose& b) { return a.time < b.time; });
   const auto repeated =
       std::unique(reference_.begin(), reference_.end(),
                   [](const StampedPose& a, const StampedPose& b) { return a.time == b.time; });

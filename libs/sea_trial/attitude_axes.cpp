@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/stable_sort.h"
 #include "sensors/ins.h"
 
 namespace fathom {
@@ -97,7 +98,7 @@ std::vector<AttitudeHypothesis> rankAttitudes(const AlignedStreams& s) {
     all.push_back(std::move(h));
   }
   const AttitudeHypothesis published = all[0];
-  std::stable_sort(all.begin(), all.end(), [](const AttitudeHypothesis& a, const AttitudeHypothesis& b) {
+  stableSort(all, [](const AttitudeHypothesis& a, const AttitudeHypothesis& b) {
     return a.log_likelihood() > b.log_likelihood();
   });
   const double against_published =

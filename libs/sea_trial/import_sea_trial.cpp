@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "core/stable_sort.h"
 #include "recording/csv.h"
 #include "sea_trial/conventions.h"
 
@@ -98,7 +99,7 @@ std::vector<Sample> samples(const SeaTrialData& data, const SeaTrialConventions&
   for (std::size_t k = 0; k < data.dvl_time_s.size(); ++k)
     all.push_back({stamp(data.dvl_time_s, k, stretch, options), labels::kDvl,
                    DvlSample{Pose{}, dvl * data.velocity_dvl[k]}});
-  std::stable_sort(all.begin(), all.end(), [](const Sample& a, const Sample& b) { return a.time < b.time; });
+  stableSort(all, [](const Sample& a, const Sample& b) { return a.time < b.time; });
   return all;
 }
 

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
+#include "core/stable_sort.h"
 #include "core/text.h"
 #include "core/version.h"
 #include "effects/calibration.h"
@@ -310,8 +311,7 @@ SilResults runSil(const PosedImages& images, const PairMaker& maker, const SilOp
   if (results.pairs.empty()) complainOfNone(results, target.recording);
   removeOthers(results, store.images(), frames);
   outputs.finish();
-  std::stable_sort(results.unpaired.begin(), results.unpaired.end(),
-                   [](const auto& a, const auto& b) { return a.time < b.time; });
+  stableSort(results.unpaired, [](const auto& a, const auto& b) { return a.time < b.time; });
   return results;
 }
 
