@@ -1,7 +1,6 @@
 #pragma once
 
-#include <tbb/parallel_for.h>
-
+#include <functional>
 #include <mutex>
 #include <string>
 
@@ -27,24 +26,9 @@ class SharedProgress {
 
 /// Calls make(i) for each i below count, on all cores, one at a time to whichever is free. What make throws,
 /// or Interrupted, ends it.
-template <class Make>
-void forEachIndex(std::size_t count, SharedProgress& progress, const Make& make) {
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, count, 1),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          make(i);
-          progress.oneDone();
-        }
-      },
-      tbb::simple_partitioner());
-}
+void forEachIndex(std::size_t count, SharedProgress& progress, const std::function<void(std::size_t)>& make);
 
 /// The same with a progress line of its own.
-template <class Make>
-void forEachIndex(std::size_t count, const std::string& what, const Make& make) {
-  SharedProgress progress(what, count);
-  forEachIndex(count, progress, make);
-}
+void forEachIndex(std::size_t count, const std::string& what, const std::function<void(std::size_t)>& make);
 
 }  // namespace fathom

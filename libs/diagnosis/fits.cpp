@@ -1,11 +1,10 @@
 #include "diagnosis/fits.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <iterator>
 #include <set>
 
+#include "core/parallel.h"
 #include "core/text.h"
 #include "diagnosis/discovery.h"
 #include "diagnosis/onset.h"
@@ -60,7 +59,7 @@ std::vector<Refit> Fits::of(const Refit& from, const std::vector<std::vector<Can
     if (is_new) left.push_back(all.size());
     all.push_back(&it->second);
   }
-  tbb::parallel_for(std::size_t{0}, left.size(), [&](std::size_t i) {
+  parallelFor(left.size(), [&](std::size_t i) {
     *all[left[i]] = refit(data_, from.estimate, base_, sets[left[i]], noise_);
   });
   std::vector<Refit> fits;

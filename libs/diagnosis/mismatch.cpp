@@ -1,7 +1,5 @@
 #include "diagnosis/mismatch.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -9,6 +7,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "core/chi_square.h"
+#include "core/parallel.h"
 #include "core/random.h"
 #include "core/stable_sort.h"
 #include "core/text.h"
@@ -346,8 +345,7 @@ std::vector<Mismatch> mismatchMaps(const WhitenedModel& model, std::uint64_t see
       model.nuisances().reduce(model.whitened(planner.columns()), model.residual(), planner.blocks());
   std::vector<Mismatch> maps = spectra(model, seed);
   for (Mismatch& map : imageFlaws(model)) maps.push_back(std::move(map));
-  tbb::parallel_for(std::size_t{0}, planner.plans.size(),
-                    [&](std::size_t i) { finish(planner.plans[i], model, reduced); });
+  parallelFor(planner.plans.size(), [&](std::size_t i) { finish(planner.plans[i], model, reduced); });
   for (Plan& plan : planner.plans)
     if (plan.map.dof > 0) maps.push_back(std::move(plan.map));
   for (Mismatch& map : maps) {

@@ -1,7 +1,5 @@
 #include "diagnosis/screening.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,6 +9,7 @@
 #include "core/chi_square.h"
 #include "core/linear_algebra.h"
 #include "core/median.h"
+#include "core/parallel.h"
 #include "core/random.h"
 #include "core/stable_sort.h"
 #include "diagnosis/finer_edges.h"
@@ -101,7 +100,7 @@ void Screening::add(std::size_t family, TestedCandidate tested, double log_prior
 void Screening::takeFinerEdges(int segments, std::vector<std::optional<TestedCandidate>>& parts) {
   const FinerEdges edges(model_, {first_s_, first_s_ + segments * segment_s_}, segments);
   std::vector<std::vector<FinerEdges::Part>> best(families_.size());
-  tbb::parallel_for(std::size_t{0}, families_.size(), [&](std::size_t family) {
+  parallelFor(families_.size(), [&](std::size_t family) {
     if (!parts[family] || families_[family].has_peak) return;
     const Eigen::MatrixXd scores = edges.scoresUpTo(families_[family].candidate);
     for (const Test& test : all_)
@@ -324,8 +323,7 @@ std::vector<TestedSet> Screening::bestSets(std::size_t size, std::size_t count, 
       }
     latest.clear();
     for (const auto& members : grown) latest.push_back({members, 0});
-    tbb::parallel_for(std::size_t{0}, latest.size(),
-                      [&](std::size_t i) { latest[i].support = supportOf(latest[i].members); });
+    parallelFor(latest.size(), [&](std::size_t i) { latest[i].support = supportOf(latest[i].members); });
     stableSort(latest, byEvidence);
     if (latest.size() > kKeptSets) latest.resize(kKeptSets);
     for (const TestedSet& set : latest)
@@ -354,7 +352,7 @@ Looks Screening::independentLooks(std::uint64_t seed) const {
   const Eigen::MatrixXd noise = random.normals(columns_.rows(), kAlarmDraws);
   const Eigen::MatrixXd scores = model_.nuisances().scores(columns_, noise);
   std::vector<double> lasting(kAlarmDraws, 0), parts(kAlarmDraws, 0);  // ln of the least p
-  tbb::parallel_for(0, kAlarmDraws, [&](int draw) {
+  parallelFor(kAlarmDraws, [&](int draw) {
     const Eigen::VectorXd score = scores.col(draw);
     std::map<std::pair<bool, int>, double> largest;  // by kind and degrees of freedom
     for (const Test& test : all_) {

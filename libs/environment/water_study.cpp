@@ -1,7 +1,5 @@
 #include "environment/water_study.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -10,6 +8,7 @@
 #include "core/error.h"
 #include "core/evenly.h"
 #include "core/for_each.h"
+#include "core/parallel.h"
 #include "core/stable_sort.h"
 #include "core/text.h"
 #include "evaluation/contact_sheet.h"
@@ -48,8 +47,7 @@ std::vector<std::size_t> byRange(std::vector<std::size_t> images, std::size_t co
 FsimSearch searchIn(const std::vector<std::size_t>& images, const Studio& studio) {
   const auto some = byRange(images, studio.options.search_images, studio);
   std::vector<CleanPair> pairs(some.size());
-  tbb::parallel_for(std::size_t{0}, some.size(),
-                    [&](std::size_t k) { pairs[k] = studio.maker.clean(studio.posed[some[k]]); });
+  parallelFor(some.size(), [&](std::size_t k) { pairs[k] = studio.maker.clean(studio.posed[some[k]]); });
   SharedProgress progress("the paper's search by FSIM", studio.options.search.evaluations * some.size());
   const auto similarity = [&](const Environment& water) {
     std::vector<double> scores(some.size());

@@ -1,11 +1,11 @@
 #include "estimation/batch_estimate.h"
 
 #include <ceres/ceres.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "core/parallel.h"
 #include "core/progress.h"
 #include "effects/catalogue.h"
 #include "estimation/linearization.h"
@@ -36,8 +36,7 @@ class Preparation : public ceres::EvaluationCallback {
       at_.x = x_;
     else
       at_ = problem_.pointAt(x_, with_jacobians);
-    tbb::parallel_for(std::size_t{0}, costs_.size(),
-                      [&](std::size_t i) { costs_[i]->prepare(at_, with_jacobians); });
+    parallelFor(costs_.size(), [&](std::size_t i) { costs_[i]->prepare(at_, with_jacobians); });
     has_jacobians_ = with_jacobians;
   }
 
@@ -140,7 +139,7 @@ class Uncertainty {
   /// a^T Cov a of each row.
   Eigen::VectorXd leverages(const Eigen::SparseMatrix<double, Eigen::RowMajor>& J) const {
     Eigen::VectorXd result(J.rows());
-    tbb::parallel_for(Eigen::Index{0}, J.rows(), [&](Eigen::Index i) {
+    parallelFor(J.rows(), [&](Eigen::Index i) {
       double sum = 0;
       using Entry = Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator;
       for (Entry a(J, i); a; ++a) {

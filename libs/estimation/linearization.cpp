@@ -1,7 +1,5 @@
 #include "estimation/linearization.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "core/parallel.h"
 #include "core/stable_sort.h"
 #include "core/text.h"
 #include "effects/catalogue.h"
@@ -198,7 +197,7 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
   // Each cost writes to places of its own, so that nothing depends on the number of threads.
   std::vector<std::vector<Eigen::Triplet<double>>> entries(costs.size());
   const BatchPoint zero = problem.pointAt(Eigen::VectorXd::Zero(problem.unknowns()), true);
-  tbb::parallel_for(std::size_t{0}, costs.size(), [&](std::size_t i) {
+  parallelFor(costs.size(), [&](std::size_t i) {
     const BatchCost& cost = *costs[i];
     Eigen::VectorXd r;
     Eigen::MatrixXd J;

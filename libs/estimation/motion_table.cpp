@@ -1,6 +1,6 @@
 #include "estimation/motion_table.h"
 
-#include <tbb/parallel_for.h>
+#include "core/parallel.h"
 
 namespace fathom {
 
@@ -14,7 +14,7 @@ Motions MotionTable::at(const PosePath& path, bool with_derivatives) const {
   Motions motions;
   motions.values.resize(nodes_.size());
   if (with_derivatives) motions.derivatives.resize(nodes_.size());
-  tbb::parallel_for(std::size_t{0}, nodes_.size(), [&](std::size_t i) {
+  parallelFor(nodes_.size(), [&](std::size_t i) {
     motions.values[i] = motionOf(path, nodes_[i]);
     if (with_derivatives) motions.derivatives[i] = motionJacobian(path, nodes_[i]);
   });

@@ -1,11 +1,10 @@
 #include "estimation/nuisances.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <numeric>
 #include <stdexcept>
 
+#include "core/parallel.h"
 #include "estimation/sparse.h"
 
 namespace fathom {
@@ -18,7 +17,7 @@ Eigen::MatrixXd gramOf(const Eigen::MatrixXd& U) {
   const Eigen::Index tiles = (U.cols() + kBlock - 1) / kBlock;
   Eigen::MatrixXd gram(U.cols(), U.cols());
   const auto width = [&](Eigen::Index tile) { return std::min(kBlock, U.cols() - tile * kBlock); };
-  tbb::parallel_for(Eigen::Index{0}, tiles * tiles, [&](Eigen::Index k) {
+  parallelFor(tiles * tiles, [&](Eigen::Index k) {
     const Eigen::Index i = k / tiles, j = k % tiles;
     if (j > i) return;
     gram.block(i * kBlock, j * kBlock, width(i), width(j)).noalias() =
@@ -38,7 +37,7 @@ Nuisances::Nuisances(const Eigen::SparseMatrix<double>& J) : J_(J) {
 Eigen::MatrixXd Nuisances::forward(const Eigen::SparseMatrix<double>& B) const {
   Eigen::MatrixXd U = B;
   const Eigen::VectorXd root = factors_.vectorD().cwiseSqrt().cwiseInverse();
-  tbb::parallel_for(Eigen::Index{0}, (U.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
+  parallelFor((U.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
     auto columns = U.middleCols(block * kBlock, std::min(kBlock, U.cols() - block * kBlock));
     factors_.matrixL().solveInPlace(columns);
     columns = root.asDiagonal() * columns;
@@ -61,7 +60,7 @@ Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::Vec
   reduced.gram = Eigen::MatrixXd::Zero(C.cols(), C.cols());
   std::vector<Eigen::Index> first(blocks.size(), 0);
   std::partial_sum(blocks.begin(), blocks.end() - 1, first.begin() + 1);
-  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+  parallelFor(blocks.size(), [&](std::size_t b) {
     const Eigen::SparseMatrix<double> own = C.middleCols(first[b], blocks[b]);
     const auto U_own = U.middleCols(first[b], blocks[b]);
     reduced.gram.block(first[b], first[b], blocks[b], blocks[b]) =
@@ -77,7 +76,7 @@ Eigen::MatrixXd Nuisances::scores(const Eigen::SparseMatrix<double>& C, const Ei
 Eigen::MatrixXd Nuisances::scores(const Eigen::SparseMatrix<double>& C,
                                   const Eigen::SparseMatrix<double>& along, const Eigen::MatrixXd& R) const {
   Eigen::MatrixXd scores(C.cols(), R.cols());
-  tbb::parallel_for(Eigen::Index{0}, (R.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
+  parallelFor((R.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
     const Eigen::Index first = block * kBlock, count = std::min(kBlock, R.cols() - first);
     const auto own = R.middleCols(first, count);
     const Eigen::MatrixXd left = J_.transpose() * own;
@@ -88,7 +87,7 @@ Eigen::MatrixXd Nuisances::scores(const Eigen::SparseMatrix<double>& C,
 
 Eigen::MatrixXd Nuisances::project(const Eigen::MatrixXd& R) const {
   Eigen::MatrixXd left(R.rows(), R.cols());
-  tbb::parallel_for(Eigen::Index{0}, (R.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
+  parallelFor((R.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
     const Eigen::Index first = block * kBlock, count = std::min(kBlock, R.cols() - first);
     const Eigen::MatrixXd along = J_.transpose() * R.middleCols(first, count);
     left.middleCols(first, count) = R.middleCols(first, count) - J_ * factors_.solve(along);

@@ -1,9 +1,9 @@
 #include "estimation/sparse.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <vector>
+
+#include "core/parallel.h"
 
 namespace fathom {
 namespace {
@@ -22,7 +22,7 @@ Matrix transposedTimes(const Matrix& A, const Matrix& B) {
   constexpr Eigen::Index kColumns = 64;  // at once
   const Matrix transposed = A.transpose();
   std::vector<Matrix> parts(static_cast<std::size_t>((B.cols() + kColumns - 1) / kColumns));
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
+  parallelFor(parts.size(), [&](std::size_t p) {
     const Eigen::Index first = static_cast<Eigen::Index>(p) * kColumns;
     parts[p] = transposed * B.middleCols(first, std::min(kColumns, B.cols() - first));
   });

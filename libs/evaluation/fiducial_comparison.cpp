@@ -1,7 +1,6 @@
 #include "evaluation/fiducial_comparison.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/for_each.h"
+#include "core/parallel.h"
 #include "core/text.h"
 #include "core/version.h"
 #include "effects/calibration.h"
@@ -288,7 +288,7 @@ std::vector<FiducialPicture> fiducialPictures(const FiducialGrid& grid, const Pa
   std::vector<FiducialPicture> pictures(images.size());
   for (std::size_t family = 0; family < grid.families.size(); ++family) {
     const FamilyStudio studio(grid, map, vehicle, family);
-    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+    parallelFor(images.size(), [&](std::size_t i) {
       if (images[i].family == family) pictures[i] = studio.picture(images[i]);
     });
   }

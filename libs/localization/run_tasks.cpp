@@ -1,7 +1,8 @@
 #include "localization/run_tasks.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+
+#include "core/parallel.h"
 
 namespace fathom {
 namespace {
@@ -33,7 +34,7 @@ std::vector<LocalizationSummary> runTasks(SampleSource& source, const std::vecto
     std::vector<Sample> next;
     tbb::parallel_invoke([&] { next = readBlock(source); },
                          [&] {
-                           tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
+                           parallelFor(tasks.size(), [&](std::size_t i) {
                              for (const Sample& sample : block) tasks[i]->add(sample);
                            });
                          });
@@ -41,7 +42,7 @@ std::vector<LocalizationSummary> runTasks(SampleSource& source, const std::vecto
     block = std::move(next);
   }
   std::vector<LocalizationSummary> summaries(tasks.size());
-  tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) { summaries[i] = tasks[i]->finish(); });
+  parallelFor(tasks.size(), [&](std::size_t i) { summaries[i] = tasks[i]->finish(); });
   return summaries;
 }
 

@@ -1,7 +1,5 @@
 #include "observables/image_patches.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <numeric>
 #include <optional>
 
+#include "core/parallel.h"
 #include "imaging/fingerprints.h"
 #include "observables/marker_edges.h"
 #include "observables/open_water.h"
@@ -175,7 +174,7 @@ std::vector<ImageSpecks> withSigmas(const std::vector<PosedImage>& posed,
                                     const Environment& environment, Time time_zero) {
   constexpr double kFalse = 1;
   std::vector<SpeckVolumes> volumes(posed.size());
-  tbb::parallel_for(std::size_t{0}, posed.size(), [&](std::size_t i) {
+  parallelFor(posed.size(), [&](std::size_t i) {
     if (counts[i]) volumes[i] = volumesOf(counts[i]->cells, environment);
   });
   std::vector<ImageSpecks> specks;

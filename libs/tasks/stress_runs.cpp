@@ -1,10 +1,9 @@
 #include "tasks/stress_runs.h"
 
-#include <tbb/parallel_for.h>
-
 #include <atomic>
 #include <mutex>
 
+#include "core/parallel.h"
 #include "core/progress.h"
 #include "sources/degraded_source.h"
 
@@ -112,7 +111,7 @@ std::vector<StressRun> runStress(const LocalizationSetup& setup,
   Progress progress("stressing");
   std::mutex progress_mutex;
   std::atomic<std::size_t> done = 0;
-  tbb::parallel_for(std::size_t{0}, plan.size(), [&](std::size_t i) {
+  parallelFor(plan.size(), [&](std::size_t i) {
     runs[i] = runOne(setup, open(), plan[i], reference);
     const std::lock_guard lock(progress_mutex);
     progress.update(static_cast<double>(++done) / static_cast<double>(plan.size()));
