@@ -3,7 +3,6 @@
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <regex>
 
 #include "camera_tables/import_corners.h"
 #include "core/error.h"
@@ -23,10 +22,9 @@ struct CornerOptions {
 
 /// "8x6".
 std::array<int, 2> timesOf(const std::string& option, const std::string& text) {
-  std::smatch parts;
-  if (!std::regex_match(text, parts, std::regex("([0-9]{1,5})x([0-9]{1,5})")))
-    throw Error(option, text, "must be WIDTHxHEIGHT");
-  return {std::stoi(parts[1]), std::stoi(parts[2])};
+  const auto sides = numbersAround(text, 'x', 5);
+  if (!sides) throw Error(option, text, "must be WIDTHxHEIGHT");
+  return {static_cast<int>((*sides)[0]), static_cast<int>((*sides)[1])};
 }
 
 std::optional<Checkerboard> boardOf(const CornerOptions& options) {

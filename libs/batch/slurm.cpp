@@ -1,7 +1,5 @@
 #include "batch/slurm.h"
 
-#include <regex>
-
 #include "core/error.h"
 #include "core/text.h"
 
@@ -43,10 +41,13 @@ SlurmScripts slurmScripts(const std::vector<std::string>& words, std::size_t sha
 }
 
 std::string submittedJob(const std::string& printed) {
-  std::smatch parts;
-  if (!std::regex_search(printed, parts, std::regex("(^|\n)([0-9]+)(;[^\n]*)?\n")))
-    throw Error("sbatch", "", printed.empty() ? "printed nothing" : printed);
-  return parts[2];
+  // Of its lines the first that is a number, or one with a cluster's name behind a semicolon.
+  for (std::size_t begin = 0, end = 0; (end = printed.find('\n', begin)) != std::string::npos;
+       begin = end + 1) {
+    const std::string line = printed.substr(begin, end - begin), number = line.substr(0, line.find(';'));
+    if (!number.empty() && number.find_first_not_of("0123456789") == std::string::npos) return number;
+  }
+  throw Error("sbatch", "", printed.empty() ? "printed nothing" : printed);
 }
 
 }  // namespace fathom

@@ -53,4 +53,16 @@ std::string shellWord(const std::string& word) {
   return quoted + "'";
 }
 
+std::optional<std::array<unsigned, 2>> numbersAround(const std::string& text, char between,
+                                                     std::size_t most_digits) {
+  const auto middle = text.find(between);
+  if (middle == std::string::npos) return std::nullopt;
+  const std::array<std::string, 2> parts{text.substr(0, middle), text.substr(middle + 1)};
+  for (const std::string& part : parts)
+    if (part.empty() || part.size() > most_digits ||
+        part.find_first_not_of("0123456789") != std::string::npos)
+      return std::nullopt;
+  return {{static_cast<unsigned>(std::stoul(parts[0])), static_cast<unsigned>(std::stoul(parts[1]))}};
+}
+
 }  // namespace fathom

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <optional>
 #include <string>
 
 namespace fathom {
@@ -19,5 +22,10 @@ std::string csvField(const std::string& text);
 
 /// A word of a command line, quoted where a shell needs it.
 std::string shellWord(const std::string& word);
+
+/// "8x6": two whole numbers with one letter between them, of so many digits at most. Nothing where the text
+/// is not like that.
+std::optional<std::array<unsigned, 2>> numbersAround(const std::string& text, char between,
+                                                     std::size_t most_digits);
 
 }  // namespace fathom
