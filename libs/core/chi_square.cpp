@@ -10,16 +10,20 @@ namespace {
 
 constexpr double kLeastTail = 1e-280;
 
+/// In double, not by way of long double: everything would be compiled for both.
+using InDouble = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+
 }  // namespace
 
 double chiSquareQuantile(double degrees_of_freedom, double probability) {
-  return boost::math::quantile(boost::math::chi_squared(degrees_of_freedom), probability);
+  return boost::math::quantile(boost::math::chi_squared_distribution<double, InDouble>(degrees_of_freedom),
+                               probability);
 }
 
 double chiSquareLogTail(double degrees_of_freedom, double value) {
   if (!(value > 0)) return 0;
   const double a = 0.5 * degrees_of_freedom, x = 0.5 * value;
-  const double tail = boost::math::gamma_q(a, x);
+  const double tail = boost::math::gamma_q(a, x, InDouble());
   if (tail > kLeastTail) return std::log(tail);
   // Q(a, x) = x^(a-1) e^-x / Γ(a) · (1 + (a-1)/x + (a-1)(a-2)/x² + …)
   double term = 1, sum = 1;
@@ -32,7 +36,7 @@ double chiSquareLogTail(double degrees_of_freedom, double value, double variance
   if (!(value > 0)) return 0;
   const double a = 0.5 * variance_freedom, b = 0.5 * degrees_of_freedom;
   const double x = variance_freedom / (variance_freedom + value);
-  const double tail = boost::math::ibeta(a, b, x);
+  const double tail = boost::math::ibeta(a, b, x, InDouble());
   if (tail > kLeastTail) return std::log(tail);
   // The leading term of I_x(a, b) (DLMF 8.17.7); x is tiny then.
   return a * std::log(x) - std::log(a) - std::lgamma(a) - std::lgamma(b) + std::lgamma(a + b);

@@ -1,5 +1,7 @@
 #include "core/geometry.h"
 
+#include <algorithm>
+
 namespace fathom {
 
 Matrix3d rotationFromYawPitchRoll(double yaw, double pitch, double roll) {
@@ -23,6 +25,15 @@ Matrix3d bodyRotationFromYawPitchRoll(const Vector3d& yaw_pitch_roll) {
   J << -sp, 0, 1,  //
       sr * cp, cr, 0, cr * cp, -sr, 0;
   return J;
+}
+
+Matrix3d rotationBetween(const Vector3d& from, const Vector3d& to) {
+  const Vector3d a = from.normalized(), b = to.normalized();
+  const double w = std::sqrt(std::max(0.0, 0.5 * (1.0 + a.dot(b))));  // cosine of half the angle
+  Eigen::Quaterniond q;
+  q.w() = w;
+  q.vec() = w > 1e-6 ? Vector3d(a.cross(b) / (2.0 * w)) : a.unitOrthogonal();
+  return q.normalized().toRotationMatrix();
 }
 
 double angleBetween(const Matrix3d& R_a, const Matrix3d& R_b) {

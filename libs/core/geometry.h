@@ -119,6 +119,10 @@ struct Pose {
   }
 };
 
+/// The shortest rotation R that turns one direction (of any length) into another: R from is along to. Of
+/// opposite ones, about any axis across them.
+Matrix3d rotationBetween(const Vector3d& from, const Vector3d& to);
+
 /// Geodesic distance of two rotations, rad in [0, pi] (Huynh 2009, Phi_6).
 double angleBetween(const Matrix3d& R_a, const Matrix3d& R_b);
 

@@ -3,7 +3,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
 
 namespace fathom {
 
@@ -56,8 +57,8 @@ SymmetricEigen eigenOf(const MatrixView& A) {
   return {eigen.eigenvalues(), eigen.eigenvectors()};
 }
 
-Eigen::VectorXd singularValues(const MatrixView& A) {
-  return Eigen::JacobiSVD<Eigen::MatrixXd>(A).singularValues();
+double largestSingularValue(const MatrixView& A) {
+  return std::sqrt(std::max(0.0, eigenOf(A.transpose() * A).values.maxCoeff()));
 }
 
 Eigen::MatrixXd inverseOf(const MatrixView& A) { return A.inverse(); }

@@ -61,8 +61,7 @@ struct SymmetricEigen {
 };
 SymmetricEigen eigenOf(const MatrixView& A);
 
-/// The largest first.
-Eigen::VectorXd singularValues(const MatrixView& A);
+double largestSingularValue(const MatrixView& A);
 
 /// Of a square matrix that has one.
 Eigen::MatrixXd inverseOf(const MatrixView& A);

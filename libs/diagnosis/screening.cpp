@@ -343,7 +343,7 @@ double Screening::alignment(std::size_t a, std::size_t b) const {
     return Eigen::MatrixXd(eigen.vectors * inverse.asDiagonal());
   };
   const Eigen::MatrixXd cosines = root(a).transpose() * gramOf(a, b) * root(b);
-  return std::min(1.0, singularValues(cosines)[0]);
+  return std::min(1.0, largestSingularValue(cosines));
 }
 
 Looks Screening::independentLooks(std::uint64_t seed) const {

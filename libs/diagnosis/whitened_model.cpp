@@ -1,6 +1,6 @@
 #include "diagnosis/whitened_model.h"
 
-#include <Eigen/SparseLU>
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -64,8 +64,23 @@ Eigen::SparseMatrix<double> WhitenedModel::whitener(const Linearization& linear,
 Eigen::VectorXd WhitenedModel::remaining(const Eigen::VectorXd& changes) const {
   Eigen::VectorXd whitened = Eigen::VectorXd::Zero(nuisances_.J().rows());
   whitened.head(W_.rows()) = W_ * changes;
-  return Eigen::SparseLU<Eigen::SparseMatrix<double>>(W_).solve(
-      nuisances_.project(whitened).col(0).head(W_.rows()));
+  // W of a row has its own column and, at most, that of the reading before it in its track.
+  Eigen::VectorXd left = nuisances_.project(whitened).col(0).head(W_.rows());
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> W = W_;
+  const auto solveRow = [&](std::size_t i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    double own = 1;
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator entry(W, row); entry; ++entry)
+      if (entry.col() == row)
+        own = entry.value();
+      else
+        left[row] -= entry.value() * left[entry.col()];
+    left[row] /= own;
+  };
+  for (std::size_t i = 0; i < linear_.rows.size(); ++i)
+    if (linear_.rows[i].track < 0) solveRow(i);
+  for (const auto& track : linear_.tracks) std::for_each(track.begin(), track.end(), solveRow);
+  return left;
 }
 
 Eigen::SparseMatrix<double> WhitenedModel::nuisanceColumns(const NoiseModel& noise,

@@ -373,7 +373,7 @@ Pose mirrorImage(const Pose& T_camera_panel, const Vector3d& centre_panel) {
   const Vector3d centre = T_camera_panel * centre_panel, sight = centre.normalized();
   const Vector3d normal = T_camera_panel.rotation.col(2);
   const Vector3d mirrored = 2.0 * sight.dot(normal) * sight - normal;
-  const Matrix3d turn = Eigen::Quaterniond::FromTwoVectors(normal, mirrored).toRotationMatrix();
+  const Matrix3d turn = rotationBetween(normal, mirrored);
   Pose result;
   result.rotation = turn * T_camera_panel.rotation;
   result.position = centre - result.rotation * centre_panel;

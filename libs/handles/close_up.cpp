@@ -11,9 +11,7 @@ constexpr std::array kSizes{32, 48, 64, 96, 128, 192, 256, 384};
 constexpr double kMargin_px = 3;
 
 /// Turns the optical axis into a direction, by the least turn.
-Matrix3d turnTo(const Vector3d& direction) {
-  return Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), direction).toRotationMatrix();
-}
+Matrix3d turnTo(const Vector3d& direction) { return rotationBetween(Vector3d::UnitZ(), direction); }
 
 }  // namespace
 

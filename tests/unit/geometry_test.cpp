@@ -152,6 +152,19 @@ TEST(Geometry, BodyRotationOfYawPitchRollEqualsNumeric) {
   }
 }
 
+TEST(Geometry, RotationBetweenTurnsOneDirectionIntoTheOther) {
+  Random random(8);
+  for (int i = 0; i < 200; ++i) {
+    const Vector3d a = random.normal3(),
+                   b = i % 4 == 0 ? Vector3d(-a + 1e-9 * i * random.normal3()) : random.normal3();
+    const Matrix3d R = rotationBetween(a, b);
+    EXPECT_LT((R * a.normalized() - b.normalized()).norm(), 1e-6);
+    EXPECT_LT((R * R.transpose() - Matrix3d::Identity()).norm(), 1e-12);
+    EXPECT_NEAR(angleBetween(R, Matrix3d::Identity()),
+                std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)), 1e-6);
+  }
+}
+
 TEST(Pose, AgreesWithMrpt) {
   Random random(6);
   for (int i = 0; i < 200; ++i) {
