@@ -191,13 +191,9 @@ Eigen::MatrixXd moveAttached(std::vector<Pose>& poses, const Eigen::VectorXd& de
 
 }  // namespace
 
-template <int N>
-void ErrorStateFilter<N>::carryAttached(const Eigen::Ref<const Eigen::MatrixXd>& H, const int* columns,
-                                        const Eigen::Ref<const Eigen::MatrixXd>& R,
-                                        const Eigen::Ref<const Eigen::MatrixXd>& S,
-                                        const Eigen::Ref<const Eigen::MatrixXd>& PHt,
-                                        const Eigen::Ref<const Eigen::MatrixXd>& gain,
-                                        const Eigen::Ref<const Eigen::VectorXd>& residual) {
+void detail::carryAttached(AttachedPoses& attached, const MatrixView& H, const int* columns,
+                           const MatrixView& R, const MatrixView& S, const MatrixView& PHt,
+                           const MatrixView& gain, const Eigen::Ref<const Eigen::VectorXd>& residual) {
   const auto timesHTransposed = [&] {
     Eigen::MatrixXd product = attached.cross.col(columns[0]) * H.col(0).transpose();
     for (int k = 1; k < H.cols(); ++k) product += attached.cross.col(columns[k]) * H.col(k).transpose();
@@ -210,62 +206,98 @@ void ErrorStateFilter<N>::carryAttached(const Eigen::Ref<const Eigen::MatrixXd>&
   attached.cross -= excess * gain.transpose();
   attached.block -= own_gain * own.transpose() + excess * own_gain.transpose();
 
-  const Vector delta = gain * residual;
-  const Matrix3d robot = rightJacobianSO3<double>(delta.template segment<3>(kOrientation));
-  attached.cross.template middleCols<3>(kOrientation) *= robot.transpose();
+  const Matrix3d robot = rightJacobianSO3<double>(gain.middleRows<3>(kOrientation) * residual);
+  attached.cross.middleCols<3>(kOrientation) *= robot.transpose();
   const Eigen::MatrixXd reset = moveAttached(attached.T_odom, own_gain * residual);
   attached.cross = (reset * attached.cross).eval();
   const Eigen::MatrixXd block = reset * attached.block * reset.transpose();
   attached.block = 0.5 * (block + block.transpose());
 }
 
-template <int N>
-Eigen::MatrixXd ErrorStateFilter<N>::wholeCovariance() const {
-  const Eigen::Index rest = attached.block.rows();
-  Eigen::MatrixXd whole(N + rest, N + rest);
-  whole.topLeftCorner(N, N) = P;
-  whole.bottomLeftCorner(rest, N) = attached.cross;
-  whole.topRightCorner(N, rest) = attached.cross.transpose();
+namespace {
+
+Eigen::MatrixXd joined(const MatrixView& P, const AttachedPoses& attached) {
+  const Eigen::Index motion = P.rows(), rest = attached.block.rows();
+  Eigen::MatrixXd whole(motion + rest, motion + rest);
+  whole.topLeftCorner(motion, motion) = P;
+  whole.bottomLeftCorner(rest, motion) = attached.cross;
+  whole.topRightCorner(motion, rest) = attached.cross.transpose();
   whole.bottomRightCorner(rest, rest) = attached.block;
   return whole;
 }
 
+/// Symmetrized; what is the motion's own is returned.
+Eigen::MatrixXd takenApart(const Eigen::MatrixXd& covariance, Eigen::Index motion, AttachedPoses& attached) {
+  const Eigen::MatrixXd whole = 0.5 * (covariance + covariance.transpose());
+  const Eigen::Index rest = whole.rows() - motion;
+  attached.cross = whole.bottomLeftCorner(rest, motion);
+  attached.block = whole.bottomRightCorner(rest, rest);
+  return whole.topLeftCorner(motion, motion);
+}
+
+/// Joseph form as printed, over all states; moves the attached poses where it fuses.
+struct WholeUpdate {
+  double nis = 0;
+  bool fused = false;
+  Eigen::VectorXd delta;
+  Eigen::MatrixXd covariance;
+
+  WholeUpdate(const Eigen::MatrixXd& before, const Eigen::VectorXd& residual, const Eigen::MatrixXd& H,
+              const Eigen::MatrixXd& R, double gate, std::vector<Pose>& poses) {
+    const Eigen::MatrixXd PHt = before * H.transpose();
+    const SymmetricFactors S(H * PHt + R);
+    nis = residual.dot(S.solve(residual));
+    fused = S.isPositive() && nis <= gate;
+    if (!fused) return;
+    const Eigen::MatrixXd gain = S.solve(PHt.transpose()).transpose();
+    const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(before.rows(), before.rows()) - gain * H;
+    delta = gain * residual;
+    const auto attached = 6 * std::ssize(poses);
+    Eigen::MatrixXd reset = Eigen::MatrixXd::Identity(before.rows(), before.rows());
+    reset.block<3, 3>(kOrientation, kOrientation) = rightJacobianSO3<double>(delta.segment<3>(kOrientation));
+    reset.bottomRightCorner(attached, attached) = moveAttached(poses, delta.tail(attached));
+    covariance = reset * (rest * before * rest.transpose() + gain * R * gain.transpose()) * reset.transpose();
+  }
+};
+
+/// The rows of a pose from `row` on are those of the robot's pose, seen through the sighting; the own columns
+/// come last.
+void seeAnew(Eigen::MatrixXd& whole, Eigen::Index row, const LinkedPose& link, const Matrix6d& sighting) {
+  const Matrix6d robot = whole.topLeftCorner<6, 6>();
+  const Eigen::MatrixXd rows = link.wrt_first * whole.topRows<6>();
+  whole.middleRows<6>(row) = rows;
+  whole.middleCols<6>(row) = rows.transpose();
+  whole.block<6, 6>(row, row) = link.wrt_first * robot * link.wrt_first.transpose() +
+                                link.wrt_second * sighting * link.wrt_second.transpose();
+}
+
+}  // namespace
+
+template <int N>
+Eigen::MatrixXd ErrorStateFilter<N>::wholeCovariance() const {
+  return joined(P, attached);
+}
+
 template <int N>
 void ErrorStateFilter<N>::setWholeCovariance(const Eigen::MatrixXd& covariance) {
-  const Eigen::MatrixXd whole = 0.5 * (covariance + covariance.transpose());
-  const Eigen::Index rest = whole.rows() - N;
-  P = whole.topLeftCorner(N, N);
-  attached.cross = whole.bottomLeftCorner(rest, N);
-  attached.block = whole.bottomRightCorner(rest, rest);
+  P = takenApart(covariance, N, attached);
 }
 
 template <int N>
 double ErrorStateFilter<N>::updateWhole(const Eigen::VectorXd& residual, const Eigen::MatrixXd& H,
                                         const Eigen::MatrixXd& R, double gate) {
-  const Eigen::MatrixXd before = wholeCovariance();
-  const Eigen::MatrixXd PHt = before * H.transpose();
-  const SymmetricFactors S(H * PHt + R);
-  const double nis = residual.dot(S.solve(residual));
-  if (!S.isPositive() || !(nis <= gate)) return nis;
-  const Eigen::MatrixXd gain = S.solve(PHt.transpose()).transpose();
-  const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(before.rows(), before.rows()) - gain * H;
-  const Eigen::VectorXd delta = gain * residual;
-  retract<N>(x, delta.head<N>());
-  Eigen::MatrixXd reset = Eigen::MatrixXd::Identity(before.rows(), before.rows());
-  reset.template block<3, 3>(kOrientation, kOrientation) =
-      rightJacobianSO3<double>(delta.segment<3>(kOrientation));
-  reset.bottomRightCorner(before.rows() - N, before.rows() - N) =
-      moveAttached(attached.T_odom, delta.tail(before.rows() - N));
-  setWholeCovariance(reset * (rest * before * rest.transpose() + gain * R * gain.transpose()) *
-                     reset.transpose());
-  return nis;
+  const WholeUpdate update(wholeCovariance(), residual, H, R, gate, attached.T_odom);
+  if (!update.fused) return update.nis;
+  retract<N>(x, update.delta.head<N>());
+  setWholeCovariance(update.covariance);
+  return update.nis;
 }
 
 template <int N>
 int ErrorStateFilter<N>::attach(const UncertainPose& T_robot_pose) {
   const Eigen::Index rows = attached.block.rows() + 6;
   attached.T_odom.emplace_back();
-  attached.cross.conservativeResizeLike(Eigen::Matrix<double, Eigen::Dynamic, N>::Zero(rows, N));
+  attached.cross.conservativeResizeLike(Eigen::MatrixXd::Zero(rows, N));
   attached.block.conservativeResizeLike(Eigen::MatrixXd::Zero(rows, rows));
   const int index = static_cast<int>(attached.T_odom.size()) - 1;
   attachAnew(index, T_robot_pose);
@@ -274,17 +306,10 @@ int ErrorStateFilter<N>::attach(const UncertainPose& T_robot_pose) {
 
 template <int N>
 void ErrorStateFilter<N>::attachAnew(int index, const UncertainPose& T_robot_pose) {
-  const auto [T_odom_pose, wrt_robot, wrt_sighting] =
-      composed({x.motion.R_odom_robot, x.motion.position_odom}, T_robot_pose.pose);
-  attached.T_odom[static_cast<std::size_t>(index)] = T_odom_pose;
+  const LinkedPose link = composed({x.motion.R_odom_robot, x.motion.position_odom}, T_robot_pose.pose);
+  attached.T_odom[static_cast<std::size_t>(index)] = link.pose;
   Eigen::MatrixXd whole = wholeCovariance();
-  const int row = attachedRow(index);
-  // Its rows are those of the robot's pose, seen through the sighting; the own columns come last.
-  const Eigen::MatrixXd rows = wrt_robot * whole.topRows<6>();
-  whole.middleRows<6>(row) = rows;
-  whole.middleCols<6>(row) = rows.transpose();
-  whole.block<6, 6>(row, row) = wrt_robot * P.template topLeftCorner<6, 6>() * wrt_robot.transpose() +
-                                wrt_sighting * T_robot_pose.covariance * wrt_sighting.transpose();
+  seeAnew(whole, attachedRow(index), link, T_robot_pose.covariance);
   setWholeCovariance(whole);
 }
 

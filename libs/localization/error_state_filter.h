@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/linear_algebra.h"
 #include "core/uncertain_pose.h"
 #include "localization/navigation_state.h"
 
@@ -29,11 +30,12 @@ inline constexpr double kMaximumStep_s = 0.05;
 
 /// Poses that stand still and are estimated along with the motion: T_odom_i (panels). Their errors are those
 /// of UncertainPose, six coordinates each.
-template <int N>
 struct AttachedPoses {
+  explicit AttachedPoses(int motion_size) : cross(0, motion_size) {}
+
   std::vector<Pose> T_odom;
-  Eigen::Matrix<double, Eigen::Dynamic, N> cross;  ///< covariance of their errors with the motion's
-  Eigen::MatrixXd block;                           ///< and with each other
+  Eigen::MatrixXd cross;  ///< covariance of their errors (rows) with the motion's
+  Eigen::MatrixXd block;  ///< and with each other
 };
 
 /// An error-state extended Kalman filter on R^3 x SO(3) x R^(N-6); N is 15 or 23 (see navigation_state.h).
@@ -53,7 +55,7 @@ class ErrorStateFilter {
 
   NavigationState<double> x;
   Matrix P = Matrix::Identity();
-  AttachedPoses<N> attached;  ///< costs nothing where there is none
+  AttachedPoses attached{N};  ///< costs nothing where there is none
 
   void predict(double dt_s, const ProcessNoise& noise);
 
@@ -111,13 +113,6 @@ class ErrorStateFilter {
 
  private:
   void step(double dt_s, const ProcessNoise& noise);
-  /// What an update of the motion (H against the listed columns; P H^T and gain of the motion's rows) does to
-  /// the attached poses. Same formula, same resets.
-  void carryAttached(const Eigen::Ref<const Eigen::MatrixXd>& H, const int* columns,
-                     const Eigen::Ref<const Eigen::MatrixXd>& R, const Eigen::Ref<const Eigen::MatrixXd>& S,
-                     const Eigen::Ref<const Eigen::MatrixXd>& PHt,
-                     const Eigen::Ref<const Eigen::MatrixXd>& gain,
-                     const Eigen::Ref<const Eigen::VectorXd>& residual);
   /// Joseph form as printed, over all states.
   double updateWhole(const Eigen::VectorXd& residual, const Eigen::MatrixXd& H, const Eigen::MatrixXd& R,
                      double gate);
@@ -129,6 +124,12 @@ class ErrorStateFilter {
 // ---------------------------------------------------------------------------------------------------------------
 
 namespace detail {
+
+/// What an update of the motion (H against the listed columns; P H^T and gain of the motion's rows) does to
+/// the attached poses. Same formula, same resets.
+void carryAttached(AttachedPoses& attached, const MatrixView& H, const int* columns, const MatrixView& R,
+                   const MatrixView& S, const MatrixView& PHt, const MatrixView& gain,
+                   const Eigen::Ref<const Eigen::VectorXd>& residual);
 
 // Products written as sums of columns: the compiler turns them into straight vector code, where Eigen would
 // pack the matrices for its large-product kernel.
@@ -296,7 +297,8 @@ double ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
       else
         return Eigen::MatrixXd(m.H.leftCols(m.columns.count));
     }();
-    carryAttached(H, m.columns.list.data(), m.R, correction.S, correction.PHt, gain, m.residual);
+    detail::carryAttached(attached, H, m.columns.list.data(), m.R, correction.S, correction.PHt, gain,
+                          m.residual);
   }
   correction.reduce(P);
   correction.stabilize(P, timesHTransposed(), m.R);

@@ -42,7 +42,7 @@ class Smoother {
   std::vector<double> times_;
   std::vector<NavigationState<double>> states_;
   std::vector<double> packed_;                        ///< lower triangles
-  std::map<std::size_t, AttachedPoses<N>> attached_;  ///< of the steps that have any
+  std::map<std::size_t, AttachedPoses> attached_;  ///< of the steps that have any
   std::map<std::size_t, std::vector<int>> anew_;      ///< of the steps that have any
 };
 
