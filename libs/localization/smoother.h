@@ -41,9 +41,9 @@ class Smoother {
   static constexpr std::size_t kPacked = N * (N + 1) / 2;
   std::vector<double> times_;
   std::vector<NavigationState<double>> states_;
-  std::vector<double> packed_;                        ///< lower triangles
+  std::vector<double> packed_;                     ///< lower triangles
   std::map<std::size_t, AttachedPoses> attached_;  ///< of the steps that have any
-  std::map<std::size_t, std::vector<int>> anew_;      ///< of the steps that have any
+  std::map<std::size_t, std::vector<int>> anew_;   ///< of the steps that have any
 };
 
 template <int N>
