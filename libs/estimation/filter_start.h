@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "estimation/batch_data.h"
 #include "estimation/batch_problem.h"
+#include "estimation/collect_batch.h"
 #include "localization/options.h"
 
 /// Where the batch estimate starts from.

@@ -3,7 +3,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "estimation/readings.h"
+#include "estimation/forward_point.h"
 #include "sensors/inputs.h"
 
 /// A point of the batch as the sensors' models take it, differentiated by what is asked for.

@@ -1,8 +1,7 @@
-#include "estimation/batch_data.h"
-
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "estimation/collect_batch.h"
 #include "estimation/filter_start.h"
 #include "support/batch_runs.h"
 
