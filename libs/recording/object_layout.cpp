@@ -1,12 +1,18 @@
 #include "recording/object_layout.h"
 
+#include <mrpt/io/CMemoryStream.h>
 #include <mrpt/obs/CObservation.h>
+#include <mrpt/obs/gnss_messages.h>
 #include <mrpt/rtti/CObject.h>
+#include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string_view>
+#include <vector>
 
 namespace fathom {
 namespace {
@@ -129,6 +135,26 @@ void walkMatrix(Walker& w) {
   w.doubles(rows * columns);
 }
 
+/// Of a message of a GNSS receiver. MRPT tries again later, but what it has made of one that it then finds
+/// damaged it never frees.
+void requireReadable(std::int32_t kind, std::span<const std::uint8_t> fields) {
+  using mrpt::obs::gnss::gnss_message;
+  const auto type = static_cast<mrpt::obs::gnss::gnss_message_type_t>(kind);
+  const std::unique_ptr<gnss_message> message(gnss_message::Factory(type));
+  std::vector<std::uint8_t> bytes(2 * sizeof(std::uint32_t));
+  const auto size = static_cast<std::uint32_t>(fields.size());
+  std::memcpy(bytes.data(), &kind, sizeof(kind));
+  std::memcpy(bytes.data() + sizeof(kind), &size, sizeof(size));
+  bytes.insert(bytes.end(), fields.begin(), fields.end());
+  mrpt::io::CMemoryStream stream(bytes.data(), bytes.size());
+  auto archive = mrpt::serialization::archiveFrom(stream);
+  try {
+    if (message) message->readFromStream(archive);
+  } catch (const std::exception&) {
+    throw Damage{"a message of a GNSS receiver is not what its kind says"};
+  }
+}
+
 struct Layout {
   std::string_view class_name;
   std::uint8_t version;
@@ -196,8 +222,9 @@ const Layout kObservations[] = {
        w.object(kPose);
        w.flag();  // whether the time is the satellites'
        for (auto messages = w.count(kMaxElements); messages > 0; --messages) {
-         w.number<std::int32_t>();  // what kind
-         w.take(w.number<std::uint32_t>());
+         const auto kind = w.number<std::int32_t>();
+         const auto size = w.number<std::uint32_t>();
+         requireReadable(kind, {w.take(size), size});
        }
      },
      true},
