@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/time.h"
+#include "fiducials/detection.h"
 #include "imaging/detected_corners.h"
 #include "imaging/image_patch.h"
 #include "imaging/marine_snow.h"

@@ -123,7 +123,7 @@ struct CameraProjector {
   /// step in T. What is far out of the image gets a row not far from it.
   template <class T>
   Vector3<T> atItsRow(const Vector3<T>& point_camera) const {
-    const RowSought sought =
+    const auto sought =
         values().rowOf({valueOf(point_camera.x()), valueOf(point_camera.y()), valueOf(point_camera.z())});
     if (!sought.slope) return atRow(point_camera, T(sought.row));
     return atRow(point_camera,

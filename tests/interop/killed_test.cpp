@@ -6,23 +6,18 @@
 
 #include "core/files.h"
 #include "core/random.h"
+#include "support/folder_contents.h"
 #include "support/run_program.h"
 #include "support/shipped.h"
 
 namespace fathom {
 namespace {
 namespace fs = std::filesystem;
+using test::contentsOf;
 using test::fathomProgram;
 using test::runShell;
 using test::scratchFolder;
 using test::shellQuoted;
-
-std::map<std::string, std::string> filesIn(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file()) files[fs::relative(entry.path(), folder)] = readTextFile(entry.path());
-  return files;
-}
 
 /// `arguments` write into the folder OUT, where they are run.
 void expectSameAfterBeingKilled(const std::string& arguments, int times, double longest_s) {
@@ -38,12 +33,12 @@ void expectSameAfterBeingKilled(const std::string& arguments, int times, double 
     const std::string moment_s = std::to_string(random.uniform(0, longest_s));
     in(killed, command + " & sleep " + moment_s + "; kill -KILL $!; wait $!");
     // What lies there under its real name is whole, at any moment.
-    for (const auto& [name, text] : filesIn(killed))
-      if (!name.ends_with(".part")) EXPECT_TRUE(filesIn(whole).contains(name)) << name;
+    for (const auto& [name, text] : contentsOf(killed))
+      if (!name.ends_with(".part")) EXPECT_TRUE(contentsOf(whole).contains(name)) << name;
   }
   const auto last = in(killed, command);
   ASSERT_EQ(last.status, 0) << last.err;
-  EXPECT_EQ(filesIn(killed), filesIn(whole));
+  EXPECT_EQ(contentsOf(killed), contentsOf(whole));
 }
 
 TEST(Killed, SimulateMakesTheSameBytes) {

@@ -14,6 +14,7 @@
 #include "simulation/image_simulator.h"
 #include "simulation/read_trajectory.h"
 #include "simulation/simulate_recording.h"
+#include "support/folder_contents.h"
 #include "support/run_program.h"
 #include "support/shared_data.h"
 #include "support/shipped.h"
@@ -54,17 +55,8 @@ RecordingTarget target(const fs::path& folder) {
   return {folder, "r", kRov, kDexrovMap, "a test", readEnvironment(kSource / "config/water_moderate.yaml")};
 }
 
-/// Every file below a folder, with its bytes.
-std::map<std::string, std::string> filesIn(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file())
-      files[entry.path().lexically_relative(folder).string()] = readTextFile(entry.path());
-  return files;
-}
-
 void expectSameFiles(const fs::path& a, const fs::path& b) {
-  const auto files_a = filesIn(a), files_b = filesIn(b);
+  const auto files_a = test::contentsOf(a), files_b = test::contentsOf(b);
   ASSERT_EQ(files_a.size(), files_b.size());
   for (const auto& [name, bytes] : files_a) {
     ASSERT_TRUE(files_b.contains(name)) << name;
@@ -340,8 +332,9 @@ TEST(SimulateCommand, GoesOnWhereItWasInterrupted) {
                      "wait $pid");
   EXPECT_EQ(cut.status, 130) << cut.err;
   EXPECT_FALSE(fs::exists(folder / "cut/r.rawlog"));
-  for (const auto& [name, bytes] : filesIn(folder / "cut")) EXPECT_FALSE(name.ends_with(".part")) << name;
-  const auto made = filesIn(folder / "cut").size();
+  for (const auto& [name, bytes] : test::contentsOf(folder / "cut"))
+    EXPECT_FALSE(name.ends_with(".part")) << name;
+  const auto made = test::contentsOf(folder / "cut").size();
   EXPECT_LT(made, 90U);
 
   ASSERT_EQ(test::runShell(simulateCommand(folder, "cut")).status, 0);

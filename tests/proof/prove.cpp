@@ -1,5 +1,7 @@
 // The proof: seals recordings that hide an effect, two, none, or what no effect describes; has `fathom`
 // diagnose them without the truth; scores what it says. Beside them, what it says of real recordings.
+#include <tbb/task_arena.h>
+
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <map>
