@@ -17,7 +17,7 @@ constexpr double kVeilSigma = 0.005;    // or this: about one digital number of 
 constexpr double kCommonError = 0.001;
 constexpr double kNearest_m = 0.3, kStep_m = 0.1, kFarther_m = 8;
 constexpr double kWhite = 0.85, kBlack = 0.04;  // albedos of patches that would be added
-constexpr const char* kChannelCount[] = {"red", "green", "blue"};
+constexpr const char* kColorNames[] = {"red", "green", "blue"};
 
 /// Attenuation, veil and ambient light of one channel, and what is known of them.
 struct ChannelKnowledge {
@@ -95,7 +95,7 @@ std::vector<std::string> rangeWarnings(const std::vector<Patch>& patches, const 
     warnings.push_back(
         print("%s: images from %.2f to %.2f m do not tell attenuation from veil (a %.3f ± %.3f "
               "/m, b %.3f ± %.3f, correlation %.3f); ",
-              kChannelCount[c], fit.nearest_z_m, fit.farthest_z_m, known.a, known.sigmaA(), known.b,
+              kColorNames[c], fit.nearest_z_m, fit.farthest_z_m, known.a, known.sigmaA(), known.b,
               known.sigmaB(), correlation) +
         wouldDo(known, fit, c));
   }

@@ -34,7 +34,7 @@ struct PatchResidual {
 };
 
 /// Of a value to a number it is near, in sigmas.
-struct Prior {
+struct GainPrior {
   double mean, sigma;
   template <class T>
   bool operator()(const T* value, T* residual) const {
@@ -165,7 +165,8 @@ void WaterProblem::addPriors(const WaterFitOptions& options) {
     gains.push_back(&gain);
     if (with_gain_)
       problem_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<Prior, 1, 1>(new Prior{0, options.log_gain_sigma}), nullptr, &gain);
+          new ceres::AutoDiffCostFunction<GainPrior, 1, 1>(new GainPrior{0, options.log_gain_sigma}), nullptr,
+          &gain);
     else
       problem_.SetParameterBlockConstant(&gain);
   }

@@ -94,9 +94,10 @@ auto ErrorStateFilter<N>::transition(const NavigationState<double>& x, double dt
 
 /// B F^T in place for the nine columns that move, whatever B's rows: the product by the blocks of F, as sums
 /// of columns (straight vector code). Decay of the biases is left to the caller.
-template <class B>
-void timesTransitionTransposed(B& columns, const TransitionBlocks& f, const Matrix3d& R, double dt) {
-  using Column = Eigen::Matrix<double, B::RowsAtCompileTime, 1>;
+template <int Rows, int Columns>
+void timesTransitionTransposed(Eigen::Matrix<double, Rows, Columns>& columns, const TransitionBlocks& f,
+                               const Matrix3d& R, double dt) {
+  using Column = Eigen::Matrix<double, Rows, 1>;
   std::array<Column, 3> positions, orientations, velocities;
   std::array<Column, 3> way;  // what position gains from velocity and acceleration
   for (int k = 0; k < 3; ++k) {
@@ -104,8 +105,7 @@ void timesTransitionTransposed(B& columns, const TransitionBlocks& f, const Matr
     way[i] = columns.col(kVelocity + k) * dt + columns.col(kAcceleration + k) * (0.5 * dt * dt);
   }
   for (int j = 0; j < 3; ++j) {
-    Column position = columns.col(kPosition + j), orientation = Column::Zero(columns.rows()),
-           velocity = Column::Zero(columns.rows());
+    Column position = columns.col(kPosition + j), orientation = Column::Zero(), velocity = Column::Zero();
     for (int k = 0; k < 3; ++k) {
       const auto angle = columns.col(kOrientation + k), rate = columns.col(kAngularVelocity + k);
       position += angle * f.position_orientation(j, k) + way[static_cast<std::size_t>(k)] * R(j, k);
@@ -138,7 +138,11 @@ void ErrorStateFilter<N>::step(double dt, const ProcessNoise& noise) {
     P.template middleRows<6>(kGyroBias) *= decay;
     attached.cross.template middleCols<6>(kGyroBias) *= decay;
   }
-  if (!attached.T_odom.empty()) timesTransitionTransposed(attached.cross, f, x.motion.R_odom_robot, dt);
+  for (Eigen::Index row = 0; row < attached.cross.rows(); row += 6) {
+    Eigen::Matrix<double, 6, kCoreSize> rows = attached.cross.template block<6, kCoreSize>(row, 0);
+    timesTransitionTransposed(rows, f, x.motion.R_odom_robot, dt);
+    attached.cross.template block<6, kCoreSize>(row, 0) = rows;
+  }
   timesTransitionTransposed(P, f, x.motion.R_odom_robot, dt);  // P F^T; its rows from nine on are final
   Eigen::Matrix<double, 9, kCoreSize> top = P.template topLeftCorner<kCoreSize, 9>().transpose();
   timesTransitionTransposed(top, f, x.motion.R_odom_robot,

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <array>
 #include <bitset>
 #include <limits>
 
 #include "core/chi_square.h"
+#include "core/linear_algebra.h"
 #include "localization/error_state_filter.h"
 #include "localization/landmark_fuser.h"
 #include "localization/measurements.h"
@@ -24,7 +24,7 @@ struct Rejections {
   /// the difference is within the gate of two readings' own noise, or a quarter of its size.
   template <int M>
   void add(const Eigen::Matrix<double, M, 1>& now, const Eigen::Matrix<double, M, M>& R, double gate) {
-    const Eigen::LDLT<Eigen::Matrix<double, M, M>> noise(R);
+    const SymmetricFactors noise(R);
     const Eigen::Matrix<double, M, 1> change = now - residual.template head<M>();
     const double changed = change.dot(noise.solve(change)), size = now.dot(noise.solve(now));
     constexpr double kLikeness = 0.25;

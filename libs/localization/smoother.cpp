@@ -32,30 +32,6 @@ auto Smoother<N>::covariance(std::size_t k) const -> typename Filter::Matrix {
 
 template <int N>
 void Smoother<N>::smoothStep(std::size_t k, const ProcessNoise& noise) {
-  if (attached_.contains(k) || anew_.contains(k + 1)) return smoothStepWithAttached(k, noise);
-  // The filter's prediction from k to k + 1, made again, with the product of its transitions.
-  const typename Filter::Matrix P = covariance(k);
-  Filter predicted;
-  predicted.x = states_[k];
-  predicted.P = P;
-  typename Filter::Matrix F = Filter::Matrix::Identity();
-  const double dt = times_[k + 1] - times_[k];
-  const int steps = std::max(1, static_cast<int>(std::ceil(dt / kMaximumStep_s - 1e-9)));
-  for (int i = 0; i < steps; ++i) {
-    F = (Filter::transition(predicted.x, dt / steps, noise) * F).eval();
-    predicted.predict(dt / steps, noise);
-  }
-
-  // Gain G = P F^T P_predicted^-1. LDLT copes with the exact zeros of states that are switched off.
-  const typename Filter::Matrix G = solveSymmetric(predicted.P, F * P).transpose();
-  const typename Filter::Vector delta = difference<N>(states_[k + 1], predicted.x);
-  retract<N>(states_[k], G * delta);
-  const typename Filter::Matrix smoothed = P + G * (covariance(k + 1) - predicted.P) * G.transpose();
-  setCovariance(k, 0.5 * (smoothed + smoothed.transpose()));
-}
-
-template <int N>
-void Smoother<N>::smoothStepWithAttached(std::size_t k, const ProcessNoise& noise) {
   const auto filterAt = [&](std::size_t step) {
     Filter filter;
     filter.x = states_[step];
@@ -63,6 +39,8 @@ void Smoother<N>::smoothStepWithAttached(std::size_t k, const ProcessNoise& nois
     if (const auto found = attached_.find(step); found != attached_.end()) filter.attached = found->second;
     return filter;
   };
+  // The filter's prediction from k to k + 1, made again, with the product of its transitions. Sizes are those
+  // of the motion and of what is attached; they cost little beside the products.
   Filter now = filterAt(k), predicted = now;
   const Filter next = filterAt(k + 1);
   const Eigen::MatrixXd P = now.wholeCovariance();
@@ -75,7 +53,7 @@ void Smoother<N>::smoothStepWithAttached(std::size_t k, const ProcessNoise& nois
     predicted.predict(dt / steps, noise);
   }
 
-  // As smoothStep(), over what the next step shares with this one: rows of what started anew carry nothing.
+  // Over what the next step shares with this one: rows of what started anew carry nothing.
   Eigen::MatrixXd P_predicted = predicted.wholeCovariance(), FP = F * P;
   if (const auto anew = anew_.find(k + 1); anew != anew_.end())
     for (const int row : anew->second)
@@ -85,6 +63,7 @@ void Smoother<N>::smoothStepWithAttached(std::size_t k, const ProcessNoise& nois
         P_predicted(row, row) = 1.0;
         FP.row(row).setZero();
       }
+  // Gain G = P F^T P_predicted^-1. LDLT copes with the exact zeros of states that are switched off.
   const Eigen::MatrixXd G = solveSymmetric(P_predicted, FP).transpose();
   Eigen::VectorXd delta(size);
   delta.head<N>() = difference<N>(next.x, predicted.x);

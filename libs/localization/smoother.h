@@ -35,7 +35,6 @@ class Smoother {
 
  private:
   void smoothStep(std::size_t k, const ProcessNoise& noise);
-  void smoothStepWithAttached(std::size_t k, const ProcessNoise& noise);
   void setCovariance(std::size_t k, const typename Filter::Matrix& P);
 
   static constexpr std::size_t kPacked = N * (N + 1) / 2;
