@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/files.h"
+#include "core/linear_algebra.h"
 #include "effects/catalogue.h"
 #include "estimation/batch_estimate.h"
 #include "panel/panel_maps.h"
@@ -47,7 +48,7 @@ struct SampleRun {
         return distance(a, pose.t_s) < distance(b, pose.t_s);
       });
       const Vector6d error = poseDifference(pose.T_odom_robot.pose, true_pose->T_odom_robot);
-      nees += error.dot(pose.T_odom_robot.covariance.inverse() * error);
+      nees += normalizedSquare(pose.T_odom_robot.covariance, error);
       square_m2 += error.head<3>().squaredNorm();
     }
     return {nees / count, std::sqrt(square_m2 / count)};

@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 
+#include "core/linear_algebra.h"
 #include "support/observed.h"
 #include "support/sanitized.h"
 #include "support/shared_data.h"
@@ -91,7 +92,7 @@ Errors run(const EkfInputs& inputs, const TruthAt& truth_at, const ProcessNoise&
     velocity += (truth.velocity_robot - m.velocity_robot).squaredNorm();
     attitude += e.tail<3>().squaredNorm();
     worst = std::max(worst, e.tail<3>().norm());
-    nees += e.dot(filter.P.template topLeftCorner<6, 6>().llt().solve(e)) / 6.0;
+    nees += normalizedSquare(filter.P.template topLeftCorner<6, 6>(), e) / 6.0;
     ++count;
   }
   return {std::sqrt(velocity / count), degrees(std::sqrt(attitude / count)), degrees(worst), nees / count};

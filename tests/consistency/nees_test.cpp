@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/chi_square.h"
+#include "core/linear_algebra.h"
 #include "localization/measurements.h"
 #include "support/observed.h"
 #include "support/random_state.h"
@@ -140,7 +141,7 @@ double meanNees(const SensorSet& use, std::uint64_t seed, double noise_factor) {
     }
     if (k % 100 == 0) {
       const auto error = difference<N>(truth, filter.x);
-      sum += error.dot(filter.P.ldlt().solve(error));
+      sum += normalizedSquare(filter.P, error);
       ++count;
     }
   }

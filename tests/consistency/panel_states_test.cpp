@@ -2,9 +2,8 @@
 // right, and does it do what a filter over all states written densely does?
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-
 #include "core/chi_square.h"
+#include "core/linear_algebra.h"
 #include "localization/measurements.h"
 #include "support/landmark_runs.h"
 #include "support/observed.h"
@@ -46,7 +45,7 @@ MeanNees meanNees(const std::vector<PanelPrior>& priors, double start_error, boo
     run.start_error = start_error;
     const auto outcome = run.run(30.0);
     const auto nees = [](const Vector6d& error, const Matrix6d& covariance) {
-      return error.dot(covariance.ldlt().solve(error)) / kPanelRuns;
+      return normalizedSquare(covariance, error) / kPanelRuns;
     };
     const Estimate& last =
         outcome.estimates[outcome.estimates.size() - 2];  // the truth's last pose is earlier
@@ -127,7 +126,7 @@ struct DenseFilter {
     ErrorStateFilter<N>::move(x, dt, noise);
   }
   double update(const Eigen::VectorXd& residual, const Eigen::MatrixXd& H, const Eigen::MatrixXd& R) {
-    const Eigen::MatrixXd S_inverse = (H * P * H.transpose() + R).inverse();
+    const Eigen::MatrixXd S_inverse = inverseOf(H * P * H.transpose() + R);
     const Eigen::MatrixXd K = P * H.transpose() * S_inverse;
     P = (P - K * H * P).eval();
     const Eigen::VectorXd delta = K * residual;
@@ -229,8 +228,7 @@ TYPED_TEST(AttachedPosesTest, EqualADenseFilterOverAllStates) {
   for (std::size_t i = 0; i < 2; ++i)
     EXPECT_LT(poseDifference(filter.attached.T_odom[i], dense.poses[i]).norm(), 1e-6);
   EXPECT_EQ(filter.P, filter.P.transpose());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(filter.wholeCovariance());
-  EXPECT_GT(eigen.eigenvalues().minCoeff(), 0.0);
+  EXPECT_GT(eigenOf(filter.wholeCovariance()).values.minCoeff(), 0.0);
 }
 
 // Acquired anew by an attached pose, the robot is as uncertain as pose and sighting together; with an exact
@@ -255,8 +253,7 @@ TYPED_TEST(AttachedPosesTest, ResetPoseTakesThePosesUncertainty) {
   const Matrix6d covariance = J_robot * filter.P.template topLeftCorner<6, 6>() * J_robot.transpose() +
                               J_pose * pose.covariance * J_pose.transpose() + mixed + mixed.transpose();
   EXPECT_LT((covariance - sighting.covariance).norm(), 1e-9);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(filter.wholeCovariance());
-  EXPECT_GT(eigen.eigenvalues().minCoeff(), -1e-12);
+  EXPECT_GT(eigenOf(filter.wholeCovariance()).values.minCoeff(), -1e-12);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-
+#include "core/linear_algebra.h"
 #include "recording/rawlog.h"
 #include "simulation/read_trajectory.h"
 #include "support/observed.h"
@@ -28,7 +27,7 @@ Vector3d planeThrough(const std::vector<Vector3d>& points) {
     normal += row * row.transpose();
     right += row * p.z();
   }
-  return normal.ldlt().solve(right);
+  return solveSymmetric(normal, right);
 }
 
 // The forward model against a generator that shares no code with it: along the sample recording's true poses,

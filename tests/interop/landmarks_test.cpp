@@ -1,8 +1,7 @@
 // From a simulated recording's images to landmarks, judged by its truth.
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-
+#include "core/linear_algebra.h"
 #include "landmarks/landmark_source.h"
 #include "panel/panel_maps.h"
 #include "simulation/read_trajectory.h"
@@ -82,7 +81,7 @@ Judged judge(const RecordingFiles& files) {
       const Vector6d error = test::poseError(panel.T_camera_panel.pose, T_camera_panel);
       judged.worst_m = std::max(judged.worst_m, error.head<3>().norm());
       judged.worst_rad = std::max(judged.worst_rad, error.tail<3>().norm());
-      judged.mean_nees += error.dot(panel.T_camera_panel.covariance.ldlt().solve(error));
+      judged.mean_nees += normalizedSquare(panel.T_camera_panel.covariance, error);
     }
   }
   judged.mean_nees /= judged.panels;

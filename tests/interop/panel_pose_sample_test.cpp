@@ -1,10 +1,10 @@
 // The panel's pose from the images of a recording that another program made, against its truth.
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <iostream>
 
+#include "core/linear_algebra.h"
 #include "fiducials/panel_pose.h"
 #include "fiducials/predicted_search.h"
 #include "fiducials/single_marker_pose.h"
@@ -101,7 +101,7 @@ void expectCornersAndPoses(Backend backend) {
     joint_rad.push_back(error.tail<3>().norm());
     mean_m.push_back((frame.T_camera_panel.position - mean->position).norm());
     mean_rad.push_back(angleBetween(frame.T_camera_panel.rotation, mean->rotation));
-    nees.push_back(error.dot(covariance.ldlt().solve(error)));
+    nees.push_back(normalizedSquare(covariance, error));
   }
   std::cout << nameOf(backend) << ": " << corner_errors_px.size() / 4 << " markers, corner error median "
             << median(corner_errors_px) << " px (sigma stated " << median(corner_sigmas_px)

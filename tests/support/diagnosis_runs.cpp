@@ -192,14 +192,14 @@ PanelMap rippled(PanelMap panel, double largest_m, Random& random) {
   const double angle = random.uniform(0, std::numbers::pi), phase = random.uniform(0, 2 * std::numbers::pi);
   const Vector2d wave = 2 * std::numbers::pi / 1.6 * Vector2d(std::cos(angle), std::sin(angle));
   const auto count = std::ssize(panel.markers);
-  Eigen::MatrixX3d plane(count, 3);
+  Eigen::MatrixXd plane(count, 3);
   Eigen::VectorXd height(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Vector3d& position = panel.markers[static_cast<std::size_t>(i)].T_panel_marker.position;
     plane.row(i) << position.x(), position.y(), 1;
     height[i] = std::sin(wave.dot(position.head<2>()) + phase);
   }
-  const Vector3d fitted = plane.colPivHouseholderQr().solve(height);
+  const Vector3d fitted = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(plane).solve(height);
   height -= plane * fitted;
   const double scale_m = largest_m / height.cwiseAbs().maxCoeff();
   for (Eigen::Index i = 0; i < count; ++i) {

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <Eigen/LU>
-
+#include "core/linear_algebra.h"
 #include "localization/error_state_filter.h"
 
 namespace fathom::test {
@@ -38,7 +37,7 @@ class TextbookFilter {
     const Eigen::MatrixXd R = m.R;
     const Eigen::VectorXd residual = m.residual;
     const Eigen::MatrixXd S = H * P * H.transpose() + R;
-    const Eigen::MatrixXd S_inverse = S.inverse();
+    const Eigen::MatrixXd S_inverse = inverseOf(S);
     const Eigen::MatrixXd K = P * H.transpose() * S_inverse;
     const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(N, N);
     P = (I - K * H) * P * (I - K * H).transpose() + K * R * K.transpose();

@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-
+#include "core/linear_algebra.h"
 #include "support/marker_images.h"
 
 namespace fathom {
@@ -53,10 +52,10 @@ CornerStatistics refineMany(const CameraModel& camera, double cell_px, const Loo
       error.segment<2>(row) = refined->corners_px[k] - truth[k];
       const Eigen::Matrix2d covariance = refined->covariance_px2.block<2, 2>(row, row);
       const Vector2d corner_error = error.segment<2>(row);
-      statistics.corner_nees += 0.25 * corner_error.dot(covariance.ldlt().solve(corner_error));
+      statistics.corner_nees += 0.25 * normalizedSquare(covariance, corner_error);
     }
     statistics.rms_px += error.squaredNorm() / 8;
-    statistics.marker_nees += error.dot(refined->covariance_px2.ldlt().solve(error));
+    statistics.marker_nees += normalizedSquare(refined->covariance_px2, error);
     ++statistics.count;
   }
   statistics.rms_px = std::sqrt(statistics.rms_px / statistics.count);

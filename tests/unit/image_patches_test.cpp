@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/linear_algebra.h"
 #include "effects/catalogue.h"
 #include "effects/drawn.h"
 #include "environment/water_fit.h"
@@ -143,7 +144,7 @@ double softnessError(const Seen& seen, const EffectParameters<double>& effects) 
     const KinematicState<double> state = path.at(test::kSilBegin_s + blur.t_s);
     const Vector3d off = blur.variance_px2 - predictBlur(state, panel, blur, 0.0,
                                                          beyondStated(effects, blur.exposure_s), blur.t_s);
-    sum += off.dot(blur.covariance_px4.ldlt().solve(off)) / 3;
+    sum += normalizedSquare(blur.covariance_px4, off) / 3;
   }
   return sum / static_cast<double>(seen.blurs.size());
 }

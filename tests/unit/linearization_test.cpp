@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-
+#include "core/linear_algebra.h"
 #include "core/random.h"
 #include "effects/catalogue.h"
 #include "effects/drawn.h"
@@ -32,7 +31,7 @@ TEST(SelectedInverse, IsTheDenseInverseWhereItIsKept) {
   Random random(1);
   const Eigen::SparseMatrix<double> J = randomRows(120, 40, random);
   const Eigen::SparseMatrix<double> normal = J.transpose() * J;
-  const Eigen::MatrixXd dense = Eigen::MatrixXd(normal).inverse();
+  const Eigen::MatrixXd dense = inverseOf(Eigen::MatrixXd(normal));
   const SelectedInverse selected(normal.triangularView<Eigen::Lower>());
   int compared = 0;
   for (int c = 0; c < normal.outerSize(); ++c)
@@ -53,7 +52,7 @@ TEST(Nuisances, AreProjectedOffAsDenseAlgebraSays) {
   for (double& e : r) e = random.normal();
   const Eigen::MatrixXd D(J);
   const Eigen::MatrixXd P =
-      Eigen::MatrixXd::Identity(90, 90) - D * (D.transpose() * D).inverse() * D.transpose();
+      Eigen::MatrixXd::Identity(90, 90) - D * inverseOf(D.transpose() * D) * D.transpose();
   const Nuisances nuisances(J);
   const Eigen::MatrixXd C_perp = nuisances.project(C);
   EXPECT_LT((C_perp - P * C).norm(), 1e-11);

@@ -1,10 +1,10 @@
 // The renderer beside independent computations: projected corners, rays cast at every triangle, areas.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <array>
 #include <opencv2/core.hpp>
 
+#include "core/linear_algebra.h"
 #include "render/renderer.h"
 #include "support/ray_caster.h"
 #include "support/render_scenes.h"
@@ -74,7 +74,7 @@ Vector3d lineThrough(const std::vector<Vector2d>& points) {
   for (const auto& point : points) mean += point / static_cast<double>(points.size());
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
   for (const auto& point : points) scatter += (point - mean) * (point - mean).transpose();
-  const Vector2d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter).eigenvectors().col(0);
+  const Vector2d normal = eigenOf(scatter).vectors.col(0);
   return {normal.x(), normal.y(), -normal.dot(mean)};
 }
 
