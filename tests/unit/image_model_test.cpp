@@ -304,7 +304,7 @@ TEST(ImageModel, ImagesOfAnotherSizeAreRefused) {
   EXPECT_THROW(model.light(uniformLight(sheet, 0.1), cv::Mat(48, 64, CV_64FC1)), std::invalid_argument);
 }
 
-std::string complaint(const std::string& text) {
+std::string complaintOfWater(const std::string& text) {
   const auto file = test::scratchFolder() / "water.yaml";
   writeTextFile(file, text);
   try {
@@ -331,21 +331,22 @@ TEST(Environment, IsReadAsWritten) {
 TEST(Environment, MistakesAreNamed) {
   const std::string water = "water: {attenuation_per_m: [0.4, 0.2, 0.1], veil: [0.1, 0.2, 0.3]}\n",
                     ambient = "ambient: [0.7, 0.8, 0.9]\n";
-  EXPECT_EQ(complaint(water + ambient), "none");
-  EXPECT_NE(complaint(water).find("ambient"), std::string::npos);
-  EXPECT_NE(complaint(ambient).find("water"), std::string::npos);
-  EXPECT_NE(complaint(water + ambient + "lamp: 3\n").find("lamp"), std::string::npos);
-  EXPECT_NE(complaint(water + "ambient: [0.7, -0.8, 0.9]\n").find("below zero"), std::string::npos);
-  EXPECT_NE(complaint("water: {attenuation_per_m: [0.4, 0.2], veil: [0.1, 0.2, 0.3]}\n" + ambient)
+  EXPECT_EQ(complaintOfWater(water + ambient), "none");
+  EXPECT_NE(complaintOfWater(water).find("ambient"), std::string::npos);
+  EXPECT_NE(complaintOfWater(ambient).find("water"), std::string::npos);
+  EXPECT_NE(complaintOfWater(water + ambient + "lamp: 3\n").find("lamp"), std::string::npos);
+  EXPECT_NE(complaintOfWater(water + "ambient: [0.7, -0.8, 0.9]\n").find("below zero"), std::string::npos);
+  EXPECT_NE(complaintOfWater("water: {attenuation_per_m: [0.4, 0.2], veil: [0.1, 0.2, 0.3]}\n" + ambient)
                 .find("attenuation_per_m"),
             std::string::npos);
-  EXPECT_NE(complaint("water: {attenuation_per_m: [-0.4, 0.2, 0.2], veil: [0.1, 0.2, 0.3]}\n" + ambient)
-                .find("below zero"),
-            std::string::npos);
-  EXPECT_NE(complaint("water: {attenuation_per_m: [0.4, 0.2, 0.2], veil: [0.1, 1.2, 0.3]}\n" + ambient)
+  EXPECT_NE(
+      complaintOfWater("water: {attenuation_per_m: [-0.4, 0.2, 0.2], veil: [0.1, 0.2, 0.3]}\n" + ambient)
+          .find("below zero"),
+      std::string::npos);
+  EXPECT_NE(complaintOfWater("water: {attenuation_per_m: [0.4, 0.2, 0.2], veil: [0.1, 1.2, 0.3]}\n" + ambient)
                 .find("veil"),
             std::string::npos);
-  EXPECT_NE(complaint(water + "ambient: [0.7, .nan, 0.9]\n").find("ambient"), std::string::npos);
+  EXPECT_NE(complaintOfWater(water + "ambient: [0.7, .nan, 0.9]\n").find("ambient"), std::string::npos);
 }
 
 }  // namespace
