@@ -1,5 +1,7 @@
 #include "localization/alignment.h"
 
+#include <functional>
+
 #include "core/affine.h"
 #include "localization/measurements.h"
 #include "recording/instrument_entries.h"
@@ -48,13 +50,13 @@ struct Seen {
 
   /// What `field` of the inputs was, from what was measured: models are affine in it, effects included. In as
   /// many components as the measurement has, from `first` on.
-  template <class Field>
+  using Field = std::function<void(Inputs<double>&, const Vector3d&)>;
   Vector3d where(const Field& field, int first = 0) const {
     return observation.value.size() == 1 ? where<1>(field, first) : where<3>(field, first);
   }
 
  private:
-  template <int N, class Field>
+  template <int N>
   Vector3d where(const Field& field, int first) const {
     using Part = Eigen::Matrix<double, N, 1>;
     const auto whole = [first](const Part& part) {
@@ -71,9 +73,8 @@ struct Seen {
   }
 };
 
-template <class F>
 void forEachSeen(const LocalizationSetup& setup, const std::vector<Sample>& samples,
-                 const KinematicState<double>& state, F&& f) {
+                 const KinematicState<double>& state, const std::function<void(const Seen&)>& f) {
   Inputs<double> at{state, {setup.vehicle.gravityOdom()}, setup.calibration};
   for (const Sample& sample : samples) {
     at.t_s = secondsBetween(setup.time_zero, sample.time);

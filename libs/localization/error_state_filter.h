@@ -160,11 +160,10 @@ void mirrorLower(Eigen::Matrix<double, N, N>& P) {
     for (int i = j + 1; i < N; ++i) P(j, i) = P(i, j);
 }
 
-/// P -= A B^T in the lower triangle, the first N rows of A and B counting; what is above it is left
-/// undefined.
-template <int N, int M, int NA, int NB>
-void subtractLower(Eigen::Matrix<double, N, N>& P, const Eigen::Matrix<double, NA, M>& A,
-                   const Eigen::Matrix<double, NB, M>& B) {
+/// P -= A B^T in the lower triangle; what is above it is left undefined.
+template <int N, int M>
+void subtractLower(Eigen::Matrix<double, N, N>& P, const Eigen::Matrix<double, N, M>& A,
+                   const Eigen::Matrix<double, N, M>& B) {
   constexpr int kBlock = 4;
   unrolled<(N + kBlock - 1) / kBlock>([&]<int block>() {
     constexpr int kFirst = block * kBlock, kRows = N - kFirst;
@@ -213,7 +212,7 @@ template <int N, int M>
 struct Correction {
   Eigen::Matrix<double, N, M> PHt;
   Eigen::Matrix<double, M, M> S;
-  Eigen::Matrix<double, N + 1, M> gain_and_weighted;  ///< K; its last row: S^-1 r
+  Eigen::Matrix<double, N, M> gain;  ///< K
   double nis = 0;
   bool positive = false;
 
@@ -224,21 +223,22 @@ struct Correction {
   /// A becomes A - (A H^T - K R) K^T in its lower triangle.
   void stabilize(Eigen::Matrix<double, N, N>& A, const Eigen::Matrix<double, N, M>& AHt,
                  const Eigen::Matrix<double, M, M>& R) const;
-  Eigen::Matrix<double, N, M> gain() const { return gain_and_weighted.template topRows<N>(); }
 };
 
 template <int N, int M>
 void Correction<N, M>::solve(const Eigen::Matrix<double, M, 1>& residual) {
+  Eigen::Matrix<double, N + 1, M> gain_and_weighted;
   gain_and_weighted << PHt, residual.transpose();
   const Factors<M> factors(S);
   solveInPlace(factors, gain_and_weighted);
+  gain = gain_and_weighted.template topRows<N>();
   nis = gain_and_weighted.row(N).dot(residual);
   positive = factors.positive;
 }
 
 template <int N, int M>
 void Correction<N, M>::reduce(Eigen::Matrix<double, N, N>& P) const {
-  subtractLower(P, gain_and_weighted, PHt);
+  subtractLower(P, gain, PHt);
   mirrorLower(P);
 }
 
@@ -248,8 +248,8 @@ void Correction<N, M>::stabilize(Eigen::Matrix<double, N, N>& A, const Eigen::Ma
   Eigen::Matrix<double, N, M> excess = AHt;  // zero but for rounding
   for (int i = 0; i < M; ++i)
     for (int k = 0; k < M; ++k)  // R is mostly diagonal
-      if (R(k, i) != 0.0) excess.col(i) -= gain_and_weighted.col(k).template head<N>() * R(k, i);
-  subtractLower(A, excess, gain_and_weighted);
+      if (R(k, i) != 0.0) excess.col(i) -= gain.col(k) * R(k, i);
+  subtractLower(A, excess, gain);
 }
 
 extern template struct Correction<kCoreSize, 1>;
@@ -289,7 +289,6 @@ double ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
   correction.solve(m.residual);
   if (!correction.positive || !(correction.nis <= gate)) return correction.nis;
 
-  const Eigen::Matrix<double, N, M> gain = correction.gain();
   if (!attached.T_odom.empty()) {
     const Eigen::MatrixXd H = [&] {
       if constexpr (kSelects)
@@ -297,12 +296,12 @@ double ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
       else
         return Eigen::MatrixXd(m.H.leftCols(m.columns.count));
     }();
-    detail::carryAttached(attached, H, m.columns.list.data(), m.R, correction.S, correction.PHt, gain,
-                          m.residual);
+    detail::carryAttached(attached, H, m.columns.list.data(), m.R, correction.S, correction.PHt,
+                          correction.gain, m.residual);
   }
   correction.reduce(P);
   correction.stabilize(P, timesHTransposed(), m.R);
-  correctFromLower(gain * m.residual);
+  correctFromLower(correction.gain * m.residual);
   return correction.nis;
 }
 

@@ -49,7 +49,8 @@ void Smoother<N>::smoothStep(std::size_t k, const ProcessNoise& noise) {
   const double dt = times_[k + 1] - times_[k];
   const int steps = std::max(1, static_cast<int>(std::ceil(dt / kMaximumStep_s - 1e-9)));
   for (int i = 0; i < steps; ++i) {
-    F.topRows(N) = (Filter::transition(predicted.x, dt / steps, noise) * F.topRows(N)).eval();
+    const Eigen::MatrixXd transition = Filter::transition(predicted.x, dt / steps, noise);
+    F.topRows(N) = (transition * F.topRows(N)).eval();
     predicted.predict(dt / steps, noise);
   }
 

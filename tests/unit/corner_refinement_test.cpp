@@ -10,7 +10,6 @@ namespace fathom {
 namespace {
 
 using test::drawMarkers;
-using test::Look;
 using test::lookingAtPanel;
 using test::markerAt;
 using test::trueCorners;
@@ -24,7 +23,7 @@ struct CornerStatistics {
 
 /// Markers of 7 x 7 cells, `cell_px` wide seen from the front, in every attitude; rough corners are off by up
 /// to a third of a cell, but no more than 1.5 px, or 1 px where the blur is known.
-CornerStatistics refineMany(const CameraModel& camera, double cell_px, const Look& look, bool know_lens,
+CornerStatistics refineMany(const CameraModel& camera, double cell_px, const test::Look& look, bool know_lens,
                             int count, const std::optional<double>& blur_sigma_px = std::nullopt) {
   CornerStatistics statistics;
   Random random(11);
@@ -65,7 +64,7 @@ CornerStatistics refineMany(const CameraModel& camera, double cell_px, const Loo
 }
 
 TEST(CornerRefinement, IsExactOnCleanImages) {
-  Look look;
+  test::Look look;
   look.noise_sigma = 0;
   const auto found = refineMany({}, 10, look, false, 20);
   EXPECT_EQ(found.refused, 0);
@@ -75,7 +74,7 @@ TEST(CornerRefinement, IsExactOnCleanImages) {
 /// The fit's errors are the noise's where noise dominates: 4 digital numbers of 170, seven cells of 5 to 14
 /// px.
 TEST(CornerRefinement, CovarianceIsHonestUnderNoise) {
-  Look look;
+  test::Look look;
   look.noise_sigma = 5;
   look.supersampling = 6;
   for (const double cell_px : {6.0, 9.0, 14.0})
@@ -95,7 +94,7 @@ TEST(CornerRefinement, CovarianceIsHonestUnderNoise) {
 
 /// A neighbour's blur is about right.
 TEST(CornerRefinement, KnownBlurLeavesOutTheWayFromAfarOnly) {
-  Look look;
+  test::Look look;
   look.noise_sigma = 2;
   look.supersampling = 4;
   for (const double cell_px : {4.0, 9.0}) {
@@ -110,7 +109,7 @@ TEST(CornerRefinement, KnownBlurLeavesOutTheWayFromAfarOnly) {
 }
 
 TEST(CornerRefinement, SmallBlurredMarkersSayThatTheyAreWorse) {
-  Look look;
+  test::Look look;
   look.blur_sigma_px = 1.0;
   look.noise_sigma = 2;
   const auto found = refineMany({}, 4, look, false, 40);
@@ -121,7 +120,7 @@ TEST(CornerRefinement, SmallBlurredMarkersSayThatTheyAreWorse) {
 TEST(CornerRefinement, KnownLensStraightensEdges) {
   CameraModel camera;
   camera.k1 = -0.25;
-  Look look;
+  test::Look look;
   look.noise_sigma = 0.5;
   look.supersampling = 4;
   const auto ignorant = refineMany(camera, 25, look, false, 6);

@@ -11,7 +11,6 @@ namespace fathom {
 namespace {
 
 using test::drawMarkers;
-using test::Look;
 using test::lookingAtPanel;
 using test::markerAt;
 using test::trueCorners;
@@ -48,7 +47,7 @@ TEST_P(EveryFamily, IsReadByEveryBackendThatCan) {
   const auto markers = fourMarkers(family);
   const Pose T_camera_panel = lookingAtPanel(1.0, radians(20), radians(30), radians(10));
   Random random(1);
-  Look look;
+  test::Look look;
   look.supersampling = 8;
   const cv::Mat image = drawMarkers(markers, kDrawnCamera, T_camera_panel, look, random);
   for (const Backend backend : kBackends) {
@@ -133,7 +132,7 @@ TEST(Detector, FindsNothingInNoise) {
 TEST(Detector, SameImageSameDetections) {
   const auto markers = fourMarkers("DICT_5X5_100");
   Random random(4);
-  Look look;
+  test::Look look;
   look.noise_sigma = 4;
   const cv::Mat image = drawMarkers(markers, kDrawnCamera, lookingAtPanel(1.3, 0.4, 1), look, random);
   for (const Backend backend : kBackends) {
@@ -164,7 +163,7 @@ TEST(Detector, ColourIsReadAsGray) {
 
 TEST(Detector, PreprocessingFindsMarkersBehindAVeil) {
   // Four digital numbers between black and white: under ArUco's threshold of seven.
-  Look veiled;
+  test::Look veiled;
   veiled.black = 148;
   veiled.white = 152;
   veiled.background = 150;
