@@ -45,17 +45,18 @@ void Smoother<N>::smoothStep(std::size_t k, const ProcessNoise& noise) {
   const Filter next = filterAt(k + 1);
   const Eigen::MatrixXd P = now.wholeCovariance();
   const Eigen::Index size = P.rows();
-  Eigen::MatrixXd F = Eigen::MatrixXd::Identity(size, size);
+  Eigen::MatrixXd F;  // of the motion: what is attached stands still
   const double dt = times_[k + 1] - times_[k];
   const int steps = std::max(1, static_cast<int>(std::ceil(dt / kMaximumStep_s - 1e-9)));
   for (int i = 0; i < steps; ++i) {
     const Eigen::MatrixXd transition = Filter::transition(predicted.x, dt / steps, noise);
-    F.topRows(N) = (transition * F.topRows(N)).eval();
+    F = i == 0 ? transition : Eigen::MatrixXd(transition * F);
     predicted.predict(dt / steps, noise);
   }
 
   // Over what the next step shares with this one: rows of what started anew carry nothing.
-  Eigen::MatrixXd P_predicted = predicted.wholeCovariance(), FP = F * P;
+  Eigen::MatrixXd P_predicted = predicted.wholeCovariance(), FP = P;
+  FP.topRows(N) = F * P.topRows(N);
   if (const auto anew = anew_.find(k + 1); anew != anew_.end())
     for (const int row : anew->second)
       if (row < size) {
