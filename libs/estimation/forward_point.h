@@ -7,6 +7,7 @@
 
 #include "effects/registry.h"
 #include "estimation/motion.h"
+#include "imaging/water.h"
 
 namespace fathom {
 

@@ -9,6 +9,7 @@
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/Range.h>
 
+#include <cstddef>
 #include <memory>
 #include <new>
 #include <type_traits>
