@@ -218,9 +218,8 @@ TEST(EffectRegistry, AnIntervalsEffectActsWithinItOnly) {
   }
 }
 
-// Fourth-order differences with steps of h and 2 h prior sigmas: wrong by h^4/30 times the fifth derivative,
-// which even for a beam close to the horizon is below 1e4 of its units; rounding of a reading over h adds
-// 1e-13 of it.
+// Sixth-order differences with steps of h to 3 h prior sigmas: wrong by h^6/140 times the seventh derivative,
+// 1e-20 of it; rounding of a reading over h adds 1e-13 of it.
 TEST(EffectRegistry, JetDerivativesEqualNumericOnes) {
   Random random(3);
   std::vector<double> sigma;
@@ -229,7 +228,7 @@ TEST(EffectRegistry, JetDerivativesEqualNumericOnes) {
       sigma.insert(sigma.end(), static_cast<std::size_t>(p.size),
                    p.kind == ParameterKind::peak_time ? 1.0 : p.prior_sigma);
   ASSERT_EQ(sigma.size(), kScalars);
-  constexpr double h = 8e-4;
+  constexpr double h = 1e-3;
   for (int round = 0; round < 4; ++round) {
     const auto state = test::randomMotion(random);
     const auto parameters = randomEffects(random);
@@ -247,9 +246,10 @@ TEST(EffectRegistry, JetDerivativesEqualNumericOnes) {
         there.values[i] += steps * h * sigma[i];
         return predictions(state, there);
       };
-      const auto p2 = moved(2), p1 = moved(1), m1 = moved(-1), m2 = moved(-2);
+      const auto p3 = moved(3), p2 = moved(2), p1 = moved(1), m1 = moved(-1), m2 = moved(-2), m3 = moved(-3);
       for (std::size_t k = 0; k < plain.size(); ++k) {
-        const double numeric = (8 * (p1[k] - m1[k]) - (p2[k] - m2[k])) / (12 * h);  // a prior sigma
+        const double numeric =
+            (45 * (p1[k] - m1[k]) - 9 * (p2[k] - m2[k]) + (p3[k] - m3[k])) / (60 * h);  // a prior sigma
         EXPECT_NEAR(with_jets[k].v[static_cast<Eigen::Index>(i)] * sigma[i], numeric,
                     1e-9 + 1e-12 * std::abs(plain[k]))
             << i << " " << k;
