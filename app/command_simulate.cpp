@@ -34,12 +34,26 @@ std::vector<std::string> sectionsOfSensors() {
   return sections;
 }
 
+/// One of them, or an instance of one: "dvl.2".
+CLI::Validator sensorCheck() {
+  const CLI::Validator kinds = CLI::IsMember(sectionsOfSensors());
+  return {[kinds](std::string& name) {
+            std::string kind(baseOf(name));
+            return kinds(kind);
+          },
+          kinds.get_description()};
+}
+
 void leaveOut(const std::vector<std::string>& sensors, Vehicle& vehicle) {
   for (const auto& sensor : sensors) {
-    forEachInstrument([&]<class Instrument>() {
-      if (sensor == Instrument::section) (vehicle.*Instrument::on_board).reset();
-    });
-    if (sensor == "camera") vehicle.camera.reset();
+    const auto leaveOutOf = [&](const Instance& instance, SensorsOnBoard& on_board) {
+      forEachInstrument([&]<class Instrument>() {
+        if (sensor == instance.label(Instrument::section)) (on_board.*Instrument::on_board).reset();
+      });
+      if (sensor == instance.label("camera")) on_board.camera.reset();
+    };
+    leaveOutOf({}, vehicle);
+    for (auto& [instance, on_board] : vehicle.others) leaveOutOf(instance, on_board);
   }
 }
 
@@ -163,7 +177,7 @@ void addSimulate(const RunContext& context) {
       ->capture_default_str();
   command->add_option("--duration", simulation.duration_s, "How long, s (default: to the end)");
   command->add_option("--without", options->without, "A sensor to leave out; may be repeated")
-      ->check(CLI::IsMember(sectionsOfSensors()))
+      ->check(sensorCheck())
       ->expected(1)
       ->take_all();
   command->add_flag("--no-noise", options->no_noise, "No white noise, no random biases");

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace fathom {
 
@@ -11,7 +12,8 @@ class Fingerprint {
  public:
   Fingerprint& add(const void* bytes, std::size_t size);
   Fingerprint& add(double number) { return add(&number, sizeof number); }
-  Fingerprint& add(const std::string& text) { return add(text.data(), text.size()); }
+  Fingerprint& add(std::string_view text) { return add(text.data(), text.size()); }
+  std::uint64_t value() const { return hash_; }
   std::string hex() const;
 
  private:

@@ -13,6 +13,8 @@ namespace fathom {
 std::string nameOf(const Candidate& candidate) {
   std::string name{allEffects()[candidate.effect].id};
   if (candidate.marker_id) name += print(" %d", *candidate.marker_id);
+  if (candidate.only)
+    name += " of " + (candidate.only->isFirst() ? "the first" : std::string(candidate.only->name()));
   if (candidate.time_s) name += print(" at %.1f s", *candidate.time_s);
   if (candidate.peak) name += print(" around %.1f s", candidate.peak->time_s);
   if (candidate.active_s.from_s > -Interval::kForever_s)
@@ -25,6 +27,7 @@ void switchOn(EffectParameters<double>& calibration, const Candidate& candidate)
   const EffectInfo& effect = allEffects()[candidate.effect];
   calibration.on.set(effect.index);
   calibration.active_s[effect.index] = candidate.active_s;
+  calibration.only[effect.index] = candidate.only;
   std::size_t scalar = effect.first_scalar;
   for (const Parameter& p : effect.parameters) {
     if (p.kind == ParameterKind::marker_id) calibration.values[scalar] = candidate.marker_id.value_or(0);
@@ -40,6 +43,7 @@ void switchOn(EffectParameters<double>& calibration, const Candidate& candidate)
 bool actsOn(const Candidate& candidate, const RowInfo& row) {
   if (row.channel == kChannel<Prior>) return false;
   if (candidate.marker_id && row.marker_id != *candidate.marker_id) return false;
+  if (candidate.only && row.instance != *candidate.only) return false;
   if (candidate.time_s && row.t_s < *candidate.time_s) return false;
   return candidate.active_s.contains(row.t_s);
 }
@@ -125,13 +129,32 @@ std::set<int> markersOf(const Linearization& linear) {
   return ids;
 }
 
+std::set<Instance> instancesOf(const Linearization& linear, std::size_t effect) {
+  std::set<Instance> instances;
+  const bool are_several = std::any_of(linear.rows.begin(), linear.rows.end(),
+                                       [](const RowInfo& row) { return !row.instance.isFirst(); });
+  if (!are_several || !allEffects()[effect].is_of_instrument) return {};
+  for (std::size_t c = 0; c < linear.columns.size(); ++c) {
+    if (linear.columns[c].effect != effect) continue;
+    const auto column = linear.C.col(static_cast<Eigen::Index>(c));
+    for (std::size_t i = 0; i < linear.rows.size(); ++i)
+      if (column[static_cast<Eigen::Index>(i)] != 0) instances.insert(linear.rows[i].instance);
+  }
+  return instances.size() > 1 ? instances : std::set<Instance>();
+}
+
 std::vector<Candidate> lastingCandidates(const Linearization& linear) {
   const std::set<int> ids = markersOf(linear);
   std::vector<Candidate> candidates;
   for (const EffectInfo& effect : allEffects()) {
     if (isEstimated(linear, effect.index) || effect.has(ParameterKind::time) || hasPeak(effect)) continue;
-    Candidate candidate{.effect = effect.index, .marker_id = {}, .time_s = {}, .peak = {}, .active_s = {}};
+    Candidate candidate{
+        .effect = effect.index, .marker_id = {}, .time_s = {}, .peak = {}, .active_s = {}, .only = {}};
     if (!effect.has(ParameterKind::marker_id)) candidates.push_back(candidate);
+    for (const Instance& instance : instancesOf(linear, effect.index)) {
+      candidates.push_back(candidate);
+      candidates.back().only = instance;
+    }
     for (const int id : ids)
       if (effect.has(ParameterKind::marker_id)) {
         candidate.marker_id = id;

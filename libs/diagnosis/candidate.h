@@ -18,11 +18,12 @@ struct Peak {
 
 /// An effect that may be missing: a registered effect, and what a fit cannot differentiate by.
 struct Candidate {
-  std::size_t effect = 0;        ///< in the registry
-  std::optional<int> marker_id;  ///< where the effect has one
-  std::optional<double> time_s;  ///< of a step, where the effect has one
-  std::optional<Peak> peak;      ///< where to start from, where the effect has one
-  Interval active_s;             ///< the default: for good
+  std::size_t effect = 0;          ///< in the registry
+  std::optional<int> marker_id;    ///< where the effect has one
+  std::optional<double> time_s;    ///< of a step, where the effect has one
+  std::optional<Peak> peak;        ///< where to start from, where the effect has one
+  Interval active_s;               ///< the default: for good
+  std::optional<Instance> only{};  ///< of several instruments of the kind; nothing: of each
 
   bool isForGood() const { return active_s == Interval{} && !time_s && !peak; }
   friend bool operator==(const Candidate&, const Candidate&) = default;
@@ -73,8 +74,12 @@ Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::ve
 /// Ids of all markers seen.
 std::set<int> markersOf(const Linearization& linear);
 
+/// The instruments whose readings an effect changes; none where there are not several, or where it is of the
+/// world.
+std::set<Instance> instancesOf(const Linearization& linear, std::size_t effect);
+
 /// Every effect not yet estimated that a fit can differentiate by, for good; those with a marker's id once
-/// for each id.
+/// for each id; where there are several instruments of the kind, of each too.
 std::vector<Candidate> lastingCandidates(const Linearization& linear);
 
 }  // namespace fathom

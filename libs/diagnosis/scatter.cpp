@@ -86,7 +86,7 @@ HeldColumns placeColumns(const Linearization& linear, const MarkerScatter& scatt
   Eigen::Index first = 0;
   for (const int id : ids) {
     const Eigen::SparseMatrix<double> moved =
-        columnsOf(linear, {Candidate{kEffectIndex<MarkerMoved>, id, {}, {}, {}}});
+        columnsOf(linear, {Candidate{kEffectIndex<MarkerMoved>, id, {}, {}, {}, {}}});
     const auto add = [&](const auto& entry, Eigen::Index column, double share) {
       entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(first + column),
                            share * entry.value());

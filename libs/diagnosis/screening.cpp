@@ -79,12 +79,14 @@ Screening::Screening(const WhitenedModel& model, int segments, const std::set<st
   takeFinerEdges(segments, parts);
   for (std::size_t family = 0; family < families_.size(); ++family)
     if (parts[family]) add(family, *parts[family], logPriorOf(parts[family]->candidate, segments));
-  // One of the markers is one of many, too.
-  std::map<std::size_t, double> markers;
+  // One of the markers, or of several instruments of a kind, is one of many, too.
+  std::map<std::size_t, std::set<std::pair<std::optional<int>, std::optional<Instance>>>> of_many;
+  const auto isOfMany = [](const Candidate& c) { return c.marker_id || c.only; };
   for (const TestedCandidate& t : tested_)
-    if (t.candidate.marker_id) ++markers[t.candidate.effect];
+    if (isOfMany(t.candidate)) of_many[t.candidate.effect].emplace(t.candidate.marker_id, t.candidate.only);
   for (std::size_t i = 0; i < tested_.size(); ++i) {
-    if (tested_[i].candidate.marker_id) log_prior_[i] -= std::log(markers[tested_[i].candidate.effect]);
+    const Candidate& c = tested_[i].candidate;
+    if (isOfMany(c)) log_prior_[i] -= std::log(static_cast<double>(of_many[c.effect].size()));
     tested_[i].support += log_prior_[i];
   }
   combine();
@@ -162,17 +164,22 @@ void Screening::layOut(const Linearization& linear, int segments, const std::set
       family.scalars.push_back(linear.columns[c.column].scalar);
     if (family.scalars.empty()) continue;  // drawn for each image, and there is none
     family.prior_sigma = priorSigmas(linear, {family.candidate});
-    const auto add = [&](std::optional<int> id, int count) {
+    const auto add = [&](std::optional<int> id, const std::optional<Instance>& only, int count) {
       family.candidate.marker_id = id;
+      family.candidate.only = only;
       family.first = column;
       family.segments = count;
       family.size = std::ssize(family.scalars);
       column += family.size * count;
       families_.push_back(family);
     };
-    if (!effect.has(ParameterKind::marker_id)) add({}, lasts || isDrawn(effect.index) ? 1 : segments);
-    if (effect.has(ParameterKind::marker_id))
-      for (const int id : markersOf(linear)) add(id, 1);
+    if (effect.has(ParameterKind::marker_id)) {
+      for (const int id : markersOf(linear)) add(id, {}, 1);
+      continue;
+    }
+    const int count = lasts || isDrawn(effect.index) ? 1 : segments;
+    add({}, {}, count);
+    for (const Instance& instance : instancesOf(linear, effect.index)) add({}, instance, count);
   }
 }
 

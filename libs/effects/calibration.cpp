@@ -33,6 +33,15 @@ void readInterval(const YamlMap& entry, Interval& active_s) {
   active_s = {numbers[0], numbers[1]};
 }
 
+void readInstance(const YamlMap& entry, std::optional<Instance>& only) {
+  const std::string key = "instance";
+  if (!entry.has(key)) return;
+  const std::string name = entry.text(key);
+  only = name == Instance::kFirst ? Instance() : Instance::named(name);
+  if (!only)
+    throw entry.error(key, "must be `first` or what stands behind the dot of a label, as 2 of DVL.2");
+}
+
 std::string formatNumbers(const double* values, int size, const Parameter& parameter = {}) {
   std::string text = size > 1 ? "[" : "";
   for (int i = 0; i < size; ++i) text += (i > 0 ? ", " : "") + shortest(asNamed(parameter, values[i]));
@@ -51,6 +60,8 @@ std::string formatEffect(const EffectInfo& effect, const EffectParameters<double
     const std::array<double, 2> ends{active_s.from_s, active_s.to_s};
     text += ", active_s: " + formatNumbers(ends.data(), 2);
   }
+  if (const auto& only = parameters.only[effect.index])
+    text += ", instance: " + std::string(only->isFirst() ? Instance::kFirst : only->name());
   return text + "}";
 }
 
@@ -71,6 +82,9 @@ EffectParameters<double> parseCalibration(const YamlMap& map) {
       value += parameter.size;
     }
     readInterval(entry, result.active_s[effect->index]);
+    readInstance(entry, result.only[effect->index]);
+    if (result.only[effect->index] && !effect->is_of_instrument)
+      throw entry.error("instance", "`" + id + "` is of the world, not of an instrument");
   }
   return result;
 }

@@ -15,6 +15,8 @@
 ///     - {id: water-current, current_m_s: [0.2, 0.1, 0], active_s: [30, 80]}
 ///
 /// active_s: from when to when, in seconds from the recording's first entry; without it, always.
+/// instance: where a vehicle has several instruments of the kind, the one that it acts on, as it stands
+/// behind the dot of its label (`2` of DVL.2, or `first`); without it, on each.
 namespace fathom {
 
 /// Throws Error: unknown effect (lists the known ones), an effect twice, a parameter missing, unknown, of the

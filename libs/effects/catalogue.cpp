@@ -24,6 +24,7 @@ const std::vector<EffectInfo>& allEffects() {
       constexpr std::size_t index = kEffectIndex<Effect>;
       all.push_back({Effect::id, Effect::text, Effect::parameters, index, kEffectOffsets[index],
                      parameterSize<Effect>()});
+      all.back().is_of_instrument = !kIsOfWorld<typename Effect::template Stage<double>>;
       if constexpr (requires { Effect::derived; }) {
         all.back().derived = &Effect::derived;
         all.back().derive = &Effect::derive;

@@ -20,6 +20,8 @@ struct EffectInfo {
   std::size_t first_scalar = 0;               ///< in EffectParameters::values
   std::size_t scalars = 0;                    ///< so many, list by list in the order of the parameters
   const DerivedParameter* derived = nullptr;  ///< null: there is none
+  /// It acts on an instrument, of which a vehicle may have several, not on the world.
+  bool is_of_instrument = true;
   /// Its value by the effect's scalars and the water's attenuation.
   Vector3d (*derive)(const double* p, const Vector3d& attenuation_per_m) = nullptr;
 

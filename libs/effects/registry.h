@@ -3,10 +3,12 @@
 #include <array>
 #include <bitset>
 #include <cstddef>
+#include <optional>
 #include <tuple>
 #include <type_traits>
 #include <utility>
 
+#include "core/instance.h"
 #include "effects/accelerometer_bias.h"
 #include "effects/auto_exposure.h"
 #include "effects/camera_latency.h"
@@ -110,6 +112,8 @@ struct EffectParameters {
   std::array<T, kEffectOffsets[kEffectCount]> values{};
   std::bitset<kEffectCount> on;
   std::array<Interval, kEffectCount> active_s{};
+  /// On which of a vehicle's several instruments of the kind; nothing: on each.
+  std::array<std::optional<Instance>, kEffectCount> only{};
   /// Where not null, applyEffects() notes here which effects act at the stages that it is called with: so it
   /// is known which effects a model has.
   std::bitset<kEffectCount>* asked = nullptr;
@@ -127,6 +131,9 @@ struct EffectParameters {
     return on[kEffectIndex<Effect>];
   }
   bool isActive(std::size_t effect, double t_s) const { return on[effect] && active_s[effect].contains(t_s); }
+  bool concerns(std::size_t effect, const Instance& instance) const {
+    return !only[effect] || *only[effect] == instance;
+  }
 
   /// Switches an effect on and adds to its parameters: a calibrated bias and a random one add up.
   template <class Effect>
@@ -134,13 +141,21 @@ struct EffectParameters {
     on.set(kEffectIndex<Effect>);
     for (std::size_t i = 0; i < increment.size(); ++i) of<Effect>()[i] += increment[i];
   }
-  /// What is active at one time, on for good and as another scalar, e.g. constants among Jets: what acts at
-  /// all times (a bias that a filter carries) can be added to it.
+  /// Those that act on one instrument, as if it were the only one.
+  EffectParameters of(const Instance& instance) const {
+    EffectParameters own = *this;
+    for (std::size_t e = 0; on.any() && e < kEffectCount; ++e)
+      if (!concerns(e, instance)) own.on.reset(e);
+    own.only = {};
+    return own;
+  }
+  /// What is active at one time on one instrument, on for good and as another scalar, e.g. constants among
+  /// Jets: what acts at all times (a bias that a filter carries) can be added to it.
   template <class U>
-  EffectParameters<U> at(double t_s) const {
+  EffectParameters<U> at(double t_s, const Instance& instance = {}) const {
     EffectParameters<U> now;
     for (std::size_t e = 0; on.any() && e < kEffectCount; ++e) {
-      if (!isActive(e, t_s)) continue;
+      if (!isActive(e, t_s) || !concerns(e, instance)) continue;
       now.on.set(e);
       for (std::size_t i = kEffectOffsets[e]; i < kEffectOffsets[e + 1]; ++i) now.values[i] = U(values[i]);
     }
@@ -169,17 +184,25 @@ const std::bitset<kEffectCount>& effectsAt() {
   return acting;
 }
 
-/// Applies every effect that acts at this stage and is active t_s after the recording's first entry: the
-/// entry's time stamp, whatever its latency.
+/// Applies every effect that acts at this stage of an instrument's, and is active t_s after the recording's
+/// first entry: the entry's time stamp, whatever its latency.
 template <class T, class Stage>
-void applyEffects(const EffectParameters<T>& parameters, double t_s, Stage& stage) {
+void applyEffects(const EffectParameters<T>& parameters, double t_s, const Instance& instance, Stage& stage) {
   if (parameters.asked != nullptr) *parameters.asked |= effectsAt<T, Stage>();
   if (parameters.on.none()) return;
   forEachEffect([&]<class Effect>() {
     if constexpr (std::is_same_v<typename Effect::template Stage<T>, Stage>)
-      if (parameters.isActive(kEffectIndex<Effect>, t_s))
+      if (parameters.isActive(kEffectIndex<Effect>, t_s) &&
+          parameters.concerns(kEffectIndex<Effect>, instance))
         Effect::template apply<T>(parameters.template of<Effect>(), stage);
   });
+}
+
+/// Of the first instrument of the kind, of whatever is of none (the world), or of parameters that are one
+/// instrument's already (EffectParameters::of()).
+template <class T, class Stage>
+void applyEffects(const EffectParameters<T>& parameters, double t_s, Stage& stage) {
+  applyEffects(parameters, t_s, Instance(), stage);
 }
 
 /// Whether any of the effects that act at this stage (of double) is on, at whatever time.

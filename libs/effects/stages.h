@@ -164,4 +164,20 @@ struct ExposureTime {
   T squared_s2 = T(0);
 };
 
+/// Stages that are the same for each instrument that looks at them.
+template <class Stage>
+inline constexpr bool kIsOfWorld = false;
+template <class T>
+inline constexpr bool kIsOfWorld<SeaWater<T>> = true;
+template <class T>
+inline constexpr bool kIsOfWorld<MarkerPlacement<T>> = true;
+template <class T>
+inline constexpr bool kIsOfWorld<PanelPlacement<T>> = true;
+template <class T>
+inline constexpr bool kIsOfWorld<SceneLight<T>> = true;
+template <class T>
+inline constexpr bool kIsOfWorld<WaterRay<T>> = true;
+template <class T>
+inline constexpr bool kIsOfWorld<SuspendedParticles<T>> = true;
+
 }  // namespace fathom

@@ -100,6 +100,7 @@ EffectParameters<PatchModel::Jet> asJets(const EffectParameters<double>& effects
   for (std::size_t i = 0; i < effects.values.size(); ++i) jets.values[i] = PatchModel::Jet(effects.values[i]);
   jets.on = effects.on;
   jets.active_s = effects.active_s;
+  jets.only = effects.only;
   return jets;
 }
 

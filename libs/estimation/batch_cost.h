@@ -14,11 +14,12 @@ namespace fathom {
 
 /// A block of unknowns: coordinates of the error of one part of a reference state.
 struct UnknownBlock {
-  enum class Kind { pose, bias, pressure_offset, sea_floor, panel, right_camera, water, flaws, effect, draw };
+  enum class Kind { pose, drift, sea_floor, panel, right_camera, water, flaws, effect, draw };
   Kind kind = Kind::pose;
   std::size_t index = 0;  ///< in the state's list, of an effect: in the registry, of a draw: in draws()
   int size = 6;
-  int column = 0;  ///< of its first coordinate
+  int column = 0;        ///< of its first coordinate
+  std::size_t knot = 0;  ///< of a drift
 };
 
 /// What a cost's rows are about.
@@ -30,6 +31,7 @@ struct RowSource {
   std::ptrdiff_t patch = -1;
   std::ptrdiff_t blur = -1;
   std::ptrdiff_t specks = -1;
+  Instance instance{};  ///< of the instrument
 };
 
 /// Coordinates of all unknowns, and the motions that the poses have there.

@@ -42,6 +42,7 @@ struct BatchMarker {
   double t_s = 0;
   std::size_t image = 0;  ///< number of the recording's entry with an image, from 0
   std::size_t eye = 0;    ///< of a pair: 0 left, 1 right
+  Instance instance{};    ///< of the vehicle's cameras
   std::size_t panel = 0;  ///< index in BatchData::panels
   Marker marker;          ///< as the panel's map has it
   Detection detection;

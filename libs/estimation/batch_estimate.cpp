@@ -188,11 +188,10 @@ void addPath(BatchEstimate& estimate, const BatchData& data, const BatchProblem&
 void addParameters(BatchEstimate& estimate, const BatchProblem& problem, const Uncertainty& uncertainty) {
   const BatchState& state = problem.reference();
   std::vector<const UnknownBlock*> effect_blocks;
+  estimate.drift_sigma = state.drifts;
   for (const UnknownBlock& block : problem.blocks()) {
-    if (block.kind == Kind::bias)
-      estimate.bias_sigma.emplace_back(uncertainty.of(block.kind, block.index).diagonal().cwiseSqrt());
-    if (block.kind == Kind::pressure_offset)
-      estimate.pressure_offset_sigma_pa = std::sqrt(uncertainty.of(block.kind, 0)(0, 0));
+    if (block.kind == Kind::drift)
+      estimate.drift_sigma[block.index].knots[block.knot] = uncertainty.of({&block}).diagonal().cwiseSqrt();
     if (block.kind == Kind::effect) effect_blocks.push_back(&block);
   }
   for (std::size_t i = 0; i < state.T_odom_panel.size(); ++i) {
@@ -242,6 +241,7 @@ std::bitset<kEffectCount> changedEffects(const BatchEstimate& from, const BatchE
   const EffectParameters<double>&before = from.state.effects, &after = to.state.effects;
   for (std::size_t e = 0; e < kEffectCount; ++e) {
     changed[e] = before.on[e] != after.on[e] || !(before.active_s[e] == after.active_s[e]) ||
+                 before.only[e] != after.only[e] ||
                  from.options->problem.estimate[e] != options.problem.estimate[e];
     for (std::size_t s = kEffectOffsets[e]; s < kEffectOffsets[e + 1]; ++s)
       changed[e] = changed[e] || before.values[s] != after.values[s];
@@ -270,7 +270,7 @@ BatchEstimate estimateBatch(const BatchData& data, const StartPath& start, const
     return from;
   }
   from.state =
-      startState(data, start.times_s, start.T_odom_robot, options.calibration, options.bias_interval_s);
+      startState(data, start.times_s, start.T_odom_robot, options.calibration, options.drift_interval_s);
   from.path_prior = start.prior(data);
   return reestimate(data, from, options);
 }

@@ -15,7 +15,7 @@ namespace fathom {
 struct BatchOptions {
   EffectParameters<double> calibration;  ///< effects that are on; of those estimated, where to start
   ProblemOptions problem;
-  double bias_interval_s = 10.0;
+  double drift_interval_s = 10.0;
   int max_iterations = 50;       ///< of a round
   double cost_tolerance = 0.0;   ///< a step, or a round, that lowers the cost by less is the last
   int max_rounds = 5;            ///< a latency that is estimated moves the motion's times between them
@@ -66,9 +66,8 @@ struct BatchEstimate {
   std::optional<PathPrior> path_prior;          ///< as it was taken
   std::vector<PathPose> path;
   std::vector<EffectEstimate> effects;
-  Eigen::MatrixXd effect_covariance;  ///< of `effects`, in their order
-  std::vector<Vector6d> bias_sigma;   ///< of state.bias
-  double pressure_offset_sigma_pa = 0.0;
+  Eigen::MatrixXd effect_covariance;        ///< of `effects`, in their order
+  std::vector<DriftTrack> drift_sigma;      ///< of state.drifts
   std::vector<UncertainPose> T_odom_panel;  ///< covariance zero where it is known
   std::map<Channel, ChannelResidual> residuals;
   std::vector<DownWeighted> down_weighted;

@@ -56,10 +56,8 @@ std::optional<PriorRows> priorOf(const UnknownBlock& block, const BatchData& dat
   const BatchState& reference = unknowns.reference();
   switch (block.kind) {
     case UnknownBlock::Kind::pose:
-    case UnknownBlock::Kind::bias:
+    case UnknownBlock::Kind::drift:
       break;
-    case UnknownBlock::Kind::pressure_offset:
-      return scalarPrior(reference.pressure_offset_pa, 1.0 / data.vehicle.depth->pressure_offset_sigma_pa);
     case UnknownBlock::Kind::sea_floor: {
       constexpr double kAnywhere_m = 1000.0;  // only so that it is not singular
       return scalarPrior(reference.sea_floor_z_m, 1.0 / kAnywhere_m);
@@ -87,19 +85,17 @@ std::optional<PriorRows> priorOf(const UnknownBlock& block, const BatchData& dat
   return std::nullopt;
 }
 
-PriorRows biasPrior(const InsSheet& ins, const BatchState& reference, std::size_t k) {
-  Vector6d precision;
-  precision << Vector3d::Constant(1.0 / ins.gyro_bias_sigma_rad_s),
-      Vector3d::Constant(1.0 / ins.accelerometer_bias_sigma_m_s2);
+PriorRows driftPrior(const Drift& drift, const DriftTrack& track, double interval_s, std::size_t k) {
   const GaussMarkovStep step =
-      k == 0 ? GaussMarkovStep() : GaussMarkovStep(reference.bias_interval_s, ins.bias_time_constant_s);
-  precision /= step.innovation();
-  Eigen::MatrixXd slope(6, k == 0 ? 6 : 12);
-  slope.leftCols<6>() = precision.asDiagonal();
-  Vector6d value = precision.cwiseProduct(reference.bias[k]);
+      k == 0 ? GaussMarkovStep() : GaussMarkovStep(interval_s, drift.time_constant_s);
+  const double precision = 1.0 / (drift.sigma * step.innovation());
+  const Eigen::Index size = track.knots[k].size();
+  Eigen::MatrixXd slope(size, k == 0 ? size : 2 * size);
+  slope.leftCols(size) = precision * Eigen::MatrixXd::Identity(size, size);
+  Eigen::VectorXd value = precision * track.knots[k];
   if (k > 0) {
-    slope.rightCols<6>() = (-step.decay * precision).asDiagonal();
-    value -= step.decay * precision.cwiseProduct(reference.bias[k - 1]);
+    slope.rightCols(size) = -step.decay * precision * Eigen::MatrixXd::Identity(size, size);
+    value -= step.decay * precision * track.knots[k - 1];
   }
   return {value, slope};
 }

@@ -17,13 +17,13 @@ struct PriorRows {
   bool is_wide = false;  ///< not normal, but as in wide_prior.h
 };
 
-/// Of what is constant; nothing of poses and biases. estimate: effects whose continuous parameters are
+/// Of what is constant; nothing of poses and drifts. estimate: effects whose continuous parameters are
 /// unknown.
 std::optional<PriorRows> priorOf(const UnknownBlock& block, const BatchData& data,
                                  const BatchUnknowns& unknowns, const std::bitset<kEffectCount>& estimate);
 
-/// A bias as first-order Gauss-Markov process: stationary at first, then b' = phi b + noise. x: of the k-th,
-/// then of the one before it, of which the first has none.
-PriorRows biasPrior(const InsSheet& ins, const BatchState& reference, std::size_t k);
+/// A drift's k-th knot: stationary at first, then b' = phi b + noise. x: of the k-th, then of the one before
+/// it, of which the first has none.
+PriorRows driftPrior(const Drift& drift, const DriftTrack& track, double interval_s, std::size_t k);
 
 }  // namespace fathom

@@ -8,6 +8,7 @@
 #include "core/linear_algebra.h"
 #include "estimation/batch_priors.h"
 #include "estimation/reading_cost.h"
+#include "sensors/channel_model.h"
 
 namespace fathom {
 namespace {
@@ -38,7 +39,7 @@ BatchProblem::BatchProblem(const BatchData& data, const ProblemOptions& options,
   addBlurs();
   addSpecks();
   addMotionPriors();
-  addBiasPriors();
+  addDriftPriors();
   addPriorsOfConstants();
 }
 
@@ -83,9 +84,12 @@ void BatchProblem::add(std::unique_ptr<ReadingModel> model, const RowSource& sou
 void BatchProblem::addReadings() {
   if (!unknowns_.reference().path.isSpline()) return;
   for (const std::vector<BatchReading>& of_channel : data_.readings)
-    for (const BatchReading& r : of_channel)
-      add(channelModel(r, data_.vehicle), {r.channel, r.t_s()}, {r.node_s[0], r.node_s[1]}, r.seen.value,
+    for (const BatchReading& r : of_channel) {
+      RowSource source{r.channel, r.t_s()};
+      source.instance = r.seen.instance;
+      add(channelModel(r, data_.vehicle), source, {r.node_s[0], r.node_s[1]}, r.seen.value,
           whitener(Eigen::MatrixXd(r.seen.covariance)));
+    }
 }
 
 void BatchProblem::addMarkers() {
@@ -106,7 +110,9 @@ void BatchProblem::addMarkers() {
     Vector8d corners;
     for (std::size_t k = 0; k < 4; ++k)
       corners.segment<2>(static_cast<Eigen::Index>(2 * k)) = seen.detection.corners_px[k];
-    add(markerModel(seen), {kChannel<Markers>, seen.t_s, static_cast<std::ptrdiff_t>(i)}, {seen.t_s}, corners,
+    RowSource source{kChannel<Markers>, seen.t_s, static_cast<std::ptrdiff_t>(i)};
+    source.instance = seen.instance;
+    add(markerModel(seen), source, {seen.t_s}, corners,
         whitener(Eigen::MatrixXd(seen.detection.covariance_px2)));
   }
 }
@@ -178,14 +184,19 @@ void BatchProblem::addMotionPriors() {
   }
 }
 
-void BatchProblem::addBiasPriors() {
+void BatchProblem::addDriftPriors() {
   const BatchState& reference = unknowns_.reference();
-  for (std::size_t k = 0; k < reference.bias.size(); ++k) {
-    const PriorRows prior = biasPrior(*data_.vehicle.ins, reference, k);
-    std::vector<std::size_t> of{unknowns_.placeOf(UnknownBlock::Kind::bias, k)};
-    if (k > 0) of.push_back(unknowns_.placeOf(UnknownBlock::Kind::bias, k - 1));
-    costs_.push_back(std::make_unique<LinearCost>(unknowns_.blocks(), of, prior.value, prior.slope));
-    costs_.back()->source.t_s = reference.path.begin_s + reference.bias_interval_s * static_cast<double>(k);
+  for (std::size_t i = 0; i < reference.drifts.size(); ++i) {
+    const DriftTrack& track = reference.drifts[i];
+    const Drift drift = modelOf(track.channel).drift(data_.vehicle, track.instance);
+    for (std::size_t k = 0; k < track.knots.size(); ++k) {
+      const PriorRows prior = driftPrior(drift, track, reference.drift_interval_s, k);
+      std::vector<std::size_t> of{unknowns_.placeOf(UnknownBlock::Kind::drift, i, k)};
+      if (k > 0) of.push_back(unknowns_.placeOf(UnknownBlock::Kind::drift, i, k - 1));
+      costs_.push_back(std::make_unique<LinearCost>(unknowns_.blocks(), of, prior.value, prior.slope));
+      costs_.back()->source.t_s =
+          reference.path.begin_s + reference.drift_interval_s * static_cast<double>(k);
+    }
   }
 }
 

@@ -54,7 +54,7 @@ class BatchProblem {
   void addBlurs();
   void addSpecks();
   void addMotionPriors();
-  void addBiasPriors();
+  void addDriftPriors();
   void addPriorsOfConstants();
   void add(std::unique_ptr<ReadingModel> model, const RowSource& source, std::vector<double> node_s,
            Eigen::VectorXd reading, const Eigen::MatrixXd& whitening);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "effects/catalogue.h"
+#include "sensors/channel_model.h"
 
 namespace fathom {
 
@@ -18,9 +20,38 @@ double gridBegin_s(const BatchData& data) {
   return std::floor(data.first_s / data.knot_s + 1e-6) * data.knot_s;
 }
 
+namespace {
+
+/// At zero, one for each instrument that has been read and drifts.
+std::vector<DriftTrack> driftsOf(const BatchData& data, std::size_t knots) {
+  std::vector<DriftTrack> drifts;
+  for (const auto& readings : data.readings) {
+    std::set<Instance> instances;
+    for (const BatchReading& r : readings) instances.insert(r.seen.instance);
+    for (const Instance& instance : instances) {
+      const Channel channel = readings.front().channel;
+      const ChannelModel& model = modelOf(channel);
+      if (!model.drift_effect) continue;
+      const Drift drift = model.drift(data.vehicle, instance);
+      if (drift.sigma == 0) continue;
+      const Observation::Value zero = Observation::Value::Zero(textOf(channel).component_count);
+      drifts.push_back({channel, instance, {drift.isConstant() ? 1 : knots, zero}});
+    }
+  }
+  return drifts;
+}
+
+}  // namespace
+
+std::optional<std::size_t> BatchState::driftOf(Channel channel, const Instance& instance) const {
+  for (std::size_t i = 0; i < drifts.size(); ++i)
+    if (drifts[i].channel == channel && drifts[i].instance == instance) return i;
+  return {};
+}
+
 BatchState startState(const BatchData& data, const std::vector<double>& times_s,
                       const std::vector<Pose>& T_odom_robot, const EffectParameters<double>& effects,
-                      double bias_interval_s) {
+                      double drift_interval_s) {
   BatchState state;
   state.effects = effects;
   for (const PanelMap& panel : data.panels) state.T_odom_panel.push_back(panel.T_odom_panel);
@@ -44,12 +75,9 @@ BatchState startState(const BatchData& data, const std::vector<double>& times_s,
       sum_m += motionOf(state.path, state.path.nodeAt(r.t_s())).T_odom_robot.position.z() - r.seen.value[0];
     state.sea_floor_z_m = sum_m / static_cast<double>(ranges.size());
   }
-  if (data.vehicle.ins && !(data.of<Gyro>().empty() && data.of<Accelerometer>().empty())) {
-    state.bias_interval_s = bias_interval_s;
-    const double length_s = state.path.end_s() - begin_s;
-    const auto intervals = std::max(1.0, std::ceil(length_s / bias_interval_s));
-    state.bias.assign(static_cast<std::size_t>(intervals) + 1, Vector6d::Zero());
-  }
+  state.drift_interval_s = drift_interval_s;
+  const double intervals = std::ceil((state.path.end_s() - begin_s) / drift_interval_s);
+  state.drifts = driftsOf(data, static_cast<std::size_t>(std::max(1.0, intervals)) + 1);
   return state;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "estimation/batch_data.h"
@@ -18,15 +19,20 @@ struct Draw {
   friend auto operator<=>(const Draw&, const Draw&) = default;
 };
 
+/// What a channel of one instrument is off by (Drift), own unit.
+struct DriftTrack {
+  Channel channel{};
+  Instance instance{};
+  /// At path.begin_s + k drift_interval_s, linear between; of what is constant, one.
+  std::vector<Observation::Value> knots;
+};
+
 /// What is estimated, as numbers.
 struct BatchState {
   PosePath path;
   std::vector<std::size_t> images;  ///< of poses by themselves: number of each one's image
-  /// Gyro (rad/s) and accelerometer bias (m/s²), INS axes, at path.begin_s + k bias_interval_s; linear
-  /// between. Empty without an INS.
-  std::vector<Vector6d> bias;
-  double bias_interval_s = 10.0;
-  double pressure_offset_pa = 0.0;
+  std::vector<DriftTrack> drifts;   ///< by channel, then by instance
+  double drift_interval_s = 10.0;
   std::vector<Pose> T_odom_panel;
   Pose T_left_right;                  ///< of a pair of cameras that sees tie points
   Vector9d water = Vector9d::Zero();  ///< waterParameters(), where there are patches
@@ -35,6 +41,8 @@ struct BatchState {
   EffectParameters<double> effects;   ///< all that are on, estimated or not
   std::map<Draw, double> draws;       ///< of effects that are drawn anew for each image; missing: 0
 
+  /// In `drifts`; nothing of what does not drift.
+  std::optional<std::size_t> driftOf(Channel channel, const Instance& instance) const;
   double drawn(const Draw& draw) const {
     const auto found = draws.find(draw);
     return found == draws.end() ? 0.0 : found->second;
@@ -50,6 +58,6 @@ double gridBegin_s(const BatchData& data);
 /// The first state of a problem: a spline near a path, or a pose an image. Images without one are left out.
 BatchState startState(const BatchData& data, const std::vector<double>& times_s,
                       const std::vector<Pose>& T_odom_robot, const EffectParameters<double>& effects,
-                      double bias_interval_s);
+                      double drift_interval_s);
 
 }  // namespace fathom

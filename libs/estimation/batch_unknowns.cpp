@@ -27,7 +27,7 @@ BatchUnknowns::BatchUnknowns(const BatchData& data, const std::bitset<kEffectCou
   }
 }
 
-/// Unknowns in the order in which a sparse factorization without fill eliminates them: poses by time, a bias
+/// Unknowns in the order in which a sparse factorization without fill eliminates them: poses by time, a drift
 /// behind the last pose that shares a reading with it, then what is constant.
 void BatchUnknowns::layOut(const BatchData& data, const std::bitset<kEffectCount>& estimate) {
   struct Placed {
@@ -38,13 +38,16 @@ void BatchUnknowns::layOut(const BatchData& data, const std::bitset<kEffectCount
   const double knot_s = reference_.path.knot_s;
   for (std::size_t i = 0; i < reference_.path.poses.size(); ++i)
     placed.push_back({knot_s * (static_cast<double>(i) - 1.0), {Kind::pose, i, 6, 0}});
-  for (std::size_t i = 0; i < reference_.bias.size(); ++i)
-    placed.push_back(
-        {reference_.bias_interval_s * (static_cast<double>(i) + 1.0) + 3.5 * knot_s, {Kind::bias, i, 6, 0}});
+  const std::vector<DriftTrack>& drifts = reference_.drifts;
+  for (std::size_t i = 0; i < drifts.size(); ++i)
+    for (std::size_t k = 0; drifts[i].knots.size() > 1 && k < drifts[i].knots.size(); ++k)
+      placed.push_back({reference_.drift_interval_s * (static_cast<double>(k) + 1.0) + 3.5 * knot_s,
+                        {Kind::drift, i, static_cast<int>(drifts[i].knots[k].size()), 0, k}});
   stableSort(placed, [](const Placed& a, const Placed& b) { return a.at_s < b.at_s; });
   for (const Placed& p : placed) blocks_.push_back(p.block);
-  if (!data.of<Depth>().empty() && reference_.path.isSpline())
-    blocks_.push_back({Kind::pressure_offset, 0, 1, 0});
+  for (std::size_t i = 0; i < drifts.size(); ++i)
+    if (drifts[i].knots.size() == 1)
+      blocks_.push_back({Kind::drift, i, static_cast<int>(drifts[i].knots[0].size()), 0});
   if (!data.of<Altimeter>().empty() && reference_.path.isSpline())
     blocks_.push_back({Kind::sea_floor, 0, 1, 0});
   for (std::size_t i = 0; i < data.panels.size(); ++i)
@@ -75,12 +78,12 @@ void BatchUnknowns::placeBlocks() {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     blocks_[b].column = size_;
     size_ += blocks_[b].size;
-    place_of_[{blocks_[b].kind, blocks_[b].index}] = b;
+    place_of_[{blocks_[b].kind, blocks_[b].index, blocks_[b].knot}] = b;
   }
 }
 
-const UnknownBlock* BatchUnknowns::find(Kind kind, std::size_t index) const {
-  const auto found = place_of_.find({kind, index});
+const UnknownBlock* BatchUnknowns::find(Kind kind, std::size_t index, std::size_t knot) const {
+  const auto found = place_of_.find({kind, index, knot});
   return found == place_of_.end() ? nullptr : &blocks_[found->second];
 }
 
@@ -102,8 +105,7 @@ BatchState BatchUnknowns::at(const Eigen::VectorXd& x) const {
     if (block.kind == Kind::right_camera) state.T_left_right = retracted(state.T_left_right, e);
     if (block.kind == Kind::water) state.water += e;
     if (block.kind == Kind::flaws) state.flaws += e;
-    if (block.kind == Kind::bias) state.bias[block.index] += e;
-    if (block.kind == Kind::pressure_offset) state.pressure_offset_pa += e[0];
+    if (block.kind == Kind::drift) state.drifts[block.index].knots[block.knot] += e;
     if (block.kind == Kind::sea_floor) state.sea_floor_z_m += e[0];
     if (block.kind == Kind::draw) {
       state.draws[draws_[block.index]] += e[0];

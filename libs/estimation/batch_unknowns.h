@@ -4,7 +4,7 @@
 #include <bitset>
 #include <cstddef>
 #include <map>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "estimation/batch_cost.h"
@@ -28,10 +28,10 @@ class BatchUnknowns {
   /// In the order of elimination: by time, then what is constant.
   const std::vector<UnknownBlock>& blocks() const { return blocks_; }
   /// Null: not estimated.
-  const UnknownBlock* find(UnknownBlock::Kind kind, std::size_t index) const;
+  const UnknownBlock* find(UnknownBlock::Kind kind, std::size_t index, std::size_t knot = 0) const;
   /// Its place among blocks(); there must be one.
-  std::size_t placeOf(UnknownBlock::Kind kind, std::size_t index) const {
-    return place_of_.at({kind, index});
+  std::size_t placeOf(UnknownBlock::Kind kind, std::size_t index, std::size_t knot = 0) const {
+    return place_of_.at({kind, index, knot});
   }
   /// Number of coordinates.
   int size() const { return size_; }
@@ -52,7 +52,7 @@ class BatchUnknowns {
 
   BatchState reference_;
   std::vector<UnknownBlock> blocks_;
-  std::map<std::pair<UnknownBlock::Kind, std::size_t>, std::size_t> place_of_;
+  std::map<std::tuple<UnknownBlock::Kind, std::size_t, std::size_t>, std::size_t> place_of_;
   std::vector<Draw> draws_;
   std::vector<std::size_t> image_pose_;  ///< of poses by themselves: by image
   int size_ = 0;

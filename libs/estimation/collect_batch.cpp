@@ -35,10 +35,14 @@ BatchReading meanOf(Readings::const_iterator begin, Readings::const_iterator end
   return bin;
 }
 
-/// Means over knot intervals.
+/// Means over knot intervals, of each instance.
 Readings averaged(Readings readings, double knot_s) {
-  stableSort(readings, [](const BatchReading& a, const BatchReading& b) { return a.t_s() < b.t_s(); });
-  const auto intervalOf = [&](const BatchReading& r) { return std::floor(r.t_s() / knot_s + 1e-6); };
+  const auto intervalOf = [&](const BatchReading& r) {
+    return std::pair(std::floor(r.t_s() / knot_s + 1e-6), r.seen.instance);
+  };
+  stableSort(readings, [&](const BatchReading& a, const BatchReading& b) {
+    return std::pair(intervalOf(a), a.t_s()) < std::pair(intervalOf(b), b.t_s());
+  });
   Readings result;
   for (auto begin = readings.cbegin(); begin != readings.cend();) {
     const auto end = std::find_if(begin, readings.cend(),
@@ -61,7 +65,9 @@ class Collector {
     t_s_ = secondsBetween(data_.time_zero, sample.time);
     if (isImage(sample)) return addImage(*imageEntry(sample, image_folder_));
     if (!watch_.accept(sample, t_s_)) return;
-    withInstrument(sample, [&]<class Instrument>(const auto& entry) { addEntry<Instrument>(entry); });
+    withInstrument(sample, [&]<class Instrument>(const auto& entry, const Instance& instance) {
+      addEntry<Instrument>(entry, instance);
+    });
   }
 
   void finish() {
@@ -90,20 +96,21 @@ class Collector {
   void leaveOut(const std::string& why) { ++data_.left_out[why]; }
 
   template <class Instrument>
-  void addEntry(const typename Instrument::Sample& entry) {
-    if (detail::needsSheet<Instrument>() && !(data_.vehicle.*Instrument::on_board)) return;
+  void addEntry(const typename Instrument::Sample& entry, const Instance& instance) {
+    if (!detail::isOnBoard<Instrument>(data_.vehicle, instance)) return;
     [&]<class... Channels>(std::tuple<Channels...>*) {
-      (addChannel<Channels>(entry), ...);
+      (addChannel<Channels>(entry, instance), ...);
     }(static_cast<typename Instrument::Channels*>(nullptr));
   }
 
   template <class C>
-  void addChannel(const auto& entry) {
+  void addChannel(const auto& entry, const Instance& instance) {
     if (!C::channel.is_estimated) return;
     std::vector<BatchReading>& readings = data_.of<C>();
     const std::size_t before = readings.size();
-    C::observe(entry, sheetOf<C>(data_.vehicle), [&](const Observation& seen) {
+    C::observe(entry, sheetOf<C>(data_.vehicle, instance), [&](const Observation& seen) {
       readings.push_back({kChannel<C>, {t_s_, t_s_}, 1, seen});
+      readings.back().seen.instance = instance;
     });
     if constexpr (requires { C::lacking; })
       if (readings.size() == before) leaveOut(C::lacking);
@@ -124,7 +131,8 @@ class Collector {
       seen.t_s = t_s_;
       seen.image = number;
       seen.eye = eye;
-      seen.camera = cameraOf(view, eye);
+      seen.instance = entry.instance;
+      seen.camera = cameraOf(view, entry.instance, eye);
       seen.T_robot_camera = entry.T_robot_camera;
       seen.T_left_right = view.T_first_camera;
       for (const Detection& detection : *found) {
@@ -134,9 +142,9 @@ class Collector {
     }
   }
 
-  CameraModel cameraOf(const ImageEntry::Eye& view, std::size_t eye) const {
+  CameraModel cameraOf(const ImageEntry::Eye& view, const Instance& instance, std::size_t eye) const {
     CameraModel camera = view.image.camera;
-    if (const auto& sheet = data_.vehicle.camera)
+    if (const auto& sheet = data_.vehicle.sensors(instance).camera)
       camera.window = eye == 0 ? sheet->model.window : sheet->right_window;
     return camera;
   }
@@ -146,11 +154,12 @@ class Collector {
     const auto found = tie_points_.find(entry.eyes[0].image.file.filename().string());
     if (found == tie_points_.end()) return;
     for (const TiePoint& point : found->second)
-      data_.tie_points.push_back({t_s_,
-                                  number,
-                                  point,
-                                  {cameraOf(entry.eyes[0], 0), cameraOf(entry.eyes[1], 1)},
-                                  entry.eyes[1].T_first_camera});
+      data_.tie_points.push_back(
+          {t_s_,
+           number,
+           point,
+           {cameraOf(entry.eyes[0], entry.instance, 0), cameraOf(entry.eyes[1], entry.instance, 1)},
+           entry.eyes[1].T_first_camera});
   }
 
   void addMarker(const Detection& detection, BatchMarker& seen) {

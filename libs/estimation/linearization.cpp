@@ -66,6 +66,7 @@ void setPlace(RowInfo& info, const Seen& seen, const Motion& motion, const Batch
 RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const RowSource& source) {
   RowInfo info;
   info.channel = source.channel;
+  info.instance = source.instance;
   info.t_s = source.t_s;
   info.marker = source.marker;
   info.tie_point = source.tie_point;
@@ -163,14 +164,15 @@ Eigen::VectorXd rawSigmas(const BatchCost& cost, Eigen::Index rows) {
   return sigma.cwiseSqrt();
 }
 
-/// Tracks in the order of channel, marker and component; rows by time.
+/// Tracks in the order of channel, instance, marker and component; rows by time.
 void findTracks(Linearization& linear) {
-  using Key = std::tuple<Channel, std::ptrdiff_t, int, std::ptrdiff_t, int, int, int>;
+  using Key = std::tuple<Channel, Instance, std::ptrdiff_t, int, std::ptrdiff_t, int, int, int>;
   std::map<Key, std::vector<std::size_t>> tracks;
   for (std::size_t i = 0; i < linear.rows.size(); ++i) {
     const RowInfo& row = linear.rows[i];
     if (row.channel == kChannel<Prior>) continue;
-    tracks[{row.channel, row.panel, row.marker_id, row.eye, row.tie_point_id, row.place, row.component}]
+    tracks[{row.channel, row.instance, row.panel, row.marker_id, row.eye, row.tie_point_id, row.place,
+            row.component}]
         .push_back(i);
   }
   for (auto& [key, rows] : tracks) {

@@ -14,6 +14,7 @@ struct RowInfo {
   Channel channel = kChannel<Prior>;
   int component = 0;  ///< axis x y z; colour red green blue; of a marker x0 y0 x1 y1 …; of edges the variance
                       ///< xx xy yy; of specks their class; of a prior, its row
+  Instance instance{};          ///< of the instrument
   double t_s = 0;               ///< stamp
   std::size_t reading = 0;      ///< rows of one reading have this in common
   int track = -1;               ///< index in Linearization::tracks; -1: a prior

@@ -7,6 +7,7 @@
 
 #include "core/chi_square.h"
 #include "estimation/reading_cost.h"
+#include "sensors/channel_model.h"
 
 namespace fathom {
 namespace {
@@ -43,8 +44,7 @@ std::unique_ptr<BatchCost> ReadingCostMaker::make(std::unique_ptr<ReadingModel> 
   setPlaces(subject, cost->at_reference);
   setMotions(subject, std::move(node_s), *cost);
   addOthers(subject, *cost);
-  linkBias(*cost);
-  linkPressureOffset(*cost);
+  linkDrift(*cost);
   linkEffects(*cost);
   linkDraws(subject, *cost);
   cost->whitening = whitening / options_.noise_scale[indexOf(source.channel)];
@@ -74,7 +74,9 @@ std::bitset<kEffectCount> ReadingCostMaker::actingOn(const ReadingModel& model,
   std::bitset<kEffectCount> acting;
   for (std::size_t e = 0; e < kEffectCount; ++e) {
     const bool on = effects.on[e] || options_.estimate[e];
-    if (!on || !effects.active_s[e].contains(source.t_s) || !model.dependsOn(e)) continue;
+    if (!on || !effects.active_s[e].contains(source.t_s) || !effects.concerns(e, source.instance) ||
+        !model.dependsOn(e))
+      continue;
     bool acts = true;
     for (std::size_t s = kEffectOffsets[e]; s < kEffectOffsets[e + 1]; ++s) {
       const double value = effects.values[s];
@@ -148,48 +150,41 @@ void ReadingCostMaker::addOthers(const Subject& subject, ReadingCost& cost) cons
     add(flaws, 0, kFlawColumn);
 }
 
-/// The scalars are a block's coordinates from this one on, times a factor.
-void ReadingCostMaker::link(UnknownBlock::Kind kind, std::size_t index,
-                            const std::vector<std::size_t>& scalars, int coordinate, double factor,
+/// The scalars are a block's coordinates, times a factor.
+void ReadingCostMaker::link(std::size_t block, const std::vector<std::size_t>& scalars, double factor,
                             ReadingCost& cost) const {
-  cost.blocks.push_back(unknowns_.placeOf(kind, index));
+  int coordinate = 0;
+  cost.blocks.push_back(block);
   for (const std::size_t s : scalars) cost.links.push_back({s, cost.blocks.size() - 1, coordinate++, factor});
 }
 
-void ReadingCostMaker::linkBias(ReadingCost& cost) const {
+void ReadingCostMaker::linkDrift(ReadingCost& cost) const {
   const BatchState& reference = unknowns_.reference();
-  const bool is_gyro = cost.source.channel == kChannel<Gyro>,
-             is_force = cost.source.channel == kChannel<Accelerometer>;
-  if (!(is_gyro || is_force) || reference.bias.empty()) return;
-  const std::size_t effect = is_gyro ? kEffectIndex<GyroBias> : kEffectIndex<AccelerometerBias>;
-  const int first_axis = is_gyro ? 0 : 3;
+  const auto track = reference.driftOf(cost.source.channel, cost.source.instance);
+  if (!track) return;
+  const std::size_t effect = *modelOf(cost.source.channel).drift_effect;
+  const std::vector<std::size_t> components = continuousScalars(effect);
   ForwardPoint& point = cost.at_reference;
   point.on.set(effect);
-  const double at = std::clamp((cost.source.t_s - reference.path.begin_s) / reference.bias_interval_s, 0.0,
-                               static_cast<double>(reference.bias.size()) - 1.0);
-  const auto k = std::min(static_cast<std::size_t>(at), reference.bias.size() - 2);
+  const auto linkKnot = [&](std::size_t k, double share) {
+    link(unknowns_.placeOf(UnknownBlock::Kind::drift, *track, k), components, share, cost);
+    for (std::size_t i = 0; i < components.size(); ++i)
+      point.effects[components[i]] += share * reference.drifts[*track].knots[k][static_cast<Eigen::Index>(i)];
+  };
+  const std::size_t knots = reference.drifts[*track].knots.size();
+  if (knots == 1) return linkKnot(0, 1.0);
+  const double at = std::clamp((cost.source.t_s - reference.path.begin_s) / reference.drift_interval_s, 0.0,
+                               static_cast<double>(knots) - 1.0);
+  const auto k = std::min(static_cast<std::size_t>(at), knots - 2);
   const double share = at - static_cast<double>(k);
-  const auto axes = continuousScalars(effect);
-  link(UnknownBlock::Kind::bias, k, axes, first_axis, 1.0 - share, cost);
-  link(UnknownBlock::Kind::bias, k + 1, axes, first_axis, share, cost);
-  for (std::size_t i = 0; i < 3; ++i)
-    point.effects[axes[i]] += (1.0 - share) * reference.bias[k][first_axis + static_cast<int>(i)] +
-                              share * reference.bias[k + 1][first_axis + static_cast<int>(i)];
-}
-
-void ReadingCostMaker::linkPressureOffset(ReadingCost& cost) const {
-  if (cost.source.channel != kChannel<Depth>) return;
-  const auto scalar = continuousScalars(kEffectIndex<PressureOffset>);
-  ForwardPoint& point = cost.at_reference;
-  point.on.set(kEffectIndex<PressureOffset>);
-  point.effects[scalar[0]] += unknowns_.reference().pressure_offset_pa;
-  link(UnknownBlock::Kind::pressure_offset, 0, scalar, 0, 1.0, cost);
+  linkKnot(k, 1.0 - share);
+  linkKnot(k + 1, share);
 }
 
 void ReadingCostMaker::linkEffects(ReadingCost& cost) const {
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (cost.acting[e] && cost.told[e] && unknowns_.find(UnknownBlock::Kind::effect, e) != nullptr)
-      link(UnknownBlock::Kind::effect, e, continuousScalars(e), 0, 1.0, cost);
+      link(unknowns_.placeOf(UnknownBlock::Kind::effect, e), continuousScalars(e), 1.0, cost);
 }
 
 /// Drawn anew for each image: of its own one's.
@@ -199,7 +194,7 @@ void ReadingCostMaker::linkDraws(const Subject& subject, ReadingCost& cost) cons
     const auto& [scalar, of_image] = draws[i];
     if (of_image != subject.image || !cost.acting[effectOf(scalar)]) continue;
     cost.at_reference.effects[scalar] = unknowns_.reference().drawn(draws[i]);
-    link(UnknownBlock::Kind::draw, i, {scalar}, 0, 1.0, cost);
+    link(unknowns_.placeOf(UnknownBlock::Kind::draw, i), {scalar}, 1.0, cost);
   }
 }
 

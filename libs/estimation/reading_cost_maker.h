@@ -40,12 +40,11 @@ class ReadingCostMaker {
   void setPlaces(const Subject& subject, ForwardPoint& point) const;
   void setMotions(const Subject& subject, std::vector<double> node_s, ReadingCost& cost) const;
   void addOthers(const Subject& subject, ReadingCost& cost) const;
-  void linkBias(ReadingCost& cost) const;
-  void linkPressureOffset(ReadingCost& cost) const;
+  void linkDrift(ReadingCost& cost) const;
   void linkEffects(ReadingCost& cost) const;
   void linkDraws(const Subject& subject, ReadingCost& cost) const;
-  void link(UnknownBlock::Kind kind, std::size_t index, const std::vector<std::size_t>& scalars,
-            int coordinate, double factor, ReadingCost& cost) const;
+  void link(std::size_t block, const std::vector<std::size_t>& scalars, double factor,
+            ReadingCost& cost) const;
   double thresholdOf(Channel channel, Eigen::Index rows);
 
   const BatchData& data_;

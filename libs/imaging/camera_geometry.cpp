@@ -1,7 +1,5 @@
 #include "imaging/camera_geometry.h"
 
-#include "imaging/detected_corners.h"
-
 namespace fathom {
 
 template <>
@@ -38,8 +36,5 @@ template SightLine<double> lightBehind(const FlatPort<double>&, const Vector3<do
 template std::array<Vector2<double>, 4> predictCorners(const KinematicState<double>&, PanelPlacement<double>,
                                                        const Marker&, const CameraModel&, const Pose&,
                                                        const EffectParameters<double>&, double, const Pose&);
-template std::array<Vector2<double>, 4> predictDetectedCorners(
-    const KinematicState<double>&, const PanelPlacement<double>&, const Marker&, const CameraModel&,
-    const Pose&, const EdgeLight&, const EffectParameters<double>&, double, const Pose&);
 
 }  // namespace fathom

@@ -79,7 +79,7 @@ std::array<Vector2<T>, 4> predictDetectedCorners(const KinematicState<T>& state,
                                 spreadOfWhite_px(T(light.response_gamma), light.dark_over_bright));
 }
 
-// Without derivatives: compiled once, in camera_geometry.cpp.
+// Without derivatives: compiled once, in detected_corners.cpp.
 extern template std::array<Vector2<double>, 4> predictDetectedCorners(
     const KinematicState<double>&, const PanelPlacement<double>&, const Marker&, const CameraModel&,
     const Pose&, const EdgeLight&, const EffectParameters<double>&, double, const Pose&);

@@ -48,10 +48,14 @@ std::optional<ImageEntry> imageEntry(const Sample& sample, const fs::path& image
   const auto eye = [&](const std::string& file, const RecordedCamera& camera, const Pose& T_first_camera) {
     return ImageEntry::Eye{{image_folder / file, camera.model}, T_first_camera};
   };
+  const std::string_view kind = baseOf(sample.label);
+  const Instance instance = Instance::of(sample.label, kind).value_or(Instance());
   if (const auto* image = std::get_if<ImageSample>(&sample.reading))
-    return ImageEntry{sample.time, image->T_robot_camera, {eye(image->file, image->intrinsics, {})}};
+    return ImageEntry{
+        sample.time, instance, image->T_robot_camera, {eye(image->file, image->intrinsics, {})}};
   if (const auto* pair = std::get_if<StereoSample>(&sample.reading))
     return ImageEntry{sample.time,
+                      instance,
                       pair->T_robot_left,
                       {eye(pair->left_file, pair->left_intrinsics, {}),
                        eye(pair->right_file, pair->right_intrinsics, pair->T_left_right)}};

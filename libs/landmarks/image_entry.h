@@ -22,6 +22,7 @@ struct ImageEntry {
     Pose T_first_camera;  ///< this camera on the first one
   };
   Time time;
+  Instance instance{};    ///< of the vehicle's cameras
   Pose T_robot_camera;    ///< the first eye's mounting
   std::vector<Eye> eyes;  ///< one; of a pair two, the left one first
   /// As the latest DVL and gyro entries before it say, robot axes; zero where there is none.

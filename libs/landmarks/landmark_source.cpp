@@ -50,7 +50,7 @@ TrueCamera trueCamera(const ImageEntry& entry, const ImageEntry::Eye& eye,
   KinematicState<double> motion;
   motion.velocity_robot = entry.velocity_robot;
   motion.angular_velocity_robot = entry.angular_velocity_robot;
-  return trueCamera(eye.image.camera, entry.T_robot_camera, motion, calibration.effects,
+  return trueCamera(eye.image.camera, entry.T_robot_camera, motion, calibration.effects.of(entry.instance),
                     calibration.stamp_s(entry.time), eye.T_first_camera);
 }
 
@@ -66,7 +66,7 @@ Sightings solveSightings(const std::vector<ImageEntry>& entries, const Detection
     const double t_s = calibration.stamp_s(entry.time);
     const auto cameras = seenIn(entry, detections, calibration);
     if (cameras.size() < entry.eyes.size()) ++without_file;
-    const auto mount = cameraMounting(entry.T_robot_camera, calibration.effects, t_s);
+    const auto mount = cameraMounting(entry.T_robot_camera, calibration.effects.of(entry.instance), t_s);
     const auto solve = [&](const std::vector<PanelMap>& there) {
       return sightingOf(cameras, {mount.R_robot_sensor, mount.position_robot}, there, options);
     };
@@ -88,13 +88,14 @@ std::optional<Sample> LandmarkSource::next() {
     return sample;
   }
   auto sample = source_->next();
-  if (sample && isImage(*sample)) derive(sightings_->by_entry.at(entry_++), sample->time);
+  if (sample && isImage(*sample)) derive(sightings_->by_entry.at(entry_++), *sample);
   return sample;
 }
 
-void LandmarkSource::derive(const Sighting& sighting, Time time) {
+void LandmarkSource::derive(const Sighting& sighting, const Sample& image) {
+  const Instance instance = Instance::of(image.label, baseOf(image.label)).value_or(Instance());
   const auto emit = [&](const char* label, Reading reading) {
-    derived_.push_back({time, label, std::move(reading)});
+    derived_.push_back({image.time, instance.label(label), std::move(reading)});
   };
   if (sighting.robot) emit(labels::kMarkers, *sighting.robot);
   if (!sighting.panels.panels.empty()) emit(labels::kPanel, sighting.panels);

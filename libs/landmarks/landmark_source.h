@@ -43,7 +43,8 @@ Sightings solveSightings(const std::vector<ImageEntry>& entries, const Detection
                          const PanelPoseOptions& options = {});
 
 /// Another source's samples, and behind each image what its markers tell, at the image's time: MARKERS (a
-/// PoseSample), PANEL and MARKER_SIGHTS, each where there is something to tell.
+/// PoseSample), PANEL and MARKER_SIGHTS (MARKERS.port and so on of CAMERA.port), each where there is
+/// something to tell.
 class LandmarkSource : public SampleSource {
  public:
   /// `sightings` are those of this source's entries with images, all of them.
@@ -56,7 +57,7 @@ class LandmarkSource : public SampleSource {
   std::optional<RecordingLoss> loss() const override { return source_->loss(); }
 
  private:
-  void derive(const Sighting& sighting, Time time);
+  void derive(const Sighting& sighting, const Sample& image);
 
   std::unique_ptr<SampleSource> source_;
   std::shared_ptr<const Sightings> sightings_;

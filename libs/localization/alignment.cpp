@@ -75,11 +75,13 @@ struct Seen {
 
 void forEachSeen(const LocalizationSetup& setup, const std::vector<Sample>& samples,
                  const KinematicState<double>& state, const std::function<void(const Seen&)>& f) {
-  Inputs<double> at{state, {setup.vehicle.gravityOdom()}, setup.calibration};
+  Inputs<double> at{state, {setup.vehicle.gravityOdom()}, {}};
   for (const Sample& sample : samples) {
     at.t_s = secondsBetween(setup.time_zero, sample.time);
     forEachObservation(sample, setup.vehicle, [&]<class C>(const Observation& observation) {
-      f(Seen{kChannel<C>, observation, setup.vehicle, at});
+      Inputs<double> own = at;
+      own.effects = setup.calibration.of(observation.instance);
+      f(Seen{kChannel<C>, observation, setup.vehicle, own});
     });
   }
 }
@@ -108,7 +110,9 @@ FirstReadings readAll(const LocalizationSetup& setup, const std::vector<Sample>&
   for (const Sample& sample : samples)
     if (const auto* ins = std::get_if<InsSample>(&sample.reading);
         ins && ins->R_odom_ins && !first.R_odom_robot && ins->R_odom_ins->allFinite()) {
-      const Inputs<double> at{{}, {}, setup.calibration, secondsBetween(setup.time_zero, sample.time)};
+      const auto instance = Instance::of(sample.label, Ins::label).value_or(Instance());
+      const Inputs<double> at{
+          {}, {}, setup.calibration.of(instance), secondsBetween(setup.time_zero, sample.time)};
       first.R_odom_robot = *ins->R_odom_ins * Attitude::orientation(at, ins->T_robot_ins).transpose();
     }
   return first;

@@ -82,7 +82,8 @@ class Fuser {
         update(kChannel<C>, measure<N, C::channel.component_count>(filter.x, kChannel<C>, seen, context));
     });
     if (!uses(kChannel<Landmark>)) return;
-    if (const auto* pose = std::get_if<PoseSample>(&sample.reading); pose && sample.label == labels::kMarkers)
+    if (const auto* pose = std::get_if<PoseSample>(&sample.reading);
+        pose && baseOf(sample.label) == labels::kMarkers)
       landmarks_.fuse(filter, state.landmarks, *pose, t_s, log);
     if (const auto* panels = std::get_if<PanelSample>(&sample.reading))
       landmarks_.fuse(filter, state.landmarks, *panels, t_s, log);

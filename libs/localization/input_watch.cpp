@@ -44,7 +44,7 @@ bool isWithin(const Matrix3d&, const ValueText&) { return true; }
 /// Such a value is garbage, and no gate need weigh it: see ValueText::lowest.
 bool isPossible(const Sample& sample) {
   bool possible = true;
-  withInstrument(sample, [&]<class Instrument>(const auto& entry) {
+  withInstrument(sample, [&]<class Instrument>(const auto& entry, const Instance&) {
     Instrument::forEachValue(entry, [&](int k, const auto* value) {
       const ValueText& text = Instrument::values[static_cast<std::size_t>(k)];
       possible = possible && (value == nullptr || text.lowest == text.highest || isWithin(*value, text));

@@ -13,14 +13,14 @@ namespace fathom {
 namespace {
 
 bool isFusible(const Sample& sample, LandmarkOptions::Form form) {
-  if (sample.label == labels::kMarkers && std::holds_alternative<PoseSample>(sample.reading))
+  if (baseOf(sample.label) == labels::kMarkers && std::holds_alternative<PoseSample>(sample.reading))
     return form == LandmarkOptions::Form::mean;
   if (std::holds_alternative<PanelSample>(sample.reading)) return form == LandmarkOptions::Form::joint;
   return isOfInstrument(sample);
 }
 
 bool isLandmark(const Sample& sample) {
-  return std::holds_alternative<PanelSample>(sample.reading) || sample.label == labels::kMarkers;
+  return std::holds_alternative<PanelSample>(sample.reading) || baseOf(sample.label) == labels::kMarkers;
 }
 
 /// What a chi-square variable of so many degrees of freedom exceeds once in 10 000 times.
@@ -110,10 +110,13 @@ class Localizer::RunOf : public Run {
   double validity_s(const Sample& sample) const {
     const double stamp_s = secondsBetween(setup_.time_zero, sample.time);
     const EffectParameters<double>& effects = setup_.calibration;
-    if (isLandmark(sample)) return stamp_s + validityOffset<Camera>(effects, stamp_s);
+    if (isLandmark(sample)) {
+      const auto camera = Instance::of(sample.label, baseOf(sample.label)).value_or(Instance());
+      return stamp_s + validityOffset<Camera>(effects, stamp_s, camera);
+    }
     double valid_s = stamp_s;
-    withInstrument(sample, [&]<class Instrument>(const auto&) {
-      valid_s += validityOffset<typename Instrument::Instrument>(effects, stamp_s);
+    withInstrument(sample, [&]<class Instrument>(const auto&, const Instance& instance) {
+      valid_s += validityOffset<typename Instrument::Instrument>(effects, stamp_s, instance);
     });
     return valid_s;
   }

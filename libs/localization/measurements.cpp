@@ -7,17 +7,17 @@ namespace {
 
 /// As the filter sees an instant: the sea floor and the biases are among its states.
 template <class T>
-Inputs<T> inputsOf(const NavigationState<T>& x, const MeasurementContext& context) {
+Inputs<T> inputsOf(const NavigationState<T>& x, const MeasurementContext& context, const Instance& instance) {
   return {x.motion,
           {context.vehicle->gravityOdom(), x.sea_floor_z_m},
-          effectsOf(x, context.calibration, context.t_s),
+          effectsOf(x, context.calibration, context.t_s, instance),
           context.t_s};
 }
 
 Prediction<SensorJet> jetsAt(const NavigationState<double>& x, const StateColumns& columns, Channel channel,
                              const Observation& seen, const MeasurementContext& context) {
-  return modelOf(channel).differentiate(inputsOf(lift<kJetSize>(x, columns), context), *context.vehicle,
-                                        seen);
+  return modelOf(channel).differentiate(inputsOf(lift<kJetSize>(x, columns), context, seen.instance),
+                                        *context.vehicle, seen);
 }
 
 /// All that any of the example's derivatives is not zero by.
@@ -64,6 +64,8 @@ typename ErrorStateFilter<N>::template Measurement<M> measure(const NavigationSt
     m.H.row(i) = prediction[i].v.transpose();
   }
   m.R = seen.covariance;
+  if (const auto& model = modelOf(channel); model.drift_effect && !seen.instance.isFirst())
+    m.R.diagonal().array() += model.drift(*context.vehicle, seen.instance).whiteVariance();
   return m;
 }
 

@@ -19,7 +19,8 @@ struct MeasurementContext {
 template <int N>
 const StateColumns& columnsOf(Channel channel);
 
-/// residual = z - h(x) (of rotations z [-] h(x)), H = dh/d(error). M: the channel's components.
+/// residual = z - h(x) (of rotations z [-] h(x)), H = dh/d(error). M: the channel's components. The filter's
+/// bias states are the first instance's: of others what drifts counts as noise (Drift::whiteVariance()).
 template <int N, int M>
 typename ErrorStateFilter<N>::template Measurement<M> measure(const NavigationState<double>& x,
                                                               Channel channel, const Observation& seen,

@@ -143,12 +143,14 @@ NavigationState<ceres::Jet<double, Size>> lift(const NavigationState<double>& x,
   return y;
 }
 
-/// The calibration's effects at one time, with the filter's bias states added where they act: a bias is the
-/// effect of its name, whether it was calibrated, simulated or is being estimated.
+/// The calibration's effects at one time on one instance of an instrument, with the filter's bias states
+/// added where they act: a bias is the effect of its name, whether it was calibrated, simulated or is being
+/// estimated. The states are of the first instance.
 template <class T>
 EffectParameters<T> effectsOf(const NavigationState<T>& x, const EffectParameters<double>& calibration,
-                              double t_s) {
-  auto effects = calibration.template at<T>(t_s);
+                              double t_s, const Instance& instance) {
+  auto effects = calibration.template at<T>(t_s, instance);
+  if (!instance.isFirst()) return effects;
   effects.template add<GyroBias>({x.gyro_bias_rad_s[0], x.gyro_bias_rad_s[1], x.gyro_bias_rad_s[2]});
   effects.template add<AccelerometerBias>(
       {x.accelerometer_bias_m_s2[0], x.accelerometer_bias_m_s2[1], x.accelerometer_bias_m_s2[2]});

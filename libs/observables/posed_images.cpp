@@ -36,12 +36,16 @@ PosedImages posedImages(const std::vector<ImageEntry>& entries, const Detections
   for (const UnreadableImage& image : detections.unreadable) unreadable[image.file] = image.why;
 
   PosedImages images;
-  std::size_t number = 0;
+  std::size_t number = 0, of_others = 0;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const ImageEntry& entry = entries[i];
     const Sighting& sighting = sightings.by_entry.at(i);
     const SeenPanel* const seen = surestPanel(sighting);
     for (std::size_t eye = 0; eye < entry.eyes.size(); ++eye, ++number) {
+      if (!entry.instance.isFirst()) {
+        ++of_others;
+        continue;
+      }
       const auto& [image, T_first_camera] = entry.eyes[eye];
       const auto* found = detections.find(image.file);
       if (found == nullptr || seen == nullptr) {
@@ -57,6 +61,9 @@ PosedImages posedImages(const std::vector<ImageEntry>& entries, const Detections
            trueCamera(entry, entry.eyes[eye], calibration), calibration.stamp_s(entry.time), panel, *found});
     }
   }
+  if (of_others > 0)
+    images.remarks.push_back("images are compared of the first camera only; of others there are " +
+                             std::to_string(of_others));
   return images;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -11,14 +12,15 @@
 /// Entries of instruments without asking which: sensors/all_instruments.h knows them.
 namespace fathom {
 
-/// Calls `f.template operator()<Instrument>(entry)` where the sample is an instrument's. `AnySample`: Sample
-/// or const Sample.
+/// Calls `f.template operator()<Instrument>(entry, instance)` where the sample is an instrument's.
+/// `AnySample`: Sample or const Sample.
 template <class AnySample, class F>
 void withInstrument(AnySample& sample, F&& f) {
   forEachInstrument([&]<class Instrument>() {
-    if (auto* entry = std::get_if<typename Instrument::Sample>(&sample.reading);
-        entry != nullptr && sample.label == Instrument::label)
-      f.template operator()<Instrument>(*entry);
+    auto* entry = std::get_if<typename Instrument::Sample>(&sample.reading);
+    if (entry == nullptr) return;
+    if (const auto instance = Instance::of(sample.label, Instrument::label))
+      f.template operator()<Instrument>(*entry, *instance);
   });
 }
 
@@ -31,17 +33,16 @@ inline std::vector<std::string> instrumentLabels() {
 
 inline bool isOfInstrument(const Sample& sample) {
   bool is_one = false;
-  withInstrument(sample, [&]<class Instrument>(const auto&) { is_one = true; });
+  withInstrument(sample, [&]<class Instrument>(const auto&, const Instance&) { is_one = true; });
   return is_one;
 }
 
 namespace detail {
-template <class C>
-constexpr bool needsSheet() {  // true unless it says otherwise
-  if constexpr (requires { C::Instrument::needs_sheet; })
-    return C::Instrument::needs_sheet;
-  else
-    return true;
+template <class Instrument>
+bool isOnBoard(const Vehicle& vehicle, const Instance& instance) {
+  if constexpr (requires { Instrument::Instrument::needs_sheet; })
+    if (!Instrument::Instrument::needs_sheet && instance.isFirst()) return true;
+  return (vehicle.sensors(instance).*Instrument::on_board).has_value();
 }
 }  // namespace detail
 
@@ -49,11 +50,14 @@ constexpr bool needsSheet() {  // true unless it says otherwise
 /// vehicle file has.
 template <class F>
 void forEachObservation(const Sample& sample, const Vehicle& vehicle, F&& f) {
-  withInstrument(sample, [&]<class Instrument>(const auto& entry) {
-    if (detail::needsSheet<Instrument>() && !(vehicle.*Instrument::on_board)) return;
+  withInstrument(sample, [&]<class Instrument>(const auto& entry, const Instance& instance) {
+    if (!detail::isOnBoard<Instrument>(vehicle, instance)) return;
     [&]<class... Channels>(std::tuple<Channels...>*) {
-      (Channels::observe(entry, sheetOf<Channels>(vehicle),
-                         [&](const Observation& seen) { f.template operator()<Channels>(seen); }),
+      (Channels::observe(entry, sheetOf<Channels>(vehicle, instance),
+                         [&](Observation seen) {
+                           seen.instance = instance;
+                           f.template operator()<Channels>(std::as_const(seen));
+                         }),
        ...);
     }(static_cast<typename Instrument::Channels*>(nullptr));
   });

@@ -61,10 +61,11 @@ constexpr std::array<LabelledClass, 15> kConvention{{{labels::kIns, kImu},
                                                      {labels::kHandles, kFeatures},
                                                      {labels::kMarkerSights, kBearingRange}}};
 
-/// The class the convention gives a label; empty where it knows no such label.
+/// The class the convention gives a label, that of its kind ("DVL.2": DVL); empty where it knows no such
+/// label.
 std::string_view classOf(std::string_view label) {
   for (const LabelledClass& entry : kConvention)
-    if (entry.label == label) return entry.mrpt_class;
+    if (baseOf(label) == entry.label) return entry.mrpt_class;
   return {};
 }
 
@@ -101,7 +102,8 @@ std::optional<Matrix3d> readAttitude(const CObservationIMU& imu) {
   return q.normalized().toRotationMatrix();
 }
 
-Reading readImu(const std::string& label, const CObservationIMU& imu) {
+/// `label`: of the sensor's kind.
+Reading readImu(std::string_view label, const CObservationIMU& imu) {
   const Pose T_robot_sensor = fromMrpt(imu.sensorPose);
   if (label == labels::kIns)
     return InsSample{T_robot_sensor, readTriple(imu, kAngularVelocity), readTriple(imu, kSpecificForce),
@@ -355,18 +357,19 @@ struct Encoder {
   }
 
   void requireLabel(std::string_view expected) const {
-    if (sample.label == expected) return;
+    if (baseOf(sample.label) == expected) return;
     throw std::logic_error("label " + sample.label + " on a sample of kind " + std::string(expected));
   }
 };
 
 }  // namespace
 
-Reading decodeReading(const std::string& mrpt_class, const std::string& label,
+Reading decodeReading(const std::string& mrpt_class, const std::string& whole_label,
                       std::span<const std::uint8_t> object) {
+  const std::string label(baseOf(whole_label));
   const auto expected = classOf(label);
   if (!expected.empty() && expected != mrpt_class)
-    throw ConventionBreach{"an entry labelled " + label + " is a " + mrpt_class + ", must be a " +
+    throw ConventionBreach{"an entry labelled " + whole_label + " is a " + mrpt_class + ", must be a " +
                            std::string(expected)};
   if (mrpt_class == kComment) return parseHeaderText(decode<CObservationComment>(object).text);
   if (mrpt_class == kImu) return readImu(label, decode<CObservationIMU>(object));

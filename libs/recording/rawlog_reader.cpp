@@ -41,8 +41,8 @@ Reading RawlogReader::Impl::decode(const ObjectExtent& extent) {
   if (extent.kind == ObjectExtent::Kind::kForeign)
     throw error("holds a " + extent.mrpt_class + ": not in the observations-only format");
   if (extent.kind == ObjectExtent::Kind::kSkipped) return UnknownSample{extent.mrpt_class};
-  const bool of_convention = extent.label == labels::kCamera || extent.label == labels::kStereo ||
-                             extent.label == labels::kSimulated;
+  const auto kind = baseOf(extent.label);
+  const bool of_convention = kind == labels::kCamera || kind == labels::kStereo || kind == labels::kSimulated;
   if (extent.has_pixels && of_convention)
     throw error("an image is stored in the rawlog, must be in a file of its own (rawlog-edit --externalize)");
   if (extent.has_pixels) return UnknownSample{extent.mrpt_class};

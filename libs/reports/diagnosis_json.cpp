@@ -28,6 +28,7 @@ Json candidateJson(const Candidate& candidate, const BatchData& data) {
   return {{"id", idOf(candidate)},
           {"name", nameOf(candidate)},
           {"marker_id", candidate.marker_id ? Json(*candidate.marker_id) : Json(nullptr)},
+          {"instance", candidate.only ? Json(candidate.only->name()) : Json(nullptr)},
           {"time_s", optionalJson(candidate.time_s)},
           {"active_s", intervalJson(activeIn(candidate, data))}};
 }

@@ -31,10 +31,11 @@ void addCompanions(Fingerprint& print, const RecordingJob& job) {
     for (const fs::path& panel : panelMapFiles(*map)) print.add(readTextFile(panel));
   std::error_code none;  // a recording without images has no folder of them
   std::vector<fs::path> images;
-  for (const auto& entry : fs::directory_iterator(recording.imageFolder(), none))
-    images.push_back(entry.path());
+  for (const auto& entry : fs::recursive_directory_iterator(recording.imageFolder(), none))
+    if (entry.is_regular_file()) images.push_back(entry.path());
   std::sort(images.begin(), images.end());
-  for (const fs::path& image : images) print.add(image.filename().string()).add(readTextFile(image));
+  for (const fs::path& image : images)
+    print.add(image.lexically_relative(recording.imageFolder()).string()).add(readTextFile(image));
 }
 
 /// Tells whether a result is of the same inputs, by what the files hold.

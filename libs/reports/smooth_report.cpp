@@ -20,6 +20,25 @@ nlohmann::ordered_json effectsJson(const BatchEstimate& estimate) {
   return list;
 }
 
+/// A number, or a list of them.
+nlohmann::ordered_json numbersOf(const Observation::Value& value) {
+  if (value.size() == 1) return value[0];
+  return std::vector<double>(value.begin(), value.end());
+}
+
+/// What each instrument is off by at the end, own unit.
+nlohmann::ordered_json driftsJson(const BatchEstimate& e) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < e.state.drifts.size(); ++i) {
+    const DriftTrack& track = e.state.drifts[i];
+    list.push_back({{"channel", nameOf(track.channel)},
+                    {"entries", track.instance.label(textOf(track.channel).label)},
+                    {"at_the_end", numbersOf(track.knots.back())},
+                    {"sigma", numbersOf(e.drift_sigma[i].knots.back())}});
+  }
+  return list;
+}
+
 nlohmann::ordered_json toJson(const SmoothedRecording& recording) {
   const BatchEstimate& e = recording.estimate;
   nlohmann::ordered_json json = fathom::toJson(recording.run);
@@ -42,15 +61,19 @@ nlohmann::ordered_json toJson(const SmoothedRecording& recording) {
                                  {"rms_sigma", r.rms},
                                  {"expected_rms_sigma", r.expected_rms},
                                  {"down_weighted_rows", r.down_weighted}};
-  if (!e.state.bias.empty()) {
-    const Vector6d &bias = e.state.bias.back(), &sigma = e.bias_sigma.back();
-    json["final_bias"] = {{"gyro_rad_s", vectorJson(bias.head<3>())},
-                          {"gyro_sigma_rad_s", vectorJson(sigma.head<3>())},
-                          {"accelerometer_m_s2", vectorJson(bias.tail<3>())},
-                          {"accelerometer_sigma_m_s2", vectorJson(sigma.tail<3>())}};
-  }
-  json["pressure_offset_pa"] = e.state.pressure_offset_pa;
-  json["pressure_offset_sigma_pa"] = e.pressure_offset_sigma_pa;
+  const auto addDrift = [&](nlohmann::ordered_json& to, Channel channel, const char* value,
+                            const char* sigma) {
+    const auto track = e.state.driftOf(channel, {});
+    if (!track) return;
+    to[value] = numbersOf(e.state.drifts[*track].knots.back());
+    to[sigma] = numbersOf(e.drift_sigma[*track].knots.back());
+  };
+  nlohmann::ordered_json final_bias;
+  addDrift(final_bias, kChannel<Gyro>, "gyro_rad_s", "gyro_sigma_rad_s");
+  addDrift(final_bias, kChannel<Accelerometer>, "accelerometer_m_s2", "accelerometer_sigma_m_s2");
+  if (!final_bias.is_null()) json["final_bias"] = final_bias;
+  addDrift(json, kChannel<Depth>, "pressure_offset_pa", "pressure_offset_sigma_pa");
+  json["drifts"] = driftsJson(e);
   json["remarks"] = recording.remarks;
   return json;
 }

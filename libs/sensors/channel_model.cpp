@@ -9,10 +9,10 @@ namespace {
 template <class C>
 ChannelModel makeModel() {
   ChannelModel model{[](const Inputs<double>& in, const Vehicle& vehicle, const Observation& seen) {
-                       return Prediction<double>(C::predict(in, sheetOf<C>(vehicle), seen));
+                       return Prediction<double>(C::predict(in, sheetOf<C>(vehicle, seen.instance), seen));
                      },
                      [](const Inputs<SensorJet>& in, const Vehicle& vehicle, const Observation& seen) {
-                       return Prediction<SensorJet>(C::predict(in, sheetOf<C>(vehicle), seen));
+                       return Prediction<SensorJet>(C::predict(in, sheetOf<C>(vehicle, seen.instance), seen));
                      },
                      [](const EffectParameters<double>& effects, double t_s) {
                        return validityOffset<typename C::Instrument>(effects, t_s);
@@ -21,6 +21,12 @@ ChannelModel makeModel() {
                        return validityOffset<typename C::Instrument>(effects, t_s);
                      },
                      effectsAt<double, ValidityOffset<double, typename C::Instrument>>()};
+  if constexpr (requires { &C::drift; }) {
+    model.drift_effect = kEffectIndex<typename C::DriftEffect>;
+    model.drift = [](const Vehicle& vehicle, const Instance& instance) {
+      return C::drift(sheetOf<C>(vehicle, instance));
+    };
+  }
   Inputs<double> in = exampleInputs();
   in.effects.asked = &model.effects;
   model.predict(in, Vehicle{}, exampleObservation());

@@ -3,6 +3,8 @@
 #include <ceres/jet.h>
 
 #include <bitset>
+#include <cstddef>
+#include <optional>
 
 #include "sensors/channels.h"
 #include "sensors/vehicle.h"
@@ -27,6 +29,9 @@ struct ChannelModel {
   SensorJet (*validityOffsetJet)(const EffectParameters<SensorJet>& effects, double t_s);
   /// Those that can change it, as its equations ask for them.
   std::bitset<kEffectCount> effects;
+  /// Through which it drifts; nothing: it does not.
+  std::optional<std::size_t> drift_effect{};
+  Drift (*drift)(const Vehicle& vehicle, const Instance& instance) = nullptr;
 };
 
 /// The channel must be an instrument's.

@@ -80,6 +80,10 @@ struct Depth {
                                        .material = 50,  // 5 mm
                                        .component_count = 1,
                                        .start = ChannelText::Start::height};
+  using DriftEffect = PressureOffset;
+  static Drift drift(const DepthSheet& s) {
+    return {.sigma = s.pressure_offset_sigma_pa, .rate_hz = s.rate_hz};
+  }
   template <class F>
   static void observe(const DepthSample& s, const DepthSheet& sheet, F&& f) {
     f(Observation::scalar(s.pressure_pa, sheet.pressure_sigma_pa, s.T_robot_depth));

@@ -105,6 +105,10 @@ struct Gyro {
                                        .is_averaged = true,
                                        .shows_motion = true,
                                        .start = ChannelText::Start::rate};
+  using DriftEffect = GyroBias;
+  static Drift drift(const InsSheet& s) {
+    return {s.gyro_bias_sigma_rad_s, s.bias_time_constant_s, s.rate_hz};
+  }
   template <class F>
   static void observe(const InsSample& s, const InsSheet& sheet, F&& f) {
     if (s.angular_velocity_ins)
@@ -139,6 +143,10 @@ struct Accelerometer {
                                        .is_averaged = true,
                                        .shows_motion = true,
                                        .start = ChannelText::Start::specific_force};
+  using DriftEffect = AccelerometerBias;
+  static Drift drift(const InsSheet& s) {
+    return {s.accelerometer_bias_sigma_m_s2, s.bias_time_constant_s, s.rate_hz};
+  }
   template <class F>
   static void observe(const InsSample& s, const InsSheet& sheet, F&& f) {
     if (s.specific_force_ins)

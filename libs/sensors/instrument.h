@@ -3,10 +3,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string_view>
 
 #include "core/geometry.h"
+#include "core/instance.h"
 #include "core/random.h"
 #include "sensors/inputs.h"
 
@@ -63,6 +65,7 @@ struct Observation {
   Pose T_robot_sensor;  ///< nominal mounting, as the entry has it
   /// A rotation is measured as its rotation vector from this one, R_odom_sensor.
   Matrix3d about = Matrix3d::Identity();
+  Instance instance{};  ///< whose it is, where a vehicle has several of the kind
 
   static Observation scalar(double value, double sigma, const Pose& T_robot_sensor) {
     return {Value::Constant(1, value), Covariance::Constant(1, 1, sigma * sigma), T_robot_sensor};
@@ -72,6 +75,23 @@ struct Observation {
   }
   static Observation rotation(const Matrix3d& R_odom_sensor, double sigma_rad, const Pose& T_robot_sensor) {
     return {Vector3d::Zero(), Matrix3d::Identity() * sigma_rad * sigma_rad, T_robot_sensor, R_odom_sensor};
+  }
+};
+
+/// What a channel is off by for a while, besides white noise: a first-order Gauss-Markov process, stationary
+/// at first. It enters through an effect, the channel's DriftEffect.
+struct Drift {
+  double sigma = 0;                                                  ///< stationary, own unit, each component
+  double time_constant_s = std::numeric_limits<double>::infinity();  ///< infinite: constant
+  double rate_hz = 1;                                                ///< of the measurements
+
+  bool isConstant() const { return time_constant_s == std::numeric_limits<double>::infinity(); }
+  /// Variance of each measurement for whoever has no state for the drift and takes it for white noise: as
+  /// much power as the process has at frequency zero, where it has most, so 2 sigma² tau times the rate
+  /// (Brown & Hwang 2012, sec. 3.6). What is constant counts as if it lasted for half an hour.
+  double whiteVariance() const {
+    constexpr double kLasting_s = 1800;
+    return 2 * sigma * sigma * (isConstant() ? kLasting_s : time_constant_s) * rate_hz;
   }
 };
 
@@ -102,9 +122,15 @@ struct SimulatedNoise {
   bool on = true;
   /// A beam of sound has an echo between these slant ranges, m.
   double beam_min_range_m = 0.05, beam_max_range_m = 50.0;
+  Instance instance{};  ///< whose it is: each has streams of its own
 
-  Random stream(std::uint64_t number) const { return Random::stream(seed, number); }
+  Random stream(std::uint64_t number) const {
+    return Random::stream(seed, number + (instance.number() << kStreamBits));
+  }
   double sigma(double of_sheet) const { return on ? of_sheet : 0.0; }
+
+ private:
+  static constexpr int kStreamBits = 8;  // of all that instruments draw from
 };
 
 }  // namespace fathom

@@ -87,7 +87,27 @@ LampSheet readLamp(const YamlMap& y) {
   return s;
 }
 
+/// One section for each kind, behind its name the instance's.
+void readSensors(const YamlMap& y, const Instance& instance, SensorsOnBoard& sensors) {
+  forEachInstrument([&]<class Instrument>() {
+    const std::string section = instance.label(Instrument::section);
+    if (!y.has(section) || sensors.*Instrument::on_board) return;  // one section may be of two instruments
+    typename Instrument::Sheet sheet;
+    sheet.fields(ReadFields(y.map(section)));
+    sensors.*Instrument::on_board = sheet;
+  });
+  if (const std::string section = instance.label("camera"); y.has(section))
+    sensors.camera = readCamera(y.map(section));
+}
+
 }  // namespace
+
+const SensorsOnBoard& Vehicle::sensors(const Instance& instance) const {
+  static const SensorsOnBoard none;
+  if (instance.isFirst()) return *this;
+  const auto found = others.find(instance);
+  return found == others.end() ? none : found->second;
+}
 
 void readPinhole(const YamlMap& y, CameraModel& camera) {
   camera.fx_px = y.positive("fx_px");
@@ -101,14 +121,10 @@ Vehicle readVehicle(const std::filesystem::path& file) {
   const YamlMap& y = yaml.root();
   Vehicle v;
   v.gravity_m_s2 = y.notNegative("gravity_m_s2");
-  forEachInstrument([&]<class Instrument>() {
-    const std::string section(Instrument::section);
-    if (!y.has(section) || v.*Instrument::on_board) return;  // one section may be of two instruments
-    typename Instrument::Sheet sheet;
-    sheet.fields(ReadFields(y.map(section)));
-    v.*Instrument::on_board = sheet;
-  });
-  if (y.has("camera")) v.camera = readCamera(y.map("camera"));
+  readSensors(y, {}, v);
+  for (const std::string& section : y.keys())
+    if (const auto instance = Instance::of(section, baseOf(section)); instance && !instance->isFirst())
+      if (!v.others.contains(*instance)) readSensors(y, *instance, v.others[*instance]);
   if (y.has("lamps"))
     for (const YamlMap& lamp : y.maps("lamps")) v.lamps.push_back(readLamp(lamp));
   yaml.rejectUnknownKeys();

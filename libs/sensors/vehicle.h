@@ -1,12 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/camera_model.h"
 #include "core/geometry.h"
+#include "core/instance.h"
 #include "sensors/all_instruments.h"
 
 /// The vehicle file: what an engineer knows of the robot from data sheets and drawings. See config/rov.yaml.
@@ -52,20 +54,34 @@ template <class... Instruments>
 struct OnBoardOf<std::tuple<Instruments...>> : Instruments::OnBoard... {};
 
 /// A sensor whose section is absent is not on board.
-struct Vehicle : OnBoardOf<AllInstruments> {
-  double gravity_m_s2 = 9.80665;
+struct SensorsOnBoard : OnBoardOf<AllInstruments> {
   std::optional<CameraSheet> camera;
+};
+
+/// Its own are the first of each kind; sections `dvl.2`, `camera.port` are others'.
+struct Vehicle : SensorsOnBoard {
+  double gravity_m_s2 = 9.80665;
   std::vector<LampSheet> lamps;
+  std::map<Instance, SensorsOnBoard> others;
+
+  /// Those of one instance, of each kind; none where there is no such instance.
+  const SensorsOnBoard& sensors(const Instance& instance) const;
+  /// Calls f(instance, its sensors) for all, the first before others.
+  template <class F>
+  void forEachInstance(F&& f) const {
+    f(Instance(), static_cast<const SensorsOnBoard&>(*this));
+    for (const auto& [instance, sensors] : others) f(instance, sensors);
+  }
 
   Vector3d gravityOdom() const { return {0, 0, -gravity_m_s2}; }
 };
 
 /// An instrument's or a channel's part of the vehicle file; the defaults where there is none.
 template <class C>
-const auto& sheetOf(const Vehicle& vehicle) {
+const auto& sheetOf(const Vehicle& vehicle, const Instance& instance = {}) {
   using Sheet = typename C::Instrument::Sheet;
   static const Sheet defaults;
-  const std::optional<Sheet>& sheet = vehicle.*C::Instrument::on_board;
+  const std::optional<Sheet>& sheet = vehicle.sensors(instance).*C::Instrument::on_board;
   return sheet ? *sheet : defaults;
 }
 

@@ -22,6 +22,11 @@ struct Scene {
   EffectParameters<double> effects;
   SimulatedNoise noise;
 
+  SimulatedNoise noiseOf(const Instance& instance) const {
+    SimulatedNoise own = noise;
+    own.instance = instance;
+    return own;
+  }
   /// The motion `seconds` after the first stamp.
   KinematicState<double> at(double seconds) const { return trajectory.at(options.begin_s + seconds); }
   bool covers(double seconds) const {
@@ -34,8 +39,8 @@ struct Scene {
 /// One sensor's samples, at a fixed rate.
 class Entries {
  public:
-  Entries(const Scene& scene, const char* label, double rate_hz)
-      : scene_(scene), label_(label), rate_hz_(rate_hz) {}
+  Entries(const Scene& scene, std::string label, double rate_hz)
+      : scene_(scene), label_(std::move(label)), rate_hz_(rate_hz) {}
   virtual ~Entries() = default;
   Entries(const Entries&) = delete;
   Entries& operator=(const Entries&) = delete;
@@ -53,7 +58,7 @@ class Entries {
   const Scene& scene_;
 
  private:
-  const char* label_;
+  std::string label_;
   double rate_hz_;
   std::uint64_t count_ = 0;
 };
@@ -62,12 +67,14 @@ class Entries {
 template <class Instrument>
 class InstrumentEntries : public Entries {
  public:
-  InstrumentEntries(const Scene& scene, const typename Instrument::Sheet& sheet)
-      : Entries(scene, Instrument::label, sheet.rate_hz), simulated_(sheet, scene.noise) {}
+  InstrumentEntries(const Scene& scene, const typename Instrument::Sheet& sheet, const Instance& instance)
+      : Entries(scene, instance.label(Instrument::label), sheet.rate_hz),
+        instance_(instance),
+        simulated_(sheet, scene.noiseOf(instance)) {}
 
  private:
   Reading read(double seconds) override {
-    Inputs<double> in{{}, scene_.world, scene_.effects.at<double>(seconds), seconds};
+    Inputs<double> in{{}, scene_.world, scene_.effects.at<double>(seconds, instance_), seconds};
     if constexpr (requires { simulated_.draw(in.effects); }) simulated_.draw(in.effects);
     const double valid_s = seconds + in.validityOffset<typename Instrument::Instrument>();
     if (!scene_.covers(valid_s)) return simulated_.read(nullptr);
@@ -75,18 +82,20 @@ class InstrumentEntries : public Entries {
     return simulated_.read(&in);
   }
 
+  Instance instance_;
   typename Instrument::Simulated simulated_;
 };
 
 class CameraEntries : public Entries {
  public:
-  CameraEntries(const Scene& scene, const CameraSheet& sheet)
-      : Entries(scene, sheet.T_left_right ? labels::kStereo : labels::kCamera, sheet.rate_hz),
-        sheet_(sheet) {}
+  CameraEntries(const Scene& scene, const CameraSheet& sheet, const Instance& instance)
+      : Entries(scene, instance.label(sheet.T_left_right ? labels::kStereo : labels::kCamera), sheet.rate_hz),
+        sheet_(sheet),
+        instance_(instance) {}
 
  private:
   Reading read(double) override {
-    const auto files = imageFiles(sheet_, scene_.options.image_format, image_++);
+    const auto files = imageFiles(sheet_, scene_.options.image_format, image_++, instance_);
     const RecordedCamera intrinsics = recordedCamera(sheet_.model);
     if (!sheet_.T_left_right) return ImageSample{sheet_.T_robot_camera, intrinsics, files[0]};
     return StereoSample{
@@ -94,6 +103,7 @@ class CameraEntries : public Entries {
   }
 
   const CameraSheet& sheet_;
+  Instance instance_;
   std::size_t image_ = 0;
 };
 
@@ -115,12 +125,16 @@ std::vector<std::unique_ptr<Entries>> channelsOf(const Scene& scene) {
   const Vehicle& vehicle = scene.options.vehicle;
   std::vector<std::unique_ptr<Entries>> channels;
   forEachInstrument([&]<class Instrument>() {
-    const auto& sheet = vehicle.*Instrument::on_board;
-    if (sheet && !Instrument::mountings(*sheet).empty())  // a DVL without beams has no entries of theirs
-      channels.push_back(std::make_unique<InstrumentEntries<Instrument>>(scene, *sheet));
+    vehicle.forEachInstance([&](const Instance& instance, const SensorsOnBoard& sensors) {
+      const auto& sheet = sensors.*Instrument::on_board;
+      if (sheet && !Instrument::mountings(*sheet).empty())  // a DVL without beams has no entries of theirs
+        channels.push_back(std::make_unique<InstrumentEntries<Instrument>>(scene, *sheet, instance));
+    });
   });
-  if (vehicle.camera && scene.options.images)
-    channels.push_back(std::make_unique<CameraEntries>(scene, *vehicle.camera));
+  vehicle.forEachInstance([&](const Instance& instance, const SensorsOnBoard& sensors) {
+    if (sensors.camera && scene.options.images)
+      channels.push_back(std::make_unique<CameraEntries>(scene, *sensors.camera, instance));
+  });
   channels.push_back(std::make_unique<TruthEntries>(scene));
   return channels;
 }
@@ -131,12 +145,14 @@ Time imageTime(const SimulationOptions& options, std::size_t image) {
   return sampleTime(options, image, options.vehicle.camera.value().rate_hz);
 }
 
-std::vector<std::string> imageFiles(const CameraSheet& camera, const ImageFormat& format, std::size_t image) {
+std::vector<std::string> imageFiles(const CameraSheet& camera, const ImageFormat& format, std::size_t image,
+                                    const Instance& instance) {
   std::string number = std::to_string(image);
   number.insert(0, number.size() < 4 ? 4 - number.size() : 0, '0');
   const std::string ending = format.extension();
-  if (!camera.T_left_right) return {"CAMERA_" + number + ending};
-  return {"STEREO_" + number + "_left" + ending, "STEREO_" + number + "_right" + ending};
+  const std::string folder = instance.isFirst() ? "" : std::string(instance.name()) + "/";
+  if (!camera.T_left_right) return {folder + "CAMERA_" + number + ending};
+  return {folder + "STEREO_" + number + "_left" + ending, folder + "STEREO_" + number + "_right" + ending};
 }
 
 double simulatedDuration_s(const SimulationOptions& options, const Trajectory& trajectory) {

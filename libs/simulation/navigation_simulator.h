@@ -45,6 +45,7 @@ struct SimulationOptions {
 /// - DEPTH: white noise and one random offset a run, which enters through the effect pressure-offset.
 /// - USBL: position of the transponder, 3 x 3 block of its covariance; orientation variance 1e6 rad².
 /// - CAMERA, or STEREO where the camera has a second one: names of files (imageFiles), intrinsics.
+/// - DVL.2 and the like: the same of the vehicle's other instances, each by its own specification.
 /// - TRUTH: T_odom_robot, covariance 1e-12 on the diagonal.
 ///
 /// Each sensor draws from a random stream of its own: leaving one out changes no other.
@@ -72,7 +73,9 @@ void simulateNavigation(const SimulationOptions& options, const Trajectory& traj
 /// Stamp of a simulated image, the vehicle having a camera.
 Time imageTime(const SimulationOptions& options, std::size_t image);
 /// Names of its files: CAMERA_0000.png, or STEREO_0000_left.png and STEREO_0000_right.png; .jpg for JPEG.
-std::vector<std::string> imageFiles(const CameraSheet& camera, const ImageFormat& format, std::size_t image);
+/// Those of a vehicle's other cameras are in a folder of their instance's name.
+std::vector<std::string> imageFiles(const CameraSheet& camera, const ImageFormat& format, std::size_t image,
+                                    const Instance& instance = {});
 
 /// How long a simulation lasts, s: duration_s, or what is left of the trajectory. Throws Error as above.
 double simulatedDuration_s(const SimulationOptions& options, const Trajectory& trajectory);

@@ -27,7 +27,14 @@ void makeImages(const SimulationOptions& options, const Trajectory& trajectory, 
   const auto panels = readPanelMaps(target.panel_map);
   const CameraWorld world{panels, seaFloorBelow(panels, options.sea_floor_z_m, sandOf(options.seed)),
                           *target.environment};
-  simulateImages(options, trajectory, world, files.images);
+  options.vehicle.forEachInstance([&](const Instance& instance, const SensorsOnBoard& sensors) {
+    if (!sensors.camera) return;
+    SimulationOptions own = options;
+    own.vehicle.camera = sensors.camera;
+    own.effects = options.effects.of(instance);
+    own.seed += instance.number();  // noise of its own
+    simulateImages(own, trajectory, world, files.images / instance.name());
+  });
 }
 
 void makeRawlog(const SimulationOptions& options, const Trajectory& trajectory, const RecordingTarget& target,

@@ -22,7 +22,8 @@ const std::vector<std::string>& knownSensors() {
 }
 
 bool standsFor(const std::string& sensor, const std::string& label) {
-  return sensor == label || (sensor == kLandmarks && (label == labels::kMarkers || label == labels::kPanel));
+  const auto kind = baseOf(label);
+  return sensor == label || (sensor == kLandmarks && (kind == labels::kMarkers || kind == labels::kPanel));
 }
 
 std::string join(std::span<const std::string> words) {
@@ -87,7 +88,7 @@ class ReadFields {
     bool wanted = false;
     for (const std::string& sensor : sensors_)
       for (const std::string& label : labels) {
-        if (!standsFor(sensor, label)) continue;
+        if (!standsFor(std::string(baseOf(sensor)), label)) continue;
         wanted = true;
         auto& keys = amounts_[sensor];
         if (keys.empty() || keys.back() != key) keys.emplace_back(key);
@@ -180,9 +181,10 @@ std::vector<std::string> readSensors(const YamlMap& map, bool with_values) {
   auto sensors = map.texts("sensors");
   if (sensors.empty()) throw map.error("sensors", "must not be empty");
   for (const std::string& sensor : sensors) {
-    if (std::find(knownSensors().begin(), knownSensors().end(), sensor) == knownSensors().end())
+    if (std::find(knownSensors().begin(), knownSensors().end(), std::string(baseOf(sensor))) ==
+        knownSensors().end())
       throw map.error("sensors", "`" + sensor + "` is none of " + join(knownSensors()));
-    if (with_values && !hasValues(sensor == kLandmarks ? labels::kMarkers : sensor))
+    if (with_values && !hasValues(sensor == kLandmarks ? labels::kMarkers : std::string(baseOf(sensor))))
       throw map.error("sensors", sensor + " has no values to change");
   }
   return sensors;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "core/fingerprint.h"
+
 namespace fathom {
 namespace {
 
@@ -22,13 +24,8 @@ double secondsApart(Time a, Time b) {
   return static_cast<double>((ticks(b) - ticks(a)) * 1e-7L);
 }
 
-bool isLandmark(const std::string& label) { return label == labels::kMarkers || label == labels::kPanel; }
-
-/// FNV-1a: the same number for a name on every machine.
-std::uint64_t numberOf(const std::string& name) {
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  return hash;
+bool isLandmark(std::string_view label) {
+  return baseOf(label) == labels::kMarkers || baseOf(label) == labels::kPanel;
 }
 
 }  // namespace
@@ -62,7 +59,7 @@ class DegradedSource::RunningStage {
   Random& streamOf(const std::string& sensor) {
     if (const auto it = streams_.find(sensor); it != streams_.end()) return it->second;
     const std::uint64_t seed = stage_.seed + number_ * 0x9e3779b97f4a7c15U;  // stages of one seed differ
-    return streams_.emplace(sensor, Random::stream(seed, numberOf(sensor))).first->second;
+    return streams_.emplace(sensor, Random::stream(seed, Fingerprint().add(sensor).value())).first->second;
   }
 
   DegradationStage stage_;

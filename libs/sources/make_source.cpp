@@ -46,8 +46,10 @@ Contents contentsOf(const fs::path& rawlog) {
 std::set<std::string> sensorsOf(const Vehicle& vehicle) {
   std::set<std::string> sensors{labels::kTruth};
   forEachInstrument([&]<class Instrument>() {
-    const auto& sheet = vehicle.*Instrument::on_board;
-    if (sheet && !Instrument::mountings(*sheet).empty()) sensors.insert(Instrument::label);
+    vehicle.forEachInstance([&](const Instance& instance, const SensorsOnBoard& on_board) {
+      const auto& sheet = on_board.*Instrument::on_board;
+      if (sheet && !Instrument::mountings(*sheet).empty()) sensors.insert(instance.label(Instrument::label));
+    });
   });
   return sensors;
 }
@@ -86,7 +88,7 @@ class SourceMaker {
     if (!map_.has("from")) return sources;
     const YamlMap from = map_.map("from");
     for (const std::string& label : from.keys()) {
-      if (!kSensors.contains(label)) {
+      if (!kSensors.contains(std::string(baseOf(label)))) {
         std::string known;
         for (const std::string& sensor : kSensors) known += (known.empty() ? "" : ", ") + sensor;
         throw from.error(label, "is no sensor that a recording has: " + known);
@@ -120,7 +122,7 @@ class SourceMaker {
     const RecordingHeader header = RawlogReader(recording_).header();
     options.vehicle = readVehicle(vehicleFile(y, header));
     for (const std::string& label : wanted)
-      if (kImages.contains(label))
+      if (kImages.contains(std::string(baseOf(label))))
         throw at.error(label, "images cannot be simulated on the way: simulate a recording and name it here");
     demand(sensorsOf(options.vehicle), wanted, at, "the simulated vehicle");
     if (y.has("calibration")) options.effects = readCalibration(folder_ / y.text("calibration"));

@@ -83,7 +83,7 @@ void moveRobot(Sample& sample, const Vector3d& offset_m, const Vector3d& turn_ra
 void replaceValues(Sample& sample, Garbage garbage, Random& random) {
   const GarbageDraw draw{garbage, random};
   if (!isOfInstrument(sample)) return replaceInLandmark(sample, draw);
-  withInstrument(sample, [&]<class Instrument>(auto& entry) {
+  withInstrument(sample, [&]<class Instrument>(auto& entry, const Instance&) {
     Instrument::forEachValue(entry, [&](int k, auto* value) {
       if (value != nullptr) replace(*value, Instrument::values[static_cast<std::size_t>(k)], draw);
     });

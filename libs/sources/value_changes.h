@@ -70,7 +70,7 @@ void moveRobot(Sample& sample, const Vector3d& offset_m, const Vector3d& turn_ra
 template <std::invocable<Vector3d> Change>
 void addTo(Sample& sample, const Amounts& amounts, Change change) {
   bool is_instruments = false;
-  withInstrument(sample, [&]<class Instrument>(auto& entry) {
+  withInstrument(sample, [&]<class Instrument>(auto& entry, const Instance&) {
     is_instruments = true;
     Instrument::forEachValue(entry, [&](int k, auto* value) {
       const ValueText& text = Instrument::values[static_cast<std::size_t>(k)];

@@ -125,20 +125,22 @@ std::vector<std::string> disagreements(const RecordingInfo& recording, const Veh
   Comparison compare;
   for (const LabelInfo& label : recording.labels) {
     if (label.mountings.empty()) continue;
-    const std::string& name = label.label;
     forEachInstrument([&]<class Instrument>() {
-      const auto& sheet = vehicle.*Instrument::on_board;
-      if (name != Instrument::label || !compare.onBoard(label, sheet, std::string(Instrument::section)))
-        return;
+      const auto instance = Instance::of(label.label, Instrument::label);
+      if (!instance) return;
+      const auto& sheet = vehicle.sensors(*instance).*Instrument::on_board;
+      if (!compare.onBoard(label, sheet, instance->label(Instrument::section))) return;
       const std::vector<Pose> mountings = Instrument::mountings(*sheet);
       if constexpr (requires { Instrument::numbered; })
         compare.beams(label, mountings);
       else
         compare.mounting(label, mountings.front());
     });
-    if (name == labels::kCamera && compare.onBoard(label, vehicle.camera, "camera")) {
-      compare.mounting(label, vehicle.camera->T_robot_camera);
-      compare.intrinsics(label, *vehicle.camera);
+    if (const auto instance = Instance::of(label.label, labels::kCamera)) {
+      const auto& camera = vehicle.sensors(*instance).camera;
+      if (!compare.onBoard(label, camera, instance->label("camera"))) continue;
+      compare.mounting(label, camera->T_robot_camera);
+      compare.intrinsics(label, *camera);
     }
   }
   return compare.lines;

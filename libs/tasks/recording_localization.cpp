@@ -22,8 +22,8 @@ double delay_s(const std::vector<TaskSpec>& tasks) {
 }
 
 bool isLandmark(const Sample& sample) {
-  return sample.label == labels::kMarkers || sample.label == labels::kPanel ||
-         sample.label == labels::kMarkerSights;
+  const auto kind = baseOf(sample.label);
+  return kind == labels::kMarkers || kind == labels::kPanel || kind == labels::kMarkerSights;
 }
 
 /// Notes what the evaluation needs of the samples that pass.
@@ -40,7 +40,7 @@ class Witness {
     if (pose == nullptr) return;
     const StampedPose stamped{sample.time, pose->T_odom_robot.mean};
     if (sample.label == labels::kTruth && collect_truth_) story_.reference.push_back(stamped);
-    if (sample.label == labels::kMarkers) story_.marker_poses.push_back(stamped);
+    if (baseOf(sample.label) == labels::kMarkers) story_.marker_poses.push_back(stamped);
   }
 
  private:

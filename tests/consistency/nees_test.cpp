@@ -97,7 +97,7 @@ double meanNees(const SensorSet& use, std::uint64_t seed, double noise_factor) {
     moveRandomly<N>(truth, noise, random);
     filter.predict(kDt, noise);
     const Inputs<double> in = test::inputs(truth.motion, {vehicle.gravityOdom(), truth.sea_floor_z_m},
-                                           effectsOf(truth, context.calibration, 0));
+                                           effectsOf(truth, context.calibration, 0, {}));
     const auto update = [&]<class C>(const Observation& seen) {
       filter.update(test::measured<N, C>(filter.x, seen, context));
     };

@@ -50,6 +50,21 @@ TEST(DiagnosisRuns, SizeIsTheLikelihoodThatAnEffectIsWorth) {
   }
 }
 
+// Of two DVLs one reads 3 % too much: named, with the one that it is.
+TEST(Diagnosis, NamesTheInstrumentOfSeveral) {
+  if (test::kSanitized)
+    GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  test::BatchRun run = test::richRun(1, 24.0);
+  const Instance second = *Instance::named("2");
+  run.vehicle.others[second].dvl = run.vehicle.dvl;
+  run.effects.add<DvlScale>({0.03});
+  run.effects.only[kEffectIndex<DvlScale>] = second;
+  const Diagnosis found = diagnose(run.input());
+  ASSERT_EQ(found.effects.size(), 1U) << found.why;
+  EXPECT_EQ(nameOf(found.effects[0].candidate), "dvl-scale of 2");
+  expectFound<DvlScale>(found.effects[0], 0.03);
+}
+
 class HiddenEffect : public testing::TestWithParam<const char*> {};
 TEST_P(HiddenEffect, IsNamed) {
   if (test::kSanitized)

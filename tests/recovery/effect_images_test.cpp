@@ -55,7 +55,7 @@ class EffectImages : public testing::Test {
     if (stereo) options_.vehicle.camera->T_left_right = Pose{Matrix3d::Identity(), {0.1, 0, 0}};
     simulateImages(options_, *trajectory_, world_, folder_ / "images");
     const CameraSheet& sheet = *options_.vehicle.camera;
-    ImageEntry entry{options_.start, sheet.T_robot_camera, {}, {}, {}};
+    ImageEntry entry{options_.start, {}, sheet.T_robot_camera, {}, {}, {}};
     Detections detections;
     DetectorOptions with_lens;
     with_lens.camera = sheet.model;

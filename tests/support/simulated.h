@@ -65,7 +65,7 @@ inline std::vector<double> numbersOf(const Sample& sample) {
       add(*value);
   };
   if (!std::holds_alternative<PoseSample>(sample.reading)) {
-    withInstrument(sample, [&]<class Instrument>(const auto& entry) {
+    withInstrument(sample, [&]<class Instrument>(const auto& entry, const Instance&) {
       Instrument::forEachValue(entry, [&](int, const auto* value) { addValue(value); });
     });
   } else if (const auto* pose = std::get_if<PoseSample>(&sample.reading)) {

@@ -110,7 +110,7 @@ TEST(Linearization, NuisancesDerivativeIsThatOfDifferences) {
     Eigen::VectorXd direction(problem->unknowns());
     for (const UnknownBlock& block : problem->blocks())
       for (int i = 0; i < block.size; ++i) {
-        const double typical = block.kind == UnknownBlock::Kind::pressure_offset ? 1.0 : 1e-4;
+        const double typical = block.kind == UnknownBlock::Kind::drift && block.size == 1 ? 1.0 : 1e-4;  // Pa
         direction[block.column + i] = typical * random.normal();
       }
     const Eigen::VectorXd change = 0.5 * (residuals(*problem, direction) - residuals(*problem, -direction));

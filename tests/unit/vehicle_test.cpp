@@ -109,6 +109,28 @@ TEST(Vehicle, APairOfCamerasMayLookThroughWindows) {
 }
 
 // Beams of a Janus DVL: down, 30 degrees outwards, at their azimuths.
+TEST(Vehicle, MayHaveSeveralOfAKind) {
+  const std::string text = readTextFile(shipped());
+  const auto read = [&](const std::string& more) {
+    const std::filesystem::path file = test::scratchFolder() / "vehicle.yaml";
+    writeTextFile(file, text + more);
+    return readVehicle(file);
+  };
+  const std::string compass =
+      "{rate_hz: 3, heading_sigma_deg: 1, pose: {x: 1, y: 0, z: 0, yaw_deg: 0, "
+      "pitch_deg: 0, roll_deg: 0}}\n";
+  const Vehicle vehicle = read("compass.aft: " + compass + "compass.2: " + compass);
+  EXPECT_FALSE(vehicle.compass.has_value());  // the first one is none of them
+  ASSERT_EQ(vehicle.others.size(), 2U);
+  const Instance aft = *Instance::named("aft");
+  ASSERT_TRUE(vehicle.sensors(aft).compass.has_value());
+  EXPECT_EQ(vehicle.sensors(aft).compass->rate_hz, 3);
+  EXPECT_FALSE(vehicle.sensors(aft).dvl.has_value());
+  EXPECT_EQ(&vehicle.sensors({}), &static_cast<const SensorsOnBoard&>(vehicle));
+  for (const char* unknown : {"lamps.2: []\n", "compas.2: {}\n", "compass.two words: {}\n"})
+    EXPECT_THROW(read(unknown), Error) << unknown;
+}
+
 TEST(Vehicle, BeamsPointDownAndOut) {
   DvlSheet dvl;
   const double s = std::sin(radians(30)), c = std::cos(radians(30));
