@@ -20,13 +20,6 @@ struct CornerOptions {
   ImportTarget target;
 };
 
-/// "8x6".
-std::array<int, 2> timesOf(const std::string& option, const std::string& text) {
-  const auto sides = numbersAround(text, 'x', 5);
-  if (!sides) throw Error(option, text, "must be WIDTHxHEIGHT");
-  return {static_cast<int>((*sides)[0]), static_cast<int>((*sides)[1])};
-}
-
 std::optional<Checkerboard> boardOf(const CornerOptions& options) {
   if (options.board.empty()) return std::nullopt;
   const auto [columns, rows] = timesOf("--board", options.board);
@@ -37,12 +30,7 @@ std::optional<Checkerboard> boardOf(const CornerOptions& options) {
 
 CameraModel cameraOf(const CornerOptions& options, const std::optional<Checkerboard>& board) {
   std::optional<std::array<int, 2>> size;
-  if (!options.image_size.empty()) {
-    size = timesOf("--image-size", options.image_size);
-    if (!isImageSide((*size)[0]) || !isImageSide((*size)[1]))
-      throw Error("--image-size", options.image_size,
-                  print("sides must be from 1 to %d px", kLargestImageSide_px));
-  }
+  if (!options.image_size.empty()) size = imageSizeOf("--image-size", options.image_size);
   if (!options.camera.empty()) return readIntrinsics(options.camera, size);
   if (options.calibrate.empty()) throw Error("--camera", "", "or --calibrate is needed");
   if (!size) throw Error("--image-size", "", "needed with --calibrate");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,11 @@ namespace fathom {
 
 /// Files of an import that were written, a line each, on the terminal.
 void sayWritten(const ImportTarget& target, const std::vector<std::string>& endings);
+
+/// "8x6" of an option's. Throws Error.
+std::array<int, 2> timesOf(const std::string& option, const std::string& text);
+/// "640x480", of an image. Throws Error.
+std::array<int, 2> imageSizeOf(const std::string& option, const std::string& text);
 
 /// --out and --name. `default_name`: what the name is where none is given, for --help.
 void addImportTarget(CLI::App& command, ImportTarget& target, const std::string& default_name);

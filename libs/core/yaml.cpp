@@ -168,6 +168,7 @@ bool YamlMap::has(const std::string& key) const {
 }
 
 bool YamlMap::isList(const std::string& key) const { return has(key) && (*node_)[key].IsSequence(); }
+bool YamlMap::isMap(const std::string& key) const { return has(key) && (*node_)[key].IsMap(); }
 
 YAML::Node YamlMap::child(const std::string& key) const {
   if (has(key)) return (*node_)[key];

@@ -26,6 +26,7 @@ class YamlMap {
   bool has(const std::string& key) const;
 
   bool isList(const std::string& key) const;
+  bool isMap(const std::string& key) const;
 
   double number(const std::string& key) const;
   double positive(const std::string& key) const;     ///< > 0

@@ -4,18 +4,29 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <sstream>
 
 #include "core/files.h"
 #include "core/text.h"
 #include "core/yaml.h"
+#include "imaging/camera_check.h"
 
 namespace fathom {
 namespace {
 
-/// OpenCV begins with a directive of its own that is no YAML.
+/// OpenCV begins with a directive of its own that is no YAML; `topic echo` ends each message with dashes, of
+/// which messages the first counts.
 YamlFile readForeignYaml(const std::filesystem::path& file) {
-  std::string text = readTextFile(file);
-  if (text.starts_with("%YAML")) text.erase(0, text.find('\n'));
+  std::istringstream lines(readTextFile(file));
+  std::string text;
+  bool any = false;
+  for (std::string line; std::getline(lines, line);) {
+    const bool is_end = line.starts_with("---") || line.starts_with("...");
+    if (is_end && any) break;
+    if (is_end || line.starts_with("%YAML")) line.clear();  // lines keep their numbers
+    any = any || line.find_first_not_of(" \t\r") != std::string::npos;
+    text += line + "\n";
+  }
   return YamlFile::parse(text, file.string());
 }
 
@@ -23,6 +34,21 @@ std::optional<std::string> firstKeyOf(const YamlMap& y, std::initializer_list<co
   for (const char* key : keys)
     if (y.has(key)) return key;
   return {};
+}
+
+constexpr std::initializer_list<const char*> kMatrixKeys{"camera_matrix", "Camera_Matrix", "cameraMatrix",
+                                                         "K", "k"};
+constexpr std::initializer_list<const char*> kDistortionKeys{"distortion_coefficients",
+                                                             "Distortion_Coefficients",
+                                                             "distCoeffs",
+                                                             "dist_coeffs",
+                                                             "distortion_coeffs",
+                                                             "D",
+                                                             "d"};
+
+/// A list, or a matrix with its numbers under `data`.
+std::vector<double> numbersOf(const YamlMap& y, const std::string& key) {
+  return y.isList(key) ? y.numbers(key) : y.map(key).numbers("data");
 }
 
 /// k1, k2, p1, p2 and perhaps more: k3, then what only a rational model has.
@@ -35,11 +61,31 @@ void setDistortion(const YamlMap& y, const std::string& key, const std::vector<d
   if (!d.empty()) setPlumbBob(d, camera);
 }
 
+/// A model is named, and no coefficient found: they stand under a key that nobody knows.
+void demandDistortion(const YamlMap& y) {
+  if (!y.has("distortion_model")) return;
+  const std::string model = y.text("distortion_model");
+  if (model.empty() || model == "none") return;
+  std::string known;
+  for (const char* key : kDistortionKeys) known += (known.empty() ? "" : ", ") + std::string(key);
+  throw y.error("distortion_model", "is " + model + ", but there are no coefficients under any of " + known);
+}
+
 void rejectOtherModels(const YamlMap& y, const char* key, std::initializer_list<const char*> known) {
   if (!y.has(key)) return;
   const std::string model = y.text(key);
   if (std::find(known.begin(), known.end(), model) == known.end())
     throw y.error(key, model + " is no pinhole with plumb-bob distortion");
+}
+
+/// Marks by which programs say that the coefficients are another model's.
+void rejectFisheye(const YamlMap& y) {
+  if (y.has("fisheye_model") && y.number("fisheye_model") != 0)
+    throw y.error("fisheye_model", "a fisheye's coefficients are no plumb bob's");
+  rejectOtherModels(y, "model_type", {"PINHOLE", "pinhole"});
+  rejectOtherModels(y, "camera_model", {"pinhole", "PINHOLE"});
+  rejectOtherModels(y, "distortion_model",
+                    {"plumb_bob", "rational_polynomial", "radtan", "radial-tangential", "none", ""});
 }
 
 void setImageSize(const YamlMap& y, const std::string& key, double width_px, double height_px,
@@ -60,34 +106,81 @@ void setPinhole(const YamlMap& y, const std::string& key, const std::array<doubl
   if (!(camera.fx_px > 0 && camera.fy_px > 0)) throw y.error(key, "focal lengths must be greater than zero");
 }
 
-CameraModel readKalibr(const YamlMap& y) {
-  rejectOtherModels(y, "camera_model", {"pinhole"});
-  rejectOtherModels(y, "distortion_model", {"radtan", "none"});
+/// Kalibr's.
+CameraModel readIntrinsics(const YamlMap& y, const CameraFileOptions& options) {
   CameraModel camera;
-  const std::vector<double> f = y.numbers("intrinsics"), size = y.numbers("resolution");
+  const std::vector<double> f = y.numbers("intrinsics");
   if (f.size() != 4) throw y.error("intrinsics", "must be fu, fv, pu, pv");
-  if (size.size() != 2) throw y.error("resolution", "must be width, height");
   setPinhole(y, "intrinsics", {f[0], f[1], f[2], f[3]}, camera);
-  setImageSize(y, "resolution", size[0], size[1], camera);
-  if (y.has("distortion_coeffs"))
-    setDistortion(y, "distortion_coeffs", y.numbers("distortion_coeffs"), camera);
+  if (!options.image_size_px) {
+    const std::vector<double> size = y.numbers("resolution");
+    if (size.size() != 2) throw y.error("resolution", "must be width, height");
+    setImageSize(y, "resolution", size[0], size[1], camera);
+  }
   return camera;
 }
 
-/// OpenCV's and ROS's: matrices with their numbers under `data`.
-CameraModel readMatrices(const YamlMap& y, const std::string& matrix) {
-  rejectOtherModels(y, "distortion_model", {"plumb_bob", "rational_polynomial"});
+/// OpenCV's and ROS's.
+CameraModel readMatrices(const YamlMap& y, const std::string& matrix, const CameraFileOptions& options) {
   CameraModel camera;
-  const std::vector<double> K = y.map(matrix).numbers("data");
+  const std::vector<double> K = numbersOf(y, matrix);
   if (K.size() != 9) throw y.error(matrix, "must have 3 x 3 numbers");
+  if (K[3] != 0 || K[6] != 0 || K[7] != 0 || K[8] != 1)
+    throw y.error(matrix, "must be [fx, 0, cx, 0, fy, cy, 0, 0, 1]");
+  if (std::abs(K[1]) > 1e-4 * std::abs(K[0])) throw y.error(matrix, "has a skew, which the model has not");
   setPinhole(y, matrix, {K[0], K[4], K[2], K[5]}, camera);
-  const auto width = firstKeyOf(y, {"image_width", "image_Width"}),
-             height = firstKeyOf(y, {"image_height", "image_Height"});
-  if (!width || !height) throw y.error("image_width", "missing");
+  if (options.image_size_px) return camera;
+  const auto width = firstKeyOf(y, {"image_width", "image_Width", "width"}),
+             height = firstKeyOf(y, {"image_height", "image_Height", "height"});
+  if (!width || !height) throw y.error("image_width", "missing; --image-size gives it");
   setImageSize(y, *width, y.number(*width), y.number(*height), camera);
-  if (const auto d = firstKeyOf(y, {"distortion_coefficients", "Distortion_Coefficients", "distCoeffs"}))
-    setDistortion(y, *d, y.map(*d).numbers("data"), camera);
   return camera;
+}
+
+bool isCamera(const YamlMap& y) { return y.has("intrinsics") || firstKeyOf(y, kMatrixKeys); }
+
+CameraModel readCamera(const YamlMap& y, const CameraFileOptions& options) {
+  rejectFisheye(y);
+  const auto matrix = firstKeyOf(y, kMatrixKeys);
+  CameraModel camera = matrix ? readMatrices(y, *matrix, options) : readIntrinsics(y, options);
+  if (const auto d = firstKeyOf(y, kDistortionKeys))
+    setDistortion(y, *d, numbersOf(y, *d), camera);
+  else
+    demandDistortion(y);
+  if (options.image_size_px) {
+    camera.width_px = (*options.image_size_px)[0];
+    camera.height_px = (*options.image_size_px)[1];
+  }
+  return camera;
+}
+
+/// Names of the cameras of a file that holds several.
+std::vector<std::string> camerasIn(const YamlMap& root) {
+  std::vector<std::string> names;
+  for (const std::string& key : root.keys())
+    if (root.isMap(key) && isCamera(root.map(key))) names.push_back(key);
+  return names;
+}
+
+YamlMap cameraOf(const YamlMap& root, const std::string& wanted) {
+  const std::vector<std::string> names = camerasIn(root);
+  const auto isThere = [&](const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  if (wanted.empty() && isCamera(root)) return root;
+  if (wanted.empty() && names.size() == 1) return root.map(names.front());
+  constexpr const char* kFirstOfCamchain = "cam0";
+  const std::string name = wanted.empty() ? kFirstOfCamchain : wanted;
+  if (isThere(name)) return root.map(name);
+  std::string all;
+  for (const std::string& one : names) all += (all.empty() ? "" : ", ") + one;
+  if (names.empty())
+    throw root.error(
+        "",
+        "holds no camera: neither camera_matrix (OpenCV, ROS), K or k (camera_info) nor intrinsics (Kalibr)");
+  throw root.error("", (wanted.empty() ? "holds several cameras, of which --camera names one: "
+                                       : "has no camera " + wanted + "; there are ") +
+                           all);
 }
 
 }  // namespace
@@ -104,13 +197,11 @@ void setPlumbBob(const std::vector<double>& coefficients, CameraModel& camera) {
   if (coefficients.size() > 4) camera.k3 = coefficients[4];
 }
 
-CameraModel readCameraFile(const std::filesystem::path& file, const std::string& camera) {
+CameraFile readCameraFile(const std::filesystem::path& file, const CameraFileOptions& options) {
   const YamlFile yaml = readForeignYaml(file);
-  const YamlMap& root = yaml.root();
-  if (root.has(camera)) return readKalibr(root.map(camera));
-  if (const auto matrix = firstKeyOf(root, {"camera_matrix", "Camera_Matrix", "cameraMatrix"}))
-    return readMatrices(root, *matrix);
-  throw root.error("", "holds neither " + camera + " (Kalibr) nor camera_matrix (OpenCV, ROS camera_info)");
+  CameraFile read{readCamera(cameraOf(yaml.root(), options.camera), options), {}};
+  read.remarks = doubtsAbout(read.camera);
+  return read;
 }
 
 }  // namespace fathom

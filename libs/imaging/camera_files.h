@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,12 +11,24 @@
 /// Camera calibrations as other programs write them.
 namespace fathom {
 
-/// Reads what OpenCV's calibration writes (cv::FileStorage, YAML), a ROS camera_info file, or one camera of
-/// a Kalibr camchain. `camera`: which one of a camchain; the others have no names. All three mean the same
-/// model: a pinhole with plumb-bob distortion, pixel (0, 0) the centre of the first pixel. What that model
-/// cannot express (fisheye, an omnidirectional mirror, rational coefficients that are not zero) is an error.
-/// Other keys of the file do not matter. Throws Error.
-CameraModel readCameraFile(const std::filesystem::path& file, const std::string& camera = "cam0");
+struct CameraFile {
+  CameraModel camera;
+  std::vector<std::string> remarks;  ///< what a user should know, one line each
+};
+
+struct CameraFileOptions {
+  std::string camera;                               ///< which of several; empty: the only one, or cam0
+  std::optional<std::array<int, 2>> image_size_px;  ///< of a file that does not say it, or says it wrongly
+};
+
+/// Reads what OpenCV's calibration writes (cv::FileStorage, YAML); ROS's camera_info, as its calibrator
+/// writes it and as `topic echo` prints the message (the first of them); or Kalibr's camchain. Several
+/// cameras may stand in one file under their names. All of them mean the same model: a pinhole with plumb-bob
+/// distortion, pixel (0, 0) the centre of the first pixel. What that model cannot express (fisheye, an
+/// omnidirectional mirror, skew, rational coefficients that are not zero) is an error, and so is a file that
+/// names a distortion model and has no coefficients under any key that is known. What cannot be, or hardly
+/// (camera_check.h), is a remark. Other keys of the file do not matter. Throws Error.
+CameraFile readCameraFile(const std::filesystem::path& file, const CameraFileOptions& options = {});
 
 /// A longer side of an image is taken for a mistake.
 inline constexpr int kLargestImageSide_px = 20000;

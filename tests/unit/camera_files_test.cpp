@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <opencv2/core/persistence.hpp>
+#include <regex>
 
 #include "core/error.h"
 #include "core/files.h"
+#include "imaging/camera_check.h"
 #include "support/shared_data.h"
 
 namespace fathom {
@@ -34,9 +37,9 @@ fs::path written(const std::string& text) {
   return file;
 }
 
-std::string complaint(const std::string& text, const std::string& camera = "cam0") {
+std::string complaint(const std::string& text, const std::string& camera = "") {
   try {
-    readCameraFile(written(text), camera);
+    readCameraFile(written(text), {camera, {}});
   } catch (const Error& error) {
     return error.what();
   }
@@ -57,7 +60,7 @@ TEST(CameraFiles, ReadsWhatOpenCvWrites) {
             << cv::Mat(cv::Matx<double, 5, 1>(expected.k1, expected.k2, expected.p1, expected.p2, 0));
     storage << "avg_reprojection_error" << 0.21;
   }
-  EXPECT_EQ(readCameraFile(file), expected);
+  EXPECT_EQ(readCameraFile(file).camera, expected);
 }
 
 const char* const kRos = R"(image_width: 1440
@@ -74,7 +77,7 @@ distortion_coefficients:
   data: [-0.125, 0.0625, 0.001, -0.002, 0]
 )";
 
-TEST(CameraFiles, ReadsCameraInfo) { EXPECT_EQ(readCameraFile(written(kRos)), expectedCamera()); }
+TEST(CameraFiles, ReadsCameraInfo) { EXPECT_EQ(readCameraFile(written(kRos)).camera, expectedCamera()); }
 
 const char* const kKalibr = R"(cam0:
   camera_model: pinhole
@@ -97,9 +100,9 @@ cam1:
 )";
 
 TEST(CameraFiles, ReadsOneOfACamchain) {
-  EXPECT_EQ(readCameraFile(written(kKalibr), "cam1"), expectedCamera());
-  EXPECT_EQ(readCameraFile(written(kKalibr)).width_px, 640);
-  EXPECT_NE(complaint(kKalibr, "cam2").find("neither cam2"), std::string::npos);
+  EXPECT_EQ(readCameraFile(written(kKalibr), {"cam1", {}}).camera, expectedCamera());
+  EXPECT_EQ(readCameraFile(written(kKalibr)).camera.width_px, 640);
+  EXPECT_NE(complaint(kKalibr, "cam2").find("cam0, cam1"), std::string::npos);
 }
 
 std::string changed(std::string text, const std::string& from, const std::string& to) {
@@ -121,6 +124,95 @@ TEST(CameraFiles, ComplaintsNameTheKey) {
             std::string::npos);
   EXPECT_NE(complaint(changed(kRos, "image_height: 1080\n", "")).find("image_width"), std::string::npos);
   EXPECT_NE(complaint("focal: 3\n").find("camera_matrix"), std::string::npos);
+}
+
+// The message itself, as `rostopic echo` and `ros2 topic echo` print it; the dashes end it.
+TEST(CameraFiles, ReadsAPrintedMessage) {
+  const std::string
+      numbers = "[-0.125, 0.0625, 0.001, -0.002, 0.0]\n",
+      matrix = "[1101.5, 0.0, 710.125, 0.0, 1102.25, 545.5, 0.0, 0.0, 1.0]\n",
+      rest = "header:\n  frame_id: camera\nheight: 1080\nwidth: 1440\ndistortion_model: \"plumb_bob\"\n";
+  EXPECT_EQ(readCameraFile(written(rest + "D: " + numbers + "K: " + matrix + "---\n")).camera,
+            expectedCamera());
+  const std::string twice = rest + "d: " + numbers + "k: " + matrix + "---\n";
+  EXPECT_EQ(readCameraFile(written(twice + twice)).camera, expectedCamera());
+}
+
+TEST(CameraFiles, SeveralCamerasStandUnderTheirNames) {
+  std::string indented = "  " + std::regex_replace(std::string(kRos), std::regex("\n(.)"), "\n  $1");
+  const std::string both = "front:\n" + indented + "down:\n" + changed(indented, "1440", "640");
+  EXPECT_EQ(readCameraFile(written(both), {"front", {}}).camera, expectedCamera());
+  EXPECT_EQ(readCameraFile(written(both), {"down", {}}).camera.width_px, 640);
+  EXPECT_NE(complaint(both).find("front, down"), std::string::npos);
+  EXPECT_NE(complaint(both, "up").find("no camera up; there are front, down"), std::string::npos);
+  EXPECT_EQ(readCameraFile(written("front:\n" + indented)).camera, expectedCamera());  // the only one
+}
+
+TEST(CameraFiles, WordsForTheSameModelAreRead) {
+  EXPECT_EQ(readCameraFile(written(changed(kKalibr, "radtan\n  distortion_coeffs: [-0.125",
+                                           "radial-tangential\n  distortion_coeffs: [-0.125")),
+                           {"cam1", {}})
+                .camera,
+            expectedCamera());
+  const std::string plain =
+      changed(changed(kRos, "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: ", "dist_coeffs: "),
+              "image_width: 1440\nimage_height: 1080\n", "");
+  EXPECT_NE(complaint(plain).find("--image-size"), std::string::npos);
+  EXPECT_EQ(readCameraFile(written(plain), {"", {{1440, 1080}}}).camera, expectedCamera());
+}
+
+TEST(CameraFiles, WhatIsAnotherModelsIsNoPlumbBob) {
+  EXPECT_NE(complaint("fisheye_model: 1\n" + std::string(kRos)).find("fisheye"), std::string::npos);
+  EXPECT_EQ(complaint("fisheye_model: 0\n" + std::string(kRos)), "none");
+  EXPECT_NE(
+      complaint(changed(kRos, "distortion_coefficients", "distortion_coefficents")).find("no coefficients"),
+      std::string::npos);
+  EXPECT_NE(complaint(changed(kRos, "[1101.5, 0,", "[1101.5, 3,")).find("skew"), std::string::npos);
+  EXPECT_NE(complaint(changed(kRos, "545.5, 0, 0, 1]", "545.5, 0, 0, 2]")).find("camera_matrix"),
+            std::string::npos);
+}
+
+TEST(CameraCheck, SaysWhatMakesNoSense) {
+  const auto doubts = [](int width_px, int height_px, double f_px, double cx_px, double cy_px) {
+    CameraModel camera;
+    camera.width_px = width_px;
+    camera.height_px = height_px;
+    camera.fx_px = camera.fy_px = f_px;
+    camera.cx_px = cx_px;
+    camera.cy_px = cy_px;
+    std::string all;
+    for (const std::string& doubt : doubtsAbout(camera)) all += doubt + "\n";
+    return all;
+  };
+  EXPECT_EQ(doubts(960, 540, 583, 480, 272), "");
+  EXPECT_EQ(doubts(960, 540, 583, 300, 400), "");  // far off, but in it
+  EXPECT_NE(doubts(540, 960, 583, 480, 272).find("swapped"), std::string::npos);
+  EXPECT_NE(doubts(400, 300, 2339, 903, 566).find("1806 x 1132"), std::string::npos);
+}
+
+// r (1 - 0.93 r² + 1.057 r⁴ - 0.659 r⁶): its derivative, 1 - 2.79 s + 5.285 s² - 4.613 s³ of s = r², is zero
+// at s = 0.7239, where it is 0.5366; the farthest corner is hypot(497.5, 521) px off or so.
+TEST(CameraCheck, DistortionThatTurnsBackInsideTheImageIsSeen) {
+  CameraModel camera;
+  camera.width_px = 992;
+  camera.height_px = 1040;
+  camera.fx_px = camera.fy_px = 440;
+  camera.cx_px = 495;
+  camera.cy_px = 519;
+  camera.k1 = -0.93;
+  camera.k2 = 1.057;
+  camera.k3 = -0.659;
+  const auto fold = foldOf(camera);
+  ASSERT_TRUE(fold.has_value());
+  EXPECT_NEAR(fold->ideal_radius, std::sqrt(0.7239), 1e-4);
+  EXPECT_NEAR(fold->radius_px, 0.5366 * 440, 0.1);
+  EXPECT_NEAR(fold->corner_px, 720, 5);
+  EXPECT_NEAR(fold->blind_share, 1 - std::numbers::pi * fold->radius_px * fold->radius_px / (992 * 1040),
+              2e-3);
+  camera.width_px = camera.height_px = 200;
+  camera.cx_px = camera.cy_px = 100;
+  EXPECT_FALSE(foldOf(camera).has_value());  // it turns back outside
+  EXPECT_FALSE(foldOf(expectedCamera()).has_value());
 }
 
 }  // namespace
