@@ -53,6 +53,7 @@ class ImportWriter {
     json["description"] = description_;
     json["samples"] = samples_;
     json["reference_poses"] = imported.reference.size();
+    json["remarks"] = imported.remarks;
     json["conclusions"] = nlohmann::ordered_json::array();
     for (const auto& conclusion : imported.conclusions)
       json["conclusions"].push_back({{"what", conclusion.what},
@@ -65,6 +66,7 @@ class ImportWriter {
 
   void report(const ImportedRecording& imported) const {
     for (const auto& conclusion : imported.conclusions) std::cout << toText(conclusion) << "\n";
+    for (const std::string& remark : imported.remarks) std::cout << "remark: " << remark << "\n";
     std::cout << samples_ << " samples\n";
     sayWritten(target_, {".rawlog", "_vehicle.yaml"});
     if (!imported.reference.empty()) sayWritten(target_, {"_reference.tum"});
@@ -119,6 +121,7 @@ void addCsv(CLI::App& parent, const RunContext& context) {
 
 struct BagCommandOptions {
   std::string bag, topics;
+  bool strict = false;
   ImportTarget target;
 };
 
@@ -128,6 +131,7 @@ void importRosBag(BagCommandOptions options, const RunContext& context) {
   ImportWriter writer(options.target, map.description);
   BagOptions bag_options;
   bag_options.image_folder = options.target.file("_Images");
+  bag_options.strict = options.strict;
   const ImportedRecording imported = streamBag(
       options.bag, map, [&](Sample&& sample) { writer.write(sample); }, bag_options);
   writer.finish(imported, context);
@@ -146,19 +150,25 @@ void addBag(CLI::App& parent, const RunContext& context) {
   command->add_option("--topics", options->topics, "Which topic becomes what")
       ->required()
       ->type_name(values::kYaml);
+  command->add_flag("--strict", options->strict,
+                    "Refuse the bag where a message cannot be used (default: leave it out, and say so)");
   addImportTarget(*command, options->target, "the bag's");
   command->callback([options, &context] { importRosBag(*options, context); });
 }
 
-struct CameraFileOptions {
-  std::string file, camera = "cam0";
+struct CameraOptions {
+  std::string file, camera, image_size;
   double rate_hz = 1, corner_sigma_px = 0.15;
   ImportTarget target;
 };
 
-void importCamera(CameraFileOptions options) {
+void importCamera(CameraOptions options) {
   if (options.target.name.empty()) options.target.name = fs::path(options.file).stem().string();
-  const CameraModel camera = readCameraFile(options.file, options.camera);
+  CameraFileOptions file_options{options.camera, {}};
+  if (!options.image_size.empty())
+    file_options.image_size_px = imageSizeOf("--image-size", options.image_size);
+  const auto [camera, remarks] = readCameraFile(options.file, file_options);
+  for (const std::string& remark : remarks) std::cout << "remark: " << remark << "\n";
   const std::string what = "camera of " + fs::path(options.file).filename().string();
   writeTextFile(options.target.file("_vehicle.yaml"),
                 cameraAloneYaml(what, camera, options.rate_hz, options.corner_sigma_px));
@@ -169,8 +179,10 @@ void addCamera(CLI::App& parent) {
   auto* command =
       parent.add_subcommand("camera", "A vehicle file's camera from a calibration: OpenCV, ROS, Kalibr");
   command->footer(
-      "Reads the YAML that OpenCV's calibration, ROS's camera_info or Kalibr's camchain are written as, and "
-      "writes\n"
+      "Reads the YAML that OpenCV's calibration, ROS's camera_info (its calibrator's, or as `topic echo` "
+      "prints "
+      "it)\n"
+      "or Kalibr's camchain are written as, and writes\n"
       "NAME_vehicle.yaml with that camera alone: give it to --vehicle, or take its camera section into your "
       "own.\n"
       "Mounting, exposure and noise are not in such files: they are defaults there, to be corrected.\n"
@@ -178,9 +190,12 @@ void addCamera(CLI::App& parent) {
       "Examples:\n"
       "  fathom import camera camera_info.yaml --out out/camera\n"
       "  fathom import camera camchain.yaml --camera cam1 --out out/camera");
-  const auto options = std::make_shared<CameraFileOptions>();
+  const auto options = std::make_shared<CameraOptions>();
   command->add_option("FILE", options->file, "The calibration")->required()->type_name(values::kYaml);
-  command->add_option("--camera", options->camera, "Which camera of a camchain")->capture_default_str();
+  command->add_option("--camera", options->camera,
+                      "Which one of a file's several cameras (default: the only one, or cam0)");
+  command->add_option("--image-size", options->image_size,
+                      "WIDTHxHEIGHT in pixels, where the file does not say it, or says it wrongly");
   command->add_option("--rate-hz", options->rate_hz, "Images a second")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

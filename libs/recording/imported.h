@@ -28,7 +28,7 @@ std::string yamlPose(const Pose& pose);
 
 /// A vehicle file's camera as far as intrinsics and corners' sigma tell; the rest is generic. Without rate_hz
 /// and pose.
-std::string cameraLines(const CameraModel& camera, double corner_sigma_px = 0.15);
+std::string cameraLines(const CameraModel& camera, double corner_sigma_px = 0.15, int bits = 8);
 
 /// A foreign recording in this program's convention.
 struct ImportedRecording {
@@ -39,6 +39,7 @@ struct ImportedRecording {
   std::vector<StampedPose> reference;
   std::string vehicle_yaml;  ///< text of a vehicle file, with comments that say where each number is from
   std::vector<Conclusion> conclusions;
+  std::vector<std::string> remarks;  ///< what was left out or taken for absent, one line each
 };
 
 /// Where an import goes: FOLDER/NAME.rawlog and its companions.

@@ -1,6 +1,8 @@
 #include "ros_bag/bag_image.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -8,38 +10,76 @@
 namespace fathom {
 namespace {
 
-/// OpenCV names a Bayer pattern by its second row, ROS by its first.
-cv::Mat toBgr(const cv::Mat& raw, const std::string& encoding) {
-  static const std::map<std::string, int> kConversions{{"rgb8", cv::COLOR_RGB2BGR},
-                                                       {"bayer_rggb8", cv::COLOR_BayerBG2BGR},
-                                                       {"bayer_bggr8", cv::COLOR_BayerRG2BGR},
-                                                       {"bayer_gbrg8", cv::COLOR_BayerGR2BGR},
-                                                       {"bayer_grbg8", cv::COLOR_BayerGB2BGR}};
-  const auto conversion = kConversions.find(encoding);
-  if (conversion == kConversions.end()) return raw;
-  cv::Mat bgr;
-  cv::cvtColor(raw, bgr, conversion->second);
-  return bgr;
+constexpr int kAsItIs = -1;
+
+struct Encoding {
+  int type;        ///< of OpenCV, of the raw data
+  int conversion;  ///< to what a PNG has: gray or BGR
+};
+
+/// As ROS names them (sensor_msgs/image_encodings.h). OpenCV names a Bayer pattern by its second row, ROS by
+/// its first.
+const std::map<std::string, Encoding>& encodings() {
+  static const std::map<std::string, Encoding> known{{"mono8", {CV_8UC1, kAsItIs}},
+                                                     {"8UC1", {CV_8UC1, kAsItIs}},
+                                                     {"bgr8", {CV_8UC3, kAsItIs}},
+                                                     {"8UC3", {CV_8UC3, kAsItIs}},
+                                                     {"rgb8", {CV_8UC3, cv::COLOR_RGB2BGR}},
+                                                     {"bgra8", {CV_8UC4, cv::COLOR_BGRA2BGR}},
+                                                     {"8UC4", {CV_8UC4, cv::COLOR_BGRA2BGR}},
+                                                     {"rgba8", {CV_8UC4, cv::COLOR_RGBA2BGR}},
+                                                     {"mono16", {CV_16UC1, kAsItIs}},
+                                                     {"16UC1", {CV_16UC1, kAsItIs}},
+                                                     {"yuv422", {CV_8UC2, cv::COLOR_YUV2BGR_UYVY}},
+                                                     {"uyvy", {CV_8UC2, cv::COLOR_YUV2BGR_UYVY}},
+                                                     {"yuv422_yuy2", {CV_8UC2, cv::COLOR_YUV2BGR_YUY2}},
+                                                     {"yuyv", {CV_8UC2, cv::COLOR_YUV2BGR_YUY2}},
+                                                     {"bayer_rggb8", {CV_8UC1, cv::COLOR_BayerBG2BGR}},
+                                                     {"bayer_bggr8", {CV_8UC1, cv::COLOR_BayerRG2BGR}},
+                                                     {"bayer_gbrg8", {CV_8UC1, cv::COLOR_BayerGR2BGR}},
+                                                     {"bayer_grbg8", {CV_8UC1, cv::COLOR_BayerGB2BGR}}};
+  return known;
+}
+
+/// With this machine's order of bytes.
+cv::Mat inOwnOrder(const cv::Mat& raw, bool is_bigendian) {
+  const bool is_own = is_bigendian == (std::endian::native == std::endian::big);
+  if (raw.depth() != CV_16U || is_own) return raw;
+  cv::Mat swapped(raw.rows, raw.cols, raw.type());
+  for (int v = 0; v < raw.rows; ++v)
+    std::transform(raw.ptr<std::uint16_t>(v), raw.ptr<std::uint16_t>(v) + raw.cols,
+                   swapped.ptr<std::uint16_t>(v),
+                   [](std::uint16_t x) { return static_cast<std::uint16_t>(x << 8 | x >> 8); });
+  return swapped;
 }
 
 }  // namespace
 
+int bitsOf(const std::string& encoding) {
+  const auto found = encodings().find(encoding);
+  return found != encodings().end() && CV_MAT_DEPTH(found->second.type) == CV_16U ? 16 : 8;
+}
+
 std::vector<unsigned char> encodePng(const ros1::Image& image, const BagMessage& message) {
-  const std::string& encoding = image.encoding;
-  const bool colour = encoding == "bgr8" || encoding == "rgb8";
-  const bool bayer = encoding == "bayer_rggb8" || encoding == "bayer_bggr8" || encoding == "bayer_gbrg8" ||
-                     encoding == "bayer_grbg8";
-  if (!colour && !bayer && encoding != "mono8")
-    throw message.error("image encoding `" + encoding + "` is not known (mono8, bgr8, rgb8, bayer_*8 are)");
-  const std::size_t row_bytes = static_cast<std::size_t>(image.width) * (colour ? 3 : 1);
+  const auto found = encodings().find(image.encoding);
+  if (found == encodings().end()) {
+    std::string known;
+    for (const auto& [name, encoding] : encodings()) known += (known.empty() ? "" : ", ") + name;
+    throw message.error("image encoding `" + image.encoding + "` is not known (" + known + " are)");
+  }
+  const auto& [type, conversion] = found->second;
+  const std::size_t row_bytes = static_cast<std::size_t>(image.width) * CV_ELEM_SIZE(type);
   if (image.width == 0 || image.height == 0 || image.step < row_bytes ||
       image.data.size() < static_cast<std::size_t>(image.step) * image.height)
     throw message.error("image data does not fit its width, height and step");
+  if (CV_MAT_CN(type) == 2 && image.width % 2 != 0)
+    throw message.error("image of pairs of pixels has an odd width");
   auto* pixels = const_cast<unsigned char*>(image.data.data());  // cv::Mat has no view of constant data
-  const cv::Mat raw(static_cast<int>(image.height), static_cast<int>(image.width), colour ? CV_8UC3 : CV_8UC1,
-                    pixels, image.step);
+  const cv::Mat raw(static_cast<int>(image.height), static_cast<int>(image.width), type, pixels, image.step);
+  cv::Mat picture = inOwnOrder(raw, image.is_bigendian != 0);
+  if (conversion != kAsItIs) cv::cvtColor(picture, picture, conversion);
   std::vector<unsigned char> png;
-  if (!cv::imencode(".png", toBgr(raw, encoding), png)) throw message.error("image cannot be encoded as PNG");
+  if (!cv::imencode(".png", picture, png)) throw message.error("image cannot be encoded as PNG");
   return png;
 }
 

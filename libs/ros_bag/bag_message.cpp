@@ -19,8 +19,10 @@ Matrix3d BagMessage::rotation(const ros1::Quaternion& q) const {
   return quaternion.normalized().toRotationMatrix();
 }
 
-Error BagMessage::error(const std::string& why) const {
-  return {bag_, instance_.getTopic() + ", message " + std::to_string(number_), why};
+BadMessage BagMessage::error(const std::string& why) const { return {bag_, where(), why}; }
+
+std::string BagMessage::where() const {
+  return instance_.getTopic() + ", message " + std::to_string(number_);
 }
 
 }  // namespace fathom

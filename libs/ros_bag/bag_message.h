@@ -22,6 +22,12 @@ inline Time toTime(const ros::Time& stamp) {
   return fromUnixSeconds(stamp.sec) + Time::duration((stamp.nsec + 50) / 100);
 }
 
+/// A message that cannot be used. Others of its topic can.
+class BadMessage : public Error {
+ public:
+  using Error::Error;
+};
+
 /// One message, where it stands for error messages, and the checks that every field goes through.
 class BagMessage {
  public:
@@ -46,7 +52,10 @@ class BagMessage {
   /// Throws Error where the norm is off one by more than 1 %.
   Matrix3d rotation(const ros1::Quaternion& q) const;
   /// An Error about this message, to be thrown.
-  Error error(const std::string& why) const;
+  BadMessage error(const std::string& why) const;
+  /// The topic, and its number there.
+  std::string where() const;
+  const std::string& bag() const { return bag_; }
 
  private:
   const rosbag::MessageInstance& instance_;
@@ -54,14 +63,14 @@ class BagMessage {
   std::size_t number_;
 };
 
-/// Sigma from the largest variance on a part of a covariance's diagonal; nothing where it is not given.
+/// Sigma from the largest variance on a part of a covariance's diagonal; 0 where it is not given.
 template <std::size_t N>
-std::optional<double> sigmaFrom(const boost::array<double, N>& covariance, int first, int count) {
+double sigmaFrom(const boost::array<double, N>& covariance, int first, int count) {
   constexpr int kSize = N == 36 ? 6 : 3;
   static_assert(N == 36 || N == 9);
   const Eigen::Map<const Eigen::Matrix<double, kSize, kSize, Eigen::RowMajor>> c(covariance.data());
   const double largest = c.diagonal().segment(first, count).maxCoeff();
-  return largest > 0.0 && std::isfinite(largest) ? std::optional(std::sqrt(largest)) : std::nullopt;
+  return largest > 0.0 && std::isfinite(largest) ? std::sqrt(largest) : 0.0;
 }
 
 }  // namespace fathom

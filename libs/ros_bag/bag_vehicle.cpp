@@ -12,7 +12,7 @@ namespace {
 std::string sigmaLine(const char* key, std::optional<double> from_bag, double generic) {
   char line[160];
   std::snprintf(line, sizeof line, "  %s: %.4g   # %s\n", key, from_bag.value_or(generic),
-                from_bag ? "covariance of the first message" : "generic: the bag does not say");
+                from_bag ? "the messages' covariance, their median" : "generic: the bag does not say");
   return line;
 }
 
@@ -25,26 +25,28 @@ std::string rateLine(const MessagePace& pace) {
 }
 
 std::string insSection(const MessagePace& pace, const MessageSigmas& sigmas) {
-  std::string text = "ins:\n" + rateLine(pace) + sigmaLine("gyro_sigma_rad_s", sigmas.gyro, 0.001) +
-                     sigmaLine("accelerometer_sigma_m_s2", sigmas.accelerometer, 0.01) +
+  std::string text = "ins:\n" + rateLine(pace) + sigmaLine("gyro_sigma_rad_s", sigmas.gyro.typical(), 0.001) +
+                     sigmaLine("accelerometer_sigma_m_s2", sigmas.accelerometer.typical(), 0.01) +
                      sigmaLine("gyro_bias_sigma_rad_s", {}, 0.001) +
                      sigmaLine("accelerometer_bias_sigma_m_s2", {}, 0.05) +
                      sigmaLine("bias_time_constant_s", {}, 300);
-  if (sigmas.attitude) text += sigmaLine("attitude_sigma_deg", degrees(*sigmas.attitude), 1.0);
+  if (const auto attitude = sigmas.attitude.typical())
+    text += sigmaLine("attitude_sigma_deg", degrees(*attitude), 1.0);
   return text;
 }
 
 std::string dvlSection(const MessagePace& pace, const MessageSigmas& sigmas) {
   return "dvl:\n" + rateLine(pace) + "  assumed_sound_speed_m_s: 1500   # generic\n" +
          sigmaLine("beam_sigma_m_s", {}, 0.007) +
-         sigmaLine("velocity_sigma_xy_m_s", sigmas.velocity_xy, 0.01) +
-         sigmaLine("velocity_sigma_z_m_s", sigmas.velocity_z, 0.01) + sigmaLine("range_sigma_m", {}, 0.015) +
+         sigmaLine("velocity_sigma_xy_m_s", sigmas.velocity_xy.typical(), 0.01) +
+         sigmaLine("velocity_sigma_z_m_s", sigmas.velocity_z.typical(), 0.01) +
+         sigmaLine("range_sigma_m", {}, 0.015) +
          "  beam_angle_deg: 30   # generic\n"
          "  beam_azimuths_deg: [0, 90, 180, 270]   # generic; beams in the recording carry their own poses\n";
 }
 
 std::string depthSection(const MessagePace& pace, const MessageSigmas& sigmas) {
-  return "depth:\n" + rateLine(pace) + sigmaLine("pressure_sigma_pa", sigmas.pressure, 100) +
+  return "depth:\n" + rateLine(pace) + sigmaLine("pressure_sigma_pa", sigmas.pressure.typical(), 100) +
          sigmaLine("pressure_offset_sigma_pa", {}, 100) +
          "  atmospheric_pressure_pa: 101325   # standard atmosphere\n" +
          sigmaLine("water_density_kg_m3", {}, 1025);
@@ -60,9 +62,9 @@ std::string sectionOf(const BagTopic& topic, const MessagePace& pace, const Mess
     case TopicRole::depth:
       return depthSection(pace, sigmas);
     case TopicRole::usbl:
-      return "usbl:\n" + rateLine(pace) + sigmaLine("position_sigma_m", sigmas.position, 0.5);
+      return "usbl:\n" + rateLine(pace) + sigmaLine("position_sigma_m", sigmas.position.typical(), 0.5);
     case TopicRole::camera:
-      return "camera:\n" + rateLine(pace) + cameraLines(topic.intrinsics->model);
+      return "camera:\n" + rateLine(pace) + cameraLines(topic.intrinsics->model, 0.15, sigmas.image_bits);
     case TopicRole::dvl_beams:
     case TopicRole::reference:
       break;

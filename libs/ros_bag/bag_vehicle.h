@@ -8,6 +8,7 @@
 
 #include "core/time.h"
 #include "ros_bag/topic_map.h"
+#include "ros_bag/typical_sigma.h"
 
 /// The vehicle file of a ROS 1 bag: what its messages say of the sensors, the rest generic.
 namespace fathom {
@@ -29,9 +30,10 @@ struct MessagePace {
   }
 };
 
-/// Of each topic's first message, SI units; absent where it does not say.
+/// As the messages say, SI units.
 struct MessageSigmas {
-  std::optional<double> gyro, accelerometer, attitude, velocity_xy, velocity_z, pressure, position, range;
+  TypicalSigma gyro, accelerometer, attitude, velocity_xy, velocity_z, pressure, position;
+  int image_bits = 8;
 };
 
 /// Text of a vehicle file, a section for each topic of the map that had messages; comments say where each

@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/stable_sort.h"
+#include "core/text.h"
 #include "ros_bag/bag_check.h"
 #include "ros_bag/bag_image.h"
 #include "ros_bag/bag_message.h"
@@ -26,12 +27,17 @@ namespace {
 const std::vector<std::string>& typesOf(TopicRole role) {
   static const std::map<TopicRole, std::vector<std::string>> kTypes{
       {TopicRole::ins, {"sensor_msgs/Imu"}},
-      {TopicRole::dvl, {"nav_msgs/Odometry", "geometry_msgs/TwistWithCovarianceStamped"}},
+      {TopicRole::dvl,
+       {"nav_msgs/Odometry", "geometry_msgs/TwistWithCovarianceStamped", "geometry_msgs/TwistStamped"}},
       {TopicRole::dvl_beams, {"sensor_msgs/Range"}},
-      {TopicRole::depth, {"sensor_msgs/FluidPressure"}},
-      {TopicRole::usbl, {"geometry_msgs/PoseWithCovarianceStamped"}},
+      {TopicRole::depth,
+       {"sensor_msgs/FluidPressure", "geometry_msgs/PoseWithCovarianceStamped", "geometry_msgs/PoseStamped",
+        "nav_msgs/Odometry"}},
+      {TopicRole::usbl, {"geometry_msgs/PoseWithCovarianceStamped", "geometry_msgs/PoseStamped"}},
       {TopicRole::camera, {"sensor_msgs/Image", "sensor_msgs/CompressedImage"}},
-      {TopicRole::reference, {"nav_msgs/Odometry", "geometry_msgs/PoseWithCovarianceStamped"}}};
+      {TopicRole::reference,
+       {"nav_msgs/Odometry", "geometry_msgs/PoseWithCovarianceStamped", "geometry_msgs/PoseStamped",
+        "geometry_msgs/TransformStamped"}}};
   return kTypes.at(role);
 }
 
@@ -46,6 +52,49 @@ struct SilentRos {
   SilentRos(const SilentRos&) = delete;
   SilentRos& operator=(const SilentRos&) = delete;
 };
+
+/// A pose as whichever message has it.
+struct BagPose {
+  Time time;
+  ros1::Quaternion orientation;
+  Vector3d position;
+  std::optional<Eigen::Matrix<double, 6, 6>> covariance;
+};
+
+BagPose poseOf(const BagMessage& message) {
+  const auto of = [](const auto& stamped, const ros1::Pose& pose) {
+    return BagPose{toTime(stamped.header.stamp), pose.orientation, toVector(pose.position), {}};
+  };
+  const auto withCovariance = [&](const auto& stamped) {
+    BagPose pose = of(stamped, stamped.pose.pose);
+    pose.covariance =
+        Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(stamped.pose.covariance.data());
+    return pose;
+  };
+  if (message.is("nav_msgs/Odometry")) return withCovariance(*message.as<ros1::Odometry>());
+  if (message.is("geometry_msgs/PoseWithCovarianceStamped"))
+    return withCovariance(*message.as<ros1::PoseWithCovarianceStamped>());
+  if (message.is("geometry_msgs/TransformStamped")) {
+    const auto transform = message.as<ros1::TransformStamped>();
+    return {toTime(transform->header.stamp),
+            transform->transform.rotation,
+            toVector(transform->transform.translation),
+            {}};
+  }
+  const auto stamped = message.as<ros1::PoseStamped>();
+  return of(*stamped, stamped->pose);
+}
+
+/// Whether a driver says by a velocity, or by its variance, that it has none: it has no other way in a twist.
+bool isWithoutLock(const Vector3d& velocity, double first_variance) {
+  constexpr double kUnknownVariance = 1e4;      // (100 m/s)²
+  constexpr double kBadVelocity_mm_s = -32768;  // PD0
+  const auto isBad = [&](double v) {
+    return v == kBadVelocity_mm_s || std::abs(v - kBadVelocity_mm_s / 1000) < 1e-6;
+  };
+  return !velocity.allFinite() || first_variance < 0 || !(first_variance < kUnknownVariance) ||
+         isBad(velocity.x()) || isBad(velocity.y()) || isBad(velocity.z());
+}
 
 class BagImporter {
  public:
@@ -65,10 +114,14 @@ class BagImporter {
  private:
   void checkTopics(const rosbag::Bag& bag) const;
   void take(const BagTopic& topic, const BagMessage& message);
+  void takeOrLeaveOut(const BagTopic& topic, const BagMessage& message);
+  void refuseUnusableTopics() const;
+  std::vector<std::string> remarks() const;
   void takeIns(const BagTopic& topic, const BagMessage& message);
   void takeDvl(const BagTopic& topic, const BagMessage& message);
   void takeBeam(const BagTopic& topic, const BagMessage& message);
   void takeDepth(const BagTopic& topic, const BagMessage& message);
+  void takeDepthOfPose(const BagTopic& topic, const BagMessage& message);
   void takeUsbl(const BagTopic& topic, const BagMessage& message);
   void takeImage(const BagTopic& topic, const BagMessage& message);
   void takeReference(const BagTopic& topic, const BagMessage& message);
@@ -87,6 +140,9 @@ class BagImporter {
   std::map<TopicRole, MessagePace> paces_;
   MessageSigmas sigmas_;
   std::vector<StampedPose> reference_;
+  std::map<std::string, std::size_t> without_lock_;       ///< by topic
+  std::map<std::string, std::vector<BadMessage>> bad_;    ///< by topic, the first ones
+  std::map<std::string, std::size_t> bad_count_, count_;  ///< by topic
 };
 
 void BagImporter::checkTopics(const rosbag::Bag& bag) const {
@@ -130,6 +186,38 @@ void BagImporter::take(const BagTopic& topic, const BagMessage& message) {
   }
 }
 
+/// One bad message does not refuse a bag.
+void BagImporter::takeOrLeaveOut(const BagTopic& topic, const BagMessage& message) {
+  constexpr std::size_t kQuoted = 3;
+  try {
+    take(topic, message);
+  } catch (const BadMessage& bad) {
+    if (options_.strict) throw;
+    ++bad_count_[topic.topic];
+    if (bad_[topic.topic].size() < kQuoted) bad_[topic.topic].push_back(bad);
+  }
+}
+
+/// Of which no message at all can be used.
+void BagImporter::refuseUnusableTopics() const {
+  for (const auto& [topic, count] : bad_count_)
+    if (count >= count_.at(topic)) throw Error(bad_.at(topic).front());
+}
+
+std::vector<std::string> BagImporter::remarks() const {
+  std::vector<std::string> lines;
+  for (const auto& [topic, count] : without_lock_)
+    lines.push_back(topic +
+                    print(": %zu of %zu messages say that there is no bottom lock", count, count_.at(topic)));
+  for (const auto& [topic, count] : bad_count_) {
+    std::string quoted;
+    for (const BadMessage& bad : bad_.at(topic))
+      quoted += (quoted.empty() ? "" : "; ") + bad.where + ": " + bad.why;
+    lines.push_back(topic + print(": %zu of %zu messages are left out: ", count, count_.at(topic)) + quoted);
+  }
+  return lines;
+}
+
 void BagImporter::takeIns(const BagTopic& topic, const BagMessage& message) {
   const auto imu = message.as<ros1::Imu>();
   std::optional<Matrix3d> orientation;
@@ -143,12 +231,10 @@ void BagImporter::takeIns(const BagTopic& topic, const BagMessage& message) {
   if (orientation)
     sample.R_odom_ins =
         topic.orientation_is_robot ? Matrix3d(*orientation * topic.T_robot_sensor.rotation) : *orientation;
-  if (paces_[topic.as].count == 0) {
-    if (sample.angular_velocity_ins) sigmas_.gyro = sigmaFrom(imu->angular_velocity_covariance, 0, 3);
-    if (sample.specific_force_ins)
-      sigmas_.accelerometer = sigmaFrom(imu->linear_acceleration_covariance, 0, 3);
-    if (orientation) sigmas_.attitude = sigmaFrom(imu->orientation_covariance, 0, 3);
-  }
+  if (sample.angular_velocity_ins) sigmas_.gyro.add(sigmaFrom(imu->angular_velocity_covariance, 0, 3));
+  if (sample.specific_force_ins)
+    sigmas_.accelerometer.add(sigmaFrom(imu->linear_acceleration_covariance, 0, 3));
+  if (orientation) sigmas_.attitude.add(sigmaFrom(imu->orientation_covariance, 0, 3));
   checks_.addIns(topic, orientation, sample.specific_force_ins);
   push(topic, toTime(imu->header.stamp), std::move(sample), message);
 }
@@ -160,19 +246,26 @@ void BagImporter::takeDvl(const BagTopic& topic, const BagMessage& message) {
     const auto odometry = message.as<ros1::Odometry>();
     twist = odometry->twist;
     time = toTime(odometry->header.stamp);
-    const Matrix3d& R_robot_dvl = topic.T_robot_sensor.rotation;
-    checks_.addOdometry(time, R_robot_dvl * toVector(twist.twist.linear),
-                        R_robot_dvl * toVector(twist.twist.angular));
+  } else if (message.is("geometry_msgs/TwistStamped")) {
+    const auto stamped = message.as<ros1::TwistStamped>();
+    twist.twist = stamped->twist;
+    time = toTime(stamped->header.stamp);
   } else {
     const auto stamped = message.as<ros1::TwistWithCovarianceStamped>();
     twist = stamped->twist;
     time = toTime(stamped->header.stamp);
   }
-  const Vector3d velocity_dvl = message.finite(toVector(twist.twist.linear), "twist.linear");
-  if (paces_[topic.as].count == 0) {
-    sigmas_.velocity_xy = sigmaFrom(twist.covariance, 0, 2);
-    sigmas_.velocity_z = sigmaFrom(twist.covariance, 2, 1);
+  const Vector3d velocity_dvl = toVector(twist.twist.linear);
+  if (isWithoutLock(velocity_dvl, twist.covariance[0])) {
+    ++without_lock_[topic.topic];
+    return push(topic, time, DvlSample{topic.T_robot_sensor, {}}, message);
   }
+  if (message.is("nav_msgs/Odometry")) {
+    const Matrix3d& R_robot_dvl = topic.T_robot_sensor.rotation;
+    checks_.addOdometry(time, R_robot_dvl * velocity_dvl, R_robot_dvl * toVector(twist.twist.angular));
+  }
+  sigmas_.velocity_xy.add(sigmaFrom(twist.covariance, 0, 2));
+  sigmas_.velocity_z.add(sigmaFrom(twist.covariance, 2, 1));
   push(topic, time, DvlSample{topic.T_robot_sensor, velocity_dvl}, message);
 }
 
@@ -196,29 +289,47 @@ void BagImporter::takeBeam(const BagTopic& topic, const BagMessage& message) {
 }
 
 void BagImporter::takeDepth(const BagTopic& topic, const BagMessage& message) {
+  if (!message.is("sensor_msgs/FluidPressure")) return takeDepthOfPose(topic, message);
   const auto pressure = message.as<ros1::FluidPressure>();
   const double pressure_pa = message.finite(pressure->fluid_pressure, "fluid_pressure");
-  if (paces_[topic.as].count == 0 && pressure->variance > 0.0)
-    sigmas_.pressure = std::sqrt(message.finite(pressure->variance, "variance"));
+  sigmas_.pressure.add(pressure->variance > 0.0 ? std::sqrt(pressure->variance) : 0.0);
   push(topic, toTime(pressure->header.stamp), DepthSample{topic.T_robot_sensor, pressure_pa, {}}, message);
 }
 
+/// A depth that somebody has computed, as the pressure that generic water and air make of it.
+void BagImporter::takeDepthOfPose(const BagTopic& topic, const BagMessage& message) {
+  const auto pressureAt = [&](double z_m) {
+    Inputs<double> in;
+    in.state.R_odom_robot.setIdentity();
+    in.state.position_odom = {0, 0, z_m};
+    in.world.gravity_odom = {0, 0, -map_.gravity_m_s2};
+    return Depth::pressure(in, DepthSheet{}, Pose{});
+  };
+  const BagPose pose = poseOf(message);
+  const double z_m = message.finite(pose.position.z(), "position.z"), pressure_pa = pressureAt(z_m);
+  if (pose.covariance)
+    sigmas_.pressure.add(std::sqrt(std::max(0.0, (*pose.covariance)(2, 2))) *
+                         (pressureAt(z_m - 1) - pressure_pa));
+  push(topic, pose.time, DepthSample{topic.T_robot_sensor, pressure_pa, {}}, message);
+}
+
 void BagImporter::takeUsbl(const BagTopic& topic, const BagMessage& message) {
-  const auto fix = message.as<ros1::PoseWithCovarianceStamped>();
-  const Vector3d position = message.finite(toVector(fix->pose.pose.position), "position");
+  const BagPose fix = poseOf(message);
   constexpr double kUnknownAngle = 1e6;  // rad²: a USBL measures no orientation
+  constexpr double kGenericSigma_m = 0.5;
   PoseSample sample;
-  sample.T_odom_robot.mean = Pose{Matrix3d::Identity(), position};
+  sample.T_odom_robot.mean = Pose{Matrix3d::Identity(), message.finite(fix.position, "position")};
   sample.T_odom_robot.covariance.setZero();
-  const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(
-      fix->pose.covariance.data());
-  for (int i = 0; i < 3; ++i) {
-    sample.T_odom_robot.covariance(i + 3, i + 3) = kUnknownAngle;
-    for (int j = 0; j < 3; ++j)
-      sample.T_odom_robot.covariance(i, j) = message.finite(covariance(i, j), "covariance");
+  sample.T_odom_robot.covariance.bottomRightCorner<3, 3>().diagonal().setConstant(kUnknownAngle);
+  auto position = sample.T_odom_robot.covariance.topLeftCorner<3, 3>();
+  if (fix.covariance) {
+    for (int i = 0; i < 9; ++i)
+      position(i / 3, i % 3) = message.finite((*fix.covariance)(i / 3, i % 3), "covariance");
+    sigmas_.position.add(std::sqrt(std::max(0.0, position.diagonal().maxCoeff())));
+  } else {
+    position.diagonal().setConstant(kGenericSigma_m * kGenericSigma_m);
   }
-  if (paces_[topic.as].count == 0) sigmas_.position = sigmaFrom(fix->pose.covariance, 0, 3);
-  push(topic, toTime(fix->header.stamp), std::move(sample), message);
+  push(topic, fix.time, std::move(sample), message);
 }
 
 void BagImporter::takeImage(const BagTopic& topic, const BagMessage& message) {
@@ -233,6 +344,7 @@ void BagImporter::takeImage(const BagTopic& topic, const BagMessage& message) {
       throw message.error("image is " + std::to_string(image->width) + " x " + std::to_string(image->height) +
                           " px, the map's intrinsics are for another size");
     bytes = encodePng(*image, message);
+    sigmas_.image_bits = bitsOf(image->encoding);
     stamp = image->header.stamp;
   } else {
     const auto image = message.as<ros1::CompressedImage>();
@@ -247,20 +359,9 @@ void BagImporter::takeImage(const BagTopic& topic, const BagMessage& message) {
 }
 
 void BagImporter::takeReference(const BagTopic& topic, const BagMessage& message) {
-  ros1::Pose pose;
-  Time time;
-  if (message.is("nav_msgs/Odometry")) {
-    const auto odometry = message.as<ros1::Odometry>();
-    pose = odometry->pose.pose;
-    time = toTime(odometry->header.stamp);
-  } else {
-    const auto stamped = message.as<ros1::PoseWithCovarianceStamped>();
-    pose = stamped->pose.pose;
-    time = toTime(stamped->header.stamp);
-  }
-  const Pose T_odom_sensor{message.rotation(pose.orientation),
-                           message.finite(toVector(pose.position), "position")};
-  reference_.push_back({time, T_odom_sensor * topic.T_robot_sensor.inverse()});
+  const BagPose pose = poseOf(message);
+  const Pose T_odom_sensor{message.rotation(pose.orientation), message.finite(pose.position, "position")};
+  reference_.push_back({pose.time, T_odom_sensor * topic.T_robot_sensor.inverse()});
 }
 
 void BagImporter::sortReference() {
@@ -282,14 +383,14 @@ ImportedRecording BagImporter::run() {
   checkTopics(bag);
   std::vector<std::string> topics;
   for (const BagTopic& topic : map_.topics) topics.push_back(topic.topic);
-  std::map<std::string, std::size_t> numbers;
   rosbag::View view(bag, rosbag::TopicQuery(topics));
   for (const rosbag::MessageInstance& instance : view) {
-    const BagMessage message(instance, bag_, ++numbers[instance.getTopic()]);
+    const BagMessage message(instance, bag_, ++count_[instance.getTopic()]);
     for (const BagTopic& topic : map_.topics)
-      if (topic.topic == instance.getTopic()) take(topic, message);
+      if (topic.topic == instance.getTopic()) takeOrLeaveOut(topic, message);
   }
   order_.flush();
+  refuseUnusableTopics();
   if (!order_.first()) throw Error(bag_, "", "has no message of a sensor in " + map_.file);
 
   sortReference();
@@ -302,6 +403,7 @@ ImportedRecording BagImporter::run() {
   recording.vehicle_yaml = vehicleYaml(map_, paces_, sigmas_);
   for (const BagTopic& topic : map_.topics)
     if (topic.as == TopicRole::ins) recording.conclusions = checks_.conclusions(topic);
+  recording.remarks = remarks();
   return recording;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <optional>
@@ -16,11 +17,15 @@ class ReorderBuffer {
   ReorderBuffer(double window_s, std::function<void(Sample&&)> sink)
       : window_s_(window_s), sink_(std::move(sink)) {}
 
-  /// Throws Error, about the message, where the sample is older than one that was handed out.
+  /// Throws Error, about the message, where the sample is older than another one by more than the window: a
+  /// clock that steps back, which no order mends.
   void push(Sample sample, const BagMessage& message) {
-    if (last_ && sample.time < *last_)
-      throw message.error("its stamp is older than its predecessors' by more than the reorder window of " +
-                          std::to_string(window_s_) + " s");
+    if (!newest_) newest_ = sample.time;
+    if (secondsBetween(sample.time, *newest_) > window_s_ || (last_ && sample.time < *last_))
+      throw Error(message.bag(), message.where(),
+                  "its stamp is older than its predecessors' by more than the reorder window of " +
+                      std::to_string(window_s_) + " s");
+    newest_ = std::max(*newest_, sample.time);
     waiting_.emplace(sample.time, std::move(sample));
     while (secondsBetween(waiting_.begin()->first, waiting_.rbegin()->first) > window_s_) release();
   }
@@ -50,7 +55,7 @@ class ReorderBuffer {
   double window_s_;
   std::function<void(Sample&&)> sink_;
   std::multimap<Time, Sample> waiting_;
-  std::optional<Time> first_, last_;
+  std::optional<Time> first_, last_, newest_;
 };
 
 }  // namespace fathom

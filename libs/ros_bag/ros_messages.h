@@ -1,6 +1,9 @@
 #pragma once
 
+#include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <geometry_msgs/TransformStamped.h>
+#include <geometry_msgs/TwistStamped.h>
 #include <geometry_msgs/TwistWithCovarianceStamped.h>
 #include <nav_msgs/Odometry.h>
 #include <sensor_msgs/CompressedImage.h>
@@ -44,9 +47,12 @@ using Imu = sensor_msgs::Imu_<Allocator<void>>;
 using Odometry = nav_msgs::Odometry_<Allocator<void>>;
 using Point = geometry_msgs::Point_<Allocator<void>>;
 using Pose = geometry_msgs::Pose_<Allocator<void>>;
+using PoseStamped = geometry_msgs::PoseStamped_<Allocator<void>>;
 using PoseWithCovarianceStamped = geometry_msgs::PoseWithCovarianceStamped_<Allocator<void>>;
 using Quaternion = geometry_msgs::Quaternion_<Allocator<void>>;
 using Range = sensor_msgs::Range_<Allocator<void>>;
+using TransformStamped = geometry_msgs::TransformStamped_<Allocator<void>>;
+using TwistStamped = geometry_msgs::TwistStamped_<Allocator<void>>;
 using TwistWithCovariance = geometry_msgs::TwistWithCovariance_<Allocator<void>>;
 using TwistWithCovarianceStamped = geometry_msgs::TwistWithCovarianceStamped_<Allocator<void>>;
 using Vector3 = geometry_msgs::Vector3_<Allocator<void>>;

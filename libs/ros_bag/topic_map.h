@@ -13,12 +13,14 @@ namespace fathom {
 
 /// What a topic of a bag becomes. Message types (ROS 1) that suit each:
 ///   INS        sensor_msgs/Imu
-///   DVL        nav_msgs/Odometry (its twist), geometry_msgs/TwistWithCovarianceStamped
+///   DVL        nav_msgs/Odometry (its twist), geometry_msgs/TwistWithCovarianceStamped, TwistStamped
 ///   DVL_BEAMS  sensor_msgs/Range, one topic a beam, in the order of the map
-///   DEPTH      sensor_msgs/FluidPressure
-///   USBL       geometry_msgs/PoseWithCovarianceStamped (its position)
+///   DEPTH      sensor_msgs/FluidPressure; geometry_msgs/PoseWithCovarianceStamped, PoseStamped (depth: minus
+///              its z), nav_msgs/Odometry likewise
+///   USBL       geometry_msgs/PoseWithCovarianceStamped (its position), PoseStamped
 ///   CAMERA     sensor_msgs/Image, sensor_msgs/CompressedImage
-///   REFERENCE  nav_msgs/Odometry (its pose), geometry_msgs/PoseWithCovarianceStamped
+///   REFERENCE  nav_msgs/Odometry (its pose), geometry_msgs/PoseWithCovarianceStamped, PoseStamped,
+///              TransformStamped
 enum class TopicRole { ins, dvl, dvl_beams, depth, usbl, camera, reference };
 
 struct BagTopic {

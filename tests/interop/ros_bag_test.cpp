@@ -43,7 +43,7 @@ R onlyReading(const ImportedRecording& recording, const std::string& label) {
 
 void expectError(const std::filesystem::path& bag, const TopicMap& map, const std::string& part) {
   try {
-    importBag(bag, map, {.image_folder = bag.parent_path() / "images"});
+    importBag(bag, map, {.image_folder = bag.parent_path() / "images", .strict = true});
     ADD_FAILURE() << "accepted, instead of: " << part;
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
@@ -310,7 +310,7 @@ TEST(RosBag, RefusesBadMessages) {
   expectError(bagOf("/r", range), topicMap({bagTopic("/r", TopicRole::dvl_beams)}), "not a number");
 
   const auto camera = topicMap({cameraTopic(4, 3)});
-  expectError(bagOf("/cam", image("yuv422", 2, 0)), camera, "encoding `yuv422`");
+  expectError(bagOf("/cam", image("nv21", 2, 0)), camera, "encoding `nv21`");
   auto small = image("mono8", 1, 0);
   small.data.pop_back();
   expectError(bagOf("/cam", small), camera, "does not fit");
@@ -352,6 +352,162 @@ TEST(RosBag, StreamsWithoutKeepingSamples) {
   EXPECT_EQ(count, 50U);
   EXPECT_TRUE(recording.samples.empty());
   EXPECT_EQ(recording.start, fromUnixSeconds(1));
+}
+
+/// A DVL's velocities, one a second, and what is imported of them.
+ImportedRecording dvlOf(const std::vector<std::pair<double, double>>& velocity_and_variance) {
+  return importBag(makeBag([&](rosbag::Bag& bag) {
+                     std::uint32_t second = 100;
+                     for (const auto& [velocity, variance] : velocity_and_variance) {
+                       auto twist = stamped<ros1::TwistWithCovarianceStamped>(rosTime(second++));
+                       twist.twist.twist.linear.x = velocity;
+                       twist.twist.covariance[0] = twist.twist.covariance[7] = variance;
+                       bag.write("/dvl", twist.header.stamp, twist);
+                     }
+                   }),
+                   topicMap({bagTopic("/dvl", TopicRole::dvl)}));
+}
+
+// As drivers say it: NaN, a variance of -1 or of a million, PD0's -32768 mm/s.
+TEST(RosBag, WhatHasNoBottomLockIsAbsent) {
+  const auto recording = dvlOf({{0.5, 1e-4}, {kNan, 1e-4}, {0, -1}, {0, 1e6}, {-32.768, 1e-4}, {0.6, 1e-4}});
+  ASSERT_EQ(recording.samples.size(), 6U);
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_EQ(std::get<DvlSample>(recording.samples[i].reading).velocity_dvl.has_value(), i == 0 || i == 5)
+        << i;
+  ASSERT_EQ(recording.remarks.size(), 1U);
+  EXPECT_EQ(recording.remarks[0], "/dvl: 4 of 6 messages say that there is no bottom lock");
+}
+
+// The first message's covariance may be that of a sensor that has not settled.
+TEST(RosBag, SigmasAreTheMessagesMedian) {
+  const auto recording = dvlOf({{0.5, 25}, {0.5, 4e-4}, {0.5, 4e-4}, {0, -1}, {0.5, 4e-4}, {0.5, 9e-4}});
+  EXPECT_NEAR(vehicleOf(recording).dvl->velocity_sigma_xy_m_s, 0.02, 1e-12);
+}
+
+TEST(RosBag, OneBadMessageIsLeftOut) {
+  const auto file = makeBag([&](rosbag::Bag& bag) {
+    for (std::uint32_t second = 100; second < 110; ++second) {
+      auto imu = test::imuMessage(rosTime(second));
+      if (second >= 105 && second != 109) imu.angular_velocity.x = kNan;
+      bag.write("/imu", imu.header.stamp, imu);
+    }
+  });
+  const auto map = topicMap({bagTopic("/imu", TopicRole::ins)});
+  const auto recording = importBag(file, map);
+  EXPECT_EQ(recording.samples.size(), 6U);
+  ASSERT_EQ(recording.remarks.size(), 1U);
+  const std::string& remark = recording.remarks[0];
+  EXPECT_NE(
+      remark.find("/imu: 4 of 10 messages are left out: /imu, message 6: angular_velocity is not finite"),
+      std::string::npos)
+      << remark;
+  EXPECT_NE(remark.find("message 8"), std::string::npos) << "three are quoted";
+  EXPECT_EQ(remark.find("message 9"), std::string::npos) << "no more";
+  BagOptions strict;
+  strict.strict = true;
+  EXPECT_THROW(importBag(file, map, strict), Error);
+}
+
+// Before anything has left the buffer, too.
+TEST(RosBag, AClockThatStepsBackIsRefusedWhereverItDoes) {
+  for (const std::uint32_t seconds_before : {2U, 60U}) {
+    const auto file = makeBag([&](rosbag::Bag& bag) {
+      for (std::uint32_t second = 0; second < seconds_before; ++second) {
+        const auto imu = test::imuMessage(rosTime(1000 + second));
+        bag.write("/imu", imu.header.stamp, imu);
+      }
+      const auto back = test::imuMessage(rosTime(970));
+      bag.write("/imu", rosTime(1000 + seconds_before), back);
+    });
+    expectError(file, topicMap({bagTopic("/imu", TopicRole::ins)}), "reorder window");
+  }
+}
+
+TEST(RosBag, PosesAndTwistsWithoutCovarianceAreTaken) {
+  auto twist = stamped<ros1::TwistStamped>(rosTime(100));
+  twist.twist.linear.x = 0.5;
+  twist.twist.linear.z = -0.02;
+  auto recording = importBag(bagOf("/dvl", twist), topicMap({bagTopic("/dvl", TopicRole::dvl)}));
+  EXPECT_TRUE(
+      onlyReading<DvlSample>(recording, labels::kDvl).velocity_dvl->isApprox(Vector3d(0.5, 0, -0.02)));
+  EXPECT_NEAR(vehicleOf(recording).dvl->velocity_sigma_xy_m_s, 0.01, 1e-12) << "generic";
+
+  auto pose = stamped<ros1::PoseStamped>(rosTime(100));
+  pose.pose.position.x = 3;
+  pose.pose.position.z = -5;
+  pose.pose.orientation.w = 1;
+  recording = importBag(bagOf("/usbl", pose), topicMap({bagTopic("/usbl", TopicRole::usbl)}));
+  EXPECT_TRUE(onlyReading<PoseSample>(recording, labels::kUsbl)
+                  .T_odom_robot.mean.position.isApprox(Vector3d(3, 0, -5)));
+  recording = importBag(bagOf("/depth", pose), topicMap({bagTopic("/depth", TopicRole::depth)}));
+  EXPECT_NEAR(onlyReading<DepthSample>(recording, labels::kDepth).pressure_pa, 101325 + 1025 * 9.80665 * 5,
+              1e-6);
+
+  auto transform = stamped<ros1::TransformStamped>(rosTime(100));
+  transform.transform.translation.x = 3;
+  transform.transform.translation.z = -5;
+  transform.transform.rotation.w = 1;
+  const auto imu = test::imuMessage(rosTime(100));
+  const BagTopic reference = bagTopic("/reference", TopicRole::reference);
+  const auto referenceOf = [&](const auto& message) {
+    return importBag(makeBag([&](rosbag::Bag& bag) {
+                       bag.write("/imu", imu.header.stamp, imu);
+                       bag.write("/reference", message.header.stamp, message);
+                     }),
+                     topicMap({bagTopic("/imu", TopicRole::ins), reference}))
+        .reference;
+  };
+  for (const auto& path : {referenceOf(pose), referenceOf(transform)}) {
+    ASSERT_EQ(path.size(), 1U);
+    EXPECT_TRUE((path[0].T_odom_robot * reference.T_robot_sensor).position.isApprox(Vector3d(3, 0, -5)));
+  }
+}
+
+/// An image of two by two pixels, of bytes as they come.
+ros1::Image smallImage(const std::string& encoding, const std::vector<std::uint8_t>& bytes) {
+  auto image = stamped<ros1::Image>(rosTime(100));
+  image.encoding = encoding;
+  image.width = image.height = 2;
+  image.step = static_cast<std::uint32_t>(bytes.size() / 2);
+  image.data.assign(bytes.begin(), bytes.end());
+  return image;
+}
+
+cv::Mat pictureOf(const ros1::Image& image) {
+  auto topic = bagTopic("/camera", TopicRole::camera);
+  topic.intrinsics = RecordedCamera{};
+  topic.intrinsics->model.width_px = topic.intrinsics->model.height_px = 2;
+  const auto bag = bagOf("/camera", image);
+  const auto folder = bag.parent_path() / "images";
+  std::filesystem::create_directories(folder);
+  const auto recording = importBag(bag, topicMap({topic}), {.image_folder = folder});
+  const auto sample = onlyReading<ImageSample>(recording, labels::kCamera);
+  const cv::Mat picture = cv::imread((folder / sample.file).string(), cv::IMREAD_UNCHANGED);
+  EXPECT_EQ(vehicleOf(recording).camera->bits, image.encoding.ends_with("16") ? 16 : 8);
+  return picture;
+}
+
+TEST(RosBag, ImageEncodingsThatMeanTheSameAreRead) {
+  EXPECT_EQ(pictureOf(smallImage("8UC1", {1, 2, 3, 4})).at<std::uint8_t>(1, 0), 3);
+  EXPECT_EQ(pictureOf(smallImage("8UC3", {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12})).at<cv::Vec3b>(0, 1),
+            cv::Vec3b(4, 5, 6));
+  const std::vector<std::uint8_t> four{1, 2, 3, 255, 4, 5, 6, 255, 7, 8, 9, 0, 10, 11, 12, 0};
+  EXPECT_EQ(pictureOf(smallImage("bgra8", four)).at<cv::Vec3b>(0, 1), cv::Vec3b(4, 5, 6));
+  EXPECT_EQ(pictureOf(smallImage("rgba8", four)).at<cv::Vec3b>(0, 1), cv::Vec3b(6, 5, 4));
+  // Gray of 16 bits keeps them, in either order of bytes.
+  auto deep = smallImage("mono16", {0x34, 0x12, 0, 0, 0, 0, 0xff, 0xff});
+  EXPECT_EQ(pictureOf(deep).at<std::uint16_t>(0, 0), 0x1234);
+  deep.is_bigendian = 1;
+  EXPECT_EQ(pictureOf(deep).at<std::uint16_t>(0, 0), 0x3412);
+  // Of no colour (128): gray 16 is black, 235 is white (ITU-R BT.601).
+  for (const auto& [encoding, bytes] :
+       {std::pair("yuv422", std::vector<std::uint8_t>{128, 16, 128, 235, 128, 235, 128, 16}),
+        {"yuv422_yuy2", {16, 128, 235, 128, 235, 128, 16, 128}}}) {
+    const cv::Mat picture = pictureOf(smallImage(encoding, bytes));
+    EXPECT_EQ(picture.at<cv::Vec3b>(0, 0), cv::Vec3b(0, 0, 0)) << encoding;
+    EXPECT_EQ(picture.at<cv::Vec3b>(0, 1), cv::Vec3b(255, 255, 255)) << encoding;
+  }
 }
 
 }  // namespace

@@ -196,7 +196,9 @@ const std::map<std::string, Asker> kAskers{
     {"landmarks",
      {"how fast the robot was when an image was taken", {"Gyro::angularVelocity", "Dvl::velocity"}}},
     {"sea_trial", {"whether a trial's streams agree", {"Accelerometer::specificForce", "Dvl::velocity"}}},
-    {"ros_bag", {"whether a mounting agrees with what was driven", {"Accelerometer::specificForce"}}},
+    {"ros_bag",
+     {"whether a mounting agrees with what was driven; the pressure that a depth is",
+      {"Accelerometer::specificForce", "Depth::pressure"}}},
 };
 
 /// predictLight(), …, as the rooms of physics declare them.
