@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
+#include "core/text.h"
 #include "panel/panel_maps.h"
 #include "recording/export_csv.h"
 #include "recording/export_kml.h"
@@ -41,6 +42,9 @@ void exportKml(const ExportOptions& options) {
   const GeoReference reference{radians(options.latitude_deg), radians(options.longitude_deg),
                                options.height_m, radians(options.x_heading_deg)};
   const std::vector<StampedPose> path = recordedPath(options.from, options.label);
+  if (const double farthest = farthest_m(path); farthest > kFarthestLocal_m)
+    throw Error(options.from, "",
+                print("has a pose %.0f km from odom's origin: not in local metres (UTM?)", farthest / 1000));
   writeTextFile(options.out,
                 formatKml(path, reference, options.spacing_s, fs::path(options.from).stem().string()));
   std::cout << "wrote " << options.out << "\n";

@@ -113,6 +113,10 @@ class Checker {
     while (true) {
       if (bytes_.size() - at < 4) fail(bytes_.size(), "the JPEG image is cut off");
       if (bytes_[at] != '\xff') fail(at, "damaged: no JPEG segment here");
+      if (bytes_[at + 1] == '\xff') {  // a fill byte, of which there may be any number (ITU T.81, B.1.1.2)
+        ++at;
+        continue;
+      }
       const auto kind = static_cast<std::uint8_t>(bytes_[at + 1]);
       const bool scan = kind == 0xda;
       const std::size_t length = bigEndian(bytes_.substr(at + 2, 2));

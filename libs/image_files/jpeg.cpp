@@ -20,6 +20,10 @@ std::optional<int> jpegQuality(const std::filesystem::path& file) {
   if (bytes.size() < 4 || byte(0) != 0xff || byte(1) != 0xd8) return std::nullopt;
   // Segments, each 0xff, kind, length; that of tables (0xdb) begins with the luminance table's number, 0.
   for (std::size_t at = 2; at + 4 < bytes.size() && byte(at) == 0xff;) {
+    if (byte(at + 1) == 0xff) {  // a fill byte
+      ++at;
+      continue;
+    }
     const auto length = 256 * static_cast<std::size_t>(byte(at + 2)) + static_cast<std::size_t>(byte(at + 3));
     if (byte(at + 1) == 0xdb && byte(at + 4) == 0 && at + 69 <= bytes.size()) {
       int sum = 0;

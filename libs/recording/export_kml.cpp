@@ -3,6 +3,7 @@
 #include <mrpt/system/datetime.h>
 #include <mrpt/topography/conversions.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -52,8 +53,8 @@ std::string xmlText(const std::string& text) {
 
 std::string placeOf(const StampedPose& pose, const GeoReference& reference, char between) {
   const GeoPosition at = geoPositionOf(pose.T_odom_robot.position, reference);
-  return print("%.9f%c%.9f%c%.3f", degrees(at.longitude_rad), between, degrees(at.latitude_rad), between,
-               at.height_m);
+  return print("%.9f%c%.9f%c%.3f", std::remainder(degrees(at.longitude_rad), 360.0), between,
+               degrees(at.latitude_rad), between, at.height_m);
 }
 
 /// 2023-11-14T22:13:20.000000Z
@@ -82,6 +83,12 @@ GeoPosition geoPositionOf(const Vector3d& position_odom, const GeoReference& ref
     at.height_m += p.z() - reached.z;
   }
   return at;
+}
+
+double farthest_m(const std::vector<StampedPose>& path) {
+  double farthest = 0;
+  for (const StampedPose& pose : path) farthest = std::max(farthest, pose.T_odom_robot.position.norm());
+  return farthest;
 }
 
 std::string formatKml(const std::vector<StampedPose>& path, const GeoReference& reference, double spacing_s,

@@ -20,6 +20,11 @@ struct GeoPosition {
 /// The inverse of MRPT's geodeticToENU_WGS84, to 1e-6 m. Not at a pole.
 GeoPosition geoPositionOf(const Vector3d& position_odom, const GeoReference& reference);
 
+/// Beyond, a path is in no local metres: no vehicle goes so far on one dive.
+inline constexpr double kFarthestLocal_m = 200e3;
+/// Of any pose, from odom's origin.
+double farthest_m(const std::vector<StampedPose>& path);
+
 /// A path as Google Earth and its kin draw it: KML 2.2 (OGC 07-147r2), a line and, of the same places with
 /// time and heading, a gx:Track, of poses at least `spacing_s` apart and the last one. Heights are over the
 /// sea, below it negative.

@@ -48,5 +48,18 @@ TEST(ExportKml, PosesAreSpacedAndTheLastIsThere) {
   EXPECT_NE(kml.find("a &lt;dive&gt; &amp; more"), std::string::npos);
 }
 
+TEST(ExportKml, LongitudesStayOnTheMap) {
+  const GeoReference fiji{radians(-17), radians(179.9999), 0, radians(90)};
+  const std::string kml =
+      formatKml({{fromUnixSeconds(1.7e9), Pose{Matrix3d::Identity(), {100, 0, -2}}}}, fiji, 1, "x");
+  EXPECT_NE(kml.find("-179.99"), std::string::npos) << kml;
+  EXPECT_EQ(kml.find("180.00"), std::string::npos) << kml;
+}
+
+TEST(ExportKml, APathInUtmIsNoLocalOne) {
+  EXPECT_GT(farthest_m({{fromUnixSeconds(1.7e9), Pose{Matrix3d::Identity(), {458075, 5429380, 0}}}}),
+            kFarthestLocal_m);
+}
+
 }  // namespace
 }  // namespace fathom
