@@ -52,14 +52,20 @@ void leaveOut(const std::vector<std::string>& sensors, Vehicle& vehicle) {
       });
       if (sensor == instance.label("camera")) on_board.camera.reset();
     };
-    leaveOutOf({}, vehicle);
-    for (auto& [instance, on_board] : vehicle.others) leaveOutOf(instance, on_board);
+    const auto instance = Instance::of(sensor, baseOf(sensor)).value_or(Instance());
+    if (instance.isFirst()) {
+      leaveOutOf(instance, vehicle);
+      continue;
+    }
+    const auto other = vehicle.others.find(instance);
+    if (other == vehicle.others.end()) throw Error("--without", sensor, "the vehicle has none");
+    leaveOutOf(instance, other->second);
   }
 }
 
 /// Why there are no images, though something that is for images was given.
 std::string lackingForImages(const SimulateOptions& options) {
-  const bool camera = options.simulation.vehicle.camera.has_value();
+  const bool camera = hasCamera(options.simulation.vehicle);
   if (options.water.empty() && options.map.empty() && !camera) return "";
   if (!camera) return "the vehicle has no camera";
   if (options.map.empty() && options.water.empty()) return "they need --map and --water";
@@ -82,6 +88,7 @@ void simulate(SimulateOptions options, const RunContext& context) {
   simulation.vehicle = readVehicle(options.vehicle);
   leaveOut(options.without, simulation.vehicle);
   if (!options.calibration.empty()) simulation.effects = readCalibration(options.calibration);
+  requireInstances(simulation.effects, simulation.vehicle, options.calibration);
   simulation.noise = !options.no_noise;
   if (options.image_format == "jpg") simulation.image_format.kind = ImageFormat::Kind::jpeg;
   const Trajectory trajectory = readTrajectory(shippedFile(options.trajectory));
@@ -176,7 +183,9 @@ void addSimulate(const RunContext& context) {
   command->add_option("--begin", simulation.begin_s, "Where on the trajectory to begin, s")
       ->capture_default_str();
   command->add_option("--duration", simulation.duration_s, "How long, s (default: to the end)");
-  command->add_option("--without", options->without, "A sensor to leave out; may be repeated")
+  command
+      ->add_option("--without", options->without,
+                   "A sensor to leave out, or one of several (dvl.2); may be repeated")
       ->check(sensorCheck())
       ->expected(1)
       ->take_all();

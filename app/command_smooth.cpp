@@ -26,9 +26,15 @@ struct SmoothOptions {
 /// Which effects are on, and which of them are estimated.
 void readEffects(const SmoothOptions& options, BatchOptions& batch) {
   if (!options.calibration.empty()) batch.calibration = readCalibration(options.calibration);
-  for (const std::string& id : options.estimate) {
+  for (const std::string& named : options.estimate) {
+    const std::string id(baseOf(named));
     const EffectInfo* effect = findEffect(id);
     if (effect == nullptr) throw Error("--estimate", id, "no such effect (known: " + knownEffects() + ")");
+    if (const auto instance = Instance::of(named, id); instance && !instance->isFirst()) {
+      if (!effect->is_of_instrument)
+        throw Error("--estimate", named, "is of the world, not of an instrument");
+      batch.calibration.only[effect->index] = *instance;
+    }
     for (const Parameter& p : effect->parameters)
       if (p.kind != ParameterKind::continuous && !batch.calibration.on[effect->index])
         throw Error("--estimate", id,
@@ -88,7 +94,8 @@ void addSmooth(const RunContext& context) {
       "  fathom smooth dive.rawlog --estimate dvl-scale camera-misalignment --out out/dive");
   const auto options = std::make_shared<SmoothOptions>();
   addBatchRecordingOptions(*command, options->recording);
-  command->add_option("--estimate", options->estimate, "Effects whose parameters are estimated");
+  command->add_option("--estimate", options->estimate,
+                      "Effects whose parameters are estimated; of one of several instruments: dvl-scale.2");
   command
       ->add_option("--calibration", options->calibration,
                    "Effects known to be there; of those estimated, where to start")

@@ -15,29 +15,33 @@ constexpr double kSameSupport = 2.7;  // half of the 5.4 by which the right one 
 constexpr std::size_t kRivals = 4;
 constexpr double kVanished = 2;  // sqrt(lambda) of what would never have been named
 
-/// Of the candidates to first order, that of an effect which comes nearest; nothing where there is none.
-std::optional<std::size_t> nearestOf(std::size_t effect, const std::vector<TestedCandidate>& candidates) {
+/// The same effect, of the same instruments.
+bool isSameKind(const Candidate& a, const Candidate& b) { return a.effect == b.effect && a.only == b.only; }
+
+/// Of the candidates to first order, that of the same kind which comes nearest; nothing where there is none.
+std::optional<std::size_t> nearestOf(const Candidate& stated,
+                                     const std::vector<TestedCandidate>& candidates) {
   std::optional<std::size_t> nearest;
   for (std::size_t m = 0; m < candidates.size(); ++m)
-    if (candidates[m].candidate.effect == effect &&
+    if (isSameKind(candidates[m].candidate, stated) &&
         (!nearest || candidates[m].support > candidates[*nearest].support))
       nearest = m;
   return nearest;
 }
 
-/// All others, best supported first.
-std::vector<std::size_t> othersThan(std::size_t effect, const std::vector<TestedCandidate>& candidates) {
+/// All of other kinds, best supported first.
+std::vector<std::size_t> othersThan(const Candidate& stated, const std::vector<TestedCandidate>& candidates) {
   std::vector<std::size_t> order;
   for (std::size_t m = 0; m < candidates.size(); ++m)
-    if (candidates[m].candidate.effect != effect) order.push_back(m);
+    if (!isSameKind(candidates[m].candidate, stated)) order.push_back(m);
   stableSort(order,
              [&](std::size_t a, std::size_t b) { return candidates[a].support > candidates[b].support; });
   return order;
 }
 
-bool isListed(std::size_t effect, const Alternatives& set) {
+bool isListed(const Candidate& candidate, const Alternatives& set) {
   return std::any_of(set.candidates.begin(), set.candidates.end(),
-                     [&](const Candidate& other) { return other.effect == effect; });
+                     [&](const Candidate& other) { return isSameKind(other, candidate); });
 }
 
 }  // namespace
@@ -50,15 +54,15 @@ InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits,
   const Candidate& stated = fit.effects[effect];
   const Screening screening(*rest.model, fits.segments(), lasting_only);
   const auto& candidates = screening.candidates();
-  const std::optional<std::size_t> own = nearestOf(stated.effect, candidates);
+  const std::optional<std::size_t> own = nearestOf(stated, candidates);
   if (!own) return found;
   Alternatives set{{stated}, {0}, {1}, {}};
   std::optional<SizedEffect> like;
   std::size_t tried = 0;
-  for (const std::size_t m : othersThan(stated.effect, candidates)) {
+  for (const std::size_t m : othersThan(stated, candidates)) {
     if (candidates[m].support < leastOfContenders(candidates[*own].support) || tried++ == kRivals) break;
     Candidate other = candidates[m].candidate;
-    if (isListed(other.effect, set)) continue;
+    if (isListed(other, set)) continue;
     if (!other.isForGood()) other = refinedInterval(*rest.model, other, fits.segment_s());
     std::vector<Candidate> effects = rest.effects;
     effects.push_back(other);

@@ -1,5 +1,6 @@
 #include "effects/calibration.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/text.h"
@@ -48,20 +49,47 @@ std::string formatNumbers(const double* values, int size, const Parameter& param
   return text + (size > 1 ? "]" : "");
 }
 
-std::string formatEffect(const EffectInfo& effect, const EffectParameters<double>& parameters) {
+/// One entry of a calibration.
+struct Entry {
+  std::vector<double> values;
+  Interval active_s;
+  std::optional<Instance> only;
+};
+
+Entry readEntry(const YamlMap& entry, const EffectInfo& effect) {
+  Entry read{std::vector<double>(effect.scalars), {}, {}};
+  double* value = read.values.data();
+  for (const Parameter& parameter : effect.parameters) {
+    readParameter(entry, parameter, value);
+    value += parameter.size;
+  }
+  readInterval(entry, read.active_s);
+  readInstance(entry, read.only);
+  if (read.only && !effect.is_of_instrument)
+    throw entry.error("instance", "`" + std::string(effect.id) + "` is of the world, not of an instrument");
+  return read;
+}
+
+/// Whether an effect may be on this instrument besides those that it is on already.
+bool isFurther(const EffectParameters<double>& parameters, std::size_t effect,
+               const std::optional<Instance>& only) {
+  if (!only || !parameters.only[effect] || *parameters.only[effect] == *only) return false;
+  return std::none_of(parameters.further.begin(), parameters.further.end(),
+                      [&](const auto& f) { return f.effect == effect && f.instance == *only; });
+}
+
+std::string formatEntry(const EffectInfo& effect, const double* value, const Interval& active_s,
+                        const std::optional<Instance>& only) {
   std::string text = "{id: " + std::string(effect.id);
-  const double* value = parameters.values.data() + effect.first_scalar;
   for (const Parameter& parameter : effect.parameters) {
     text += ", " + std::string(parameter.name) + ": " + formatNumbers(value, parameter.size, parameter);
     value += parameter.size;
   }
-  const Interval& active_s = parameters.active_s[effect.index];
   if (active_s != Interval{}) {
     const std::array<double, 2> ends{active_s.from_s, active_s.to_s};
     text += ", active_s: " + formatNumbers(ends.data(), 2);
   }
-  if (const auto& only = parameters.only[effect.index])
-    text += ", instance: " + std::string(only->isFirst() ? Instance::kFirst : only->name());
+  if (only) text += ", instance: " + std::string(only->isFirst() ? Instance::kFirst : only->name());
   return text + "}";
 }
 
@@ -74,17 +102,19 @@ EffectParameters<double> parseCalibration(const YamlMap& map) {
     const EffectInfo* effect = findEffect(id);
     if (effect == nullptr)
       throw entry.error("id", "unknown effect `" + id + "` (known: " + knownEffects() + ")");
-    if (result.on[effect->index]) throw entry.error("id", "effect `" + id + "` is given twice");
-    result.on.set(effect->index);
-    double* value = result.values.data() + effect->first_scalar;
-    for (const Parameter& parameter : effect->parameters) {
-      readParameter(entry, parameter, value);
-      value += parameter.size;
+    Entry read = readEntry(entry, *effect);
+    if (!result.on[effect->index]) {
+      result.on.set(effect->index);
+      std::copy(read.values.begin(), read.values.end(),
+                result.values.begin() + static_cast<std::ptrdiff_t>(effect->first_scalar));
+      result.active_s[effect->index] = read.active_s;
+      result.only[effect->index] = read.only;
+    } else if (isFurther(result, effect->index, read.only)) {
+      result.further.push_back({effect->index, *read.only, std::move(read.values), read.active_s});
+    } else {
+      throw entry.error("id",
+                        "effect `" + id + "` is given twice; only on another `instance` each it may be");
     }
-    readInterval(entry, result.active_s[effect->index]);
-    readInstance(entry, result.only[effect->index]);
-    if (result.only[effect->index] && !effect->is_of_instrument)
-      throw entry.error("instance", "`" + id + "` is of the world, not of an instrument");
   }
   return result;
 }
@@ -98,8 +128,14 @@ EffectParameters<double> readCalibration(const std::filesystem::path& file) {
 
 std::string formatCalibration(const EffectParameters<double>& parameters) {
   std::string text = "effects:";
-  for (const EffectInfo& effect : allEffects())
-    if (parameters.on[effect.index]) text += "\n  - " + formatEffect(effect, parameters);
+  for (const EffectInfo& effect : allEffects()) {
+    if (!parameters.on[effect.index]) continue;
+    text += "\n  - " + formatEntry(effect, parameters.values.data() + effect.first_scalar,
+                                   parameters.active_s[effect.index], parameters.only[effect.index]);
+    for (const auto& f : parameters.further)
+      if (f.effect == effect.index)
+        text += "\n  - " + formatEntry(effect, f.values.data(), f.active_s, f.instance);
+  }
   return text + (parameters.on.any() ? "\n" : " []\n");
 }
 

@@ -16,7 +16,8 @@
 ///
 /// active_s: from when to when, in seconds from the recording's first entry; without it, always.
 /// instance: where a vehicle has several instruments of the kind, the one that it acts on, as it stands
-/// behind the dot of its label (`2` of DVL.2, or `first`); without it, on each.
+/// behind the dot of its label (`2` of DVL.2, or `first`); without it, on each. An effect may be given once
+/// for each instance.
 namespace fathom {
 
 /// Throws Error: unknown effect (lists the known ones), an effect twice, a parameter missing, unknown, of the

@@ -24,7 +24,9 @@ const std::vector<EffectInfo>& allEffects() {
       constexpr std::size_t index = kEffectIndex<Effect>;
       all.push_back({Effect::id, Effect::text, Effect::parameters, index, kEffectOffsets[index],
                      parameterSize<Effect>()});
-      all.back().is_of_instrument = !kIsOfWorld<typename Effect::template Stage<double>>;
+      all.back().is_of_instrument = !kIsOfWorld<typename Effect::template Stage<double>> && !requires {
+        Effect::is_of_world;
+      };
       if constexpr (requires { Effect::derived; }) {
         all.back().derived = &Effect::derived;
         all.back().derive = &Effect::derive;

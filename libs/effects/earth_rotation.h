@@ -13,6 +13,7 @@ struct EarthRotation {
 
   template <class T>
   using Stage = GyroReading<T>;
+  static constexpr bool is_of_world = true;  ///< each instrument of the kind is in it
   static constexpr std::string_view id = "earth-rotation";
   static constexpr EffectText text{
       .channel = EffectChannel::navigation,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bitset>
 #include <cstddef>
@@ -7,6 +8,7 @@
 #include <tuple>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "core/instance.h"
 #include "effects/accelerometer_bias.h"
@@ -114,6 +116,14 @@ struct EffectParameters {
   std::array<Interval, kEffectCount> active_s{};
   /// On which of a vehicle's several instruments of the kind; nothing: on each.
   std::array<std::optional<Instance>, kEffectCount> only{};
+  /// An effect that is on one instrument already, as another one has it besides.
+  struct Further {
+    std::size_t effect = 0;
+    Instance instance;
+    std::vector<T> values;
+    Interval active_s;
+  };
+  std::vector<Further> further;
   /// Where not null, applyEffects() notes here which effects act at the stages that it is called with: so it
   /// is known which effects a model has.
   std::bitset<kEffectCount>* asked = nullptr;
@@ -147,6 +157,13 @@ struct EffectParameters {
     for (std::size_t e = 0; on.any() && e < kEffectCount; ++e)
       if (!concerns(e, instance)) own.on.reset(e);
     own.only = {};
+    own.further.clear();
+    for (const Further& f : further) {
+      if (!(f.instance == instance)) continue;
+      own.on.set(f.effect);
+      own.active_s[f.effect] = f.active_s;
+      std::copy(f.values.begin(), f.values.end(), own.values.begin() + kEffectOffsets[f.effect]);
+    }
     return own;
   }
   /// What is active at one time on one instrument, on for good and as another scalar, e.g. constants among
@@ -158,6 +175,12 @@ struct EffectParameters {
       if (!isActive(e, t_s) || !concerns(e, instance)) continue;
       now.on.set(e);
       for (std::size_t i = kEffectOffsets[e]; i < kEffectOffsets[e + 1]; ++i) now.values[i] = U(values[i]);
+    }
+    for (const Further& f : further) {
+      if (!(f.instance == instance) || !f.active_s.contains(t_s)) continue;
+      now.on.set(f.effect);
+      for (std::size_t i = 0; i < f.values.size(); ++i)
+        now.values[kEffectOffsets[f.effect] + i] = U(f.values[i]);
     }
     return now;
   }
@@ -184,25 +207,18 @@ const std::bitset<kEffectCount>& effectsAt() {
   return acting;
 }
 
-/// Applies every effect that acts at this stage of an instrument's, and is active t_s after the recording's
-/// first entry: the entry's time stamp, whatever its latency.
+/// Applies every effect that acts at this stage and is active t_s after the recording's first entry: the
+/// entry's time stamp, whatever its latency. Of several instruments of a kind, the parameters must be this
+/// one's (EffectParameters::of()).
 template <class T, class Stage>
-void applyEffects(const EffectParameters<T>& parameters, double t_s, const Instance& instance, Stage& stage) {
+void applyEffects(const EffectParameters<T>& parameters, double t_s, Stage& stage) {
   if (parameters.asked != nullptr) *parameters.asked |= effectsAt<T, Stage>();
   if (parameters.on.none()) return;
   forEachEffect([&]<class Effect>() {
     if constexpr (std::is_same_v<typename Effect::template Stage<T>, Stage>)
-      if (parameters.isActive(kEffectIndex<Effect>, t_s) &&
-          parameters.concerns(kEffectIndex<Effect>, instance))
+      if (parameters.isActive(kEffectIndex<Effect>, t_s))
         Effect::template apply<T>(parameters.template of<Effect>(), stage);
   });
-}
-
-/// Of the first instrument of the kind, of whatever is of none (the world), or of parameters that are one
-/// instrument's already (EffectParameters::of()).
-template <class T, class Stage>
-void applyEffects(const EffectParameters<T>& parameters, double t_s, Stage& stage) {
-  applyEffects(parameters, t_s, Instance(), stage);
 }
 
 /// Whether any of the effects that act at this stage (of double) is on, at whatever time.

@@ -11,6 +11,7 @@ namespace fathom {
 struct WaterCurrent {
   template <class T>
   using Stage = DvlVelocity<T>;
+  static constexpr bool is_of_world = true;  ///< each instrument of the kind is in it
   static constexpr std::string_view id = "water-current";
   static constexpr EffectText text{
       .channel = EffectChannel::navigation,

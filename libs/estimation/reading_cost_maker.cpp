@@ -70,13 +70,12 @@ ReadingCostMaker::Subject ReadingCostMaker::subjectOf(const RowSource& source) c
 
 std::bitset<kEffectCount> ReadingCostMaker::actingOn(const ReadingModel& model,
                                                      const RowSource& source) const {
-  const EffectParameters<double>& effects = unknowns_.reference().effects;
+  const EffectParameters<double>& all = unknowns_.reference().effects;
+  const EffectParameters<double> effects = all.of(source.instance);
   std::bitset<kEffectCount> acting;
   for (std::size_t e = 0; e < kEffectCount; ++e) {
-    const bool on = effects.on[e] || options_.estimate[e];
-    if (!on || !effects.active_s[e].contains(source.t_s) || !effects.concerns(e, source.instance) ||
-        !model.dependsOn(e))
-      continue;
+    const bool on = effects.on[e] || (options_.estimate[e] && all.concerns(e, source.instance));
+    if (!on || !effects.active_s[e].contains(source.t_s) || !model.dependsOn(e)) continue;
     bool acts = true;
     for (std::size_t s = kEffectOffsets[e]; s < kEffectOffsets[e + 1]; ++s) {
       const double value = effects.values[s];
@@ -99,10 +98,10 @@ void ReadingCostMaker::setEffects(const Subject& subject, ReadingCost& cost) con
     cost.told[effect.index] = cost.model->dependsOn(effect.index) &&
                               (subject.patch == nullptr || effect.text.channel == EffectChannel::image);
   point.on = cost.acting;
+  const EffectParameters<double> effects = unknowns_.reference().effects.of(cost.source.instance);
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (cost.acting[e])
-      for (const std::size_t s : continuousScalars(e))
-        point.effects[s] = unknowns_.reference().effects.values[s];
+      for (const std::size_t s : continuousScalars(e)) point.effects[s] = effects.values[s];
 }
 
 void ReadingCostMaker::setPlaces(const Subject& subject, ForwardPoint& point) const {
@@ -183,7 +182,8 @@ void ReadingCostMaker::linkDrift(ReadingCost& cost) const {
 
 void ReadingCostMaker::linkEffects(ReadingCost& cost) const {
   for (std::size_t e = 0; e < kEffectCount; ++e)
-    if (cost.acting[e] && cost.told[e] && unknowns_.find(UnknownBlock::Kind::effect, e) != nullptr)
+    if (cost.acting[e] && cost.told[e] && unknowns_.find(UnknownBlock::Kind::effect, e) != nullptr &&
+        unknowns_.reference().effects.concerns(e, cost.source.instance))
       link(unknowns_.placeOf(UnknownBlock::Kind::effect, e), continuousScalars(e), 1.0, cost);
 }
 

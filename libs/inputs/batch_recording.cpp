@@ -118,6 +118,7 @@ BatchRecording readBatchRecording(const BatchRecordingOptions& options,
   const std::vector<PanelMap> panels =
       recording.map ? readPanelMaps(*recording.map) : std::vector<PanelMap>{};
   const Vehicle vehicle = readVehicle(recording.vehicle);
+  requireInstances(calibration, vehicle, "the calibration");
   const auto start = startPose(options.start, options.rawlog, {});
   recording.found = findMarkers(options.rawlog, panels, recording.remarks);
   BatchDataOptions beside;

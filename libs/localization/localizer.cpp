@@ -109,14 +109,13 @@ class Localizer::RunOf : public Run {
   /// When a reading was valid: its stamp, but for a calibrated latency.
   double validity_s(const Sample& sample) const {
     const double stamp_s = secondsBetween(setup_.time_zero, sample.time);
-    const EffectParameters<double>& effects = setup_.calibration;
-    if (isLandmark(sample)) {
-      const auto camera = Instance::of(sample.label, baseOf(sample.label)).value_or(Instance());
-      return stamp_s + validityOffset<Camera>(effects, stamp_s, camera);
-    }
+    if (setup_.calibration.on.none()) return stamp_s;
+    const EffectParameters<double> effects =
+        setup_.calibration.of(Instance::of(sample.label, baseOf(sample.label)).value_or(Instance()));
+    if (isLandmark(sample)) return stamp_s + validityOffset<Camera>(effects, stamp_s);
     double valid_s = stamp_s;
-    withInstrument(sample, [&]<class Instrument>(const auto&, const Instance& instance) {
-      valid_s += validityOffset<typename Instrument::Instrument>(effects, stamp_s, instance);
+    withInstrument(sample, [&]<class Instrument>(const auto&, const Instance&) {
+      valid_s += validityOffset<typename Instrument::Instrument>(effects, stamp_s);
     });
     return valid_s;
   }

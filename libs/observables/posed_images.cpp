@@ -62,8 +62,8 @@ PosedImages posedImages(const std::vector<ImageEntry>& entries, const Detections
     }
   }
   if (of_others > 0)
-    images.remarks.push_back("images are compared of the first camera only; of others there are " +
-                             std::to_string(of_others));
+    images.remarks.push_back("only the first camera's images are looked at; " + std::to_string(of_others) +
+                             " of other cameras are left out");
   return images;
 }
 

@@ -20,7 +20,7 @@ std::string fileName(const std::string& label) {
     const auto byte = static_cast<unsigned char>(c);
     char code[4];
     std::snprintf(code, sizeof code, "%%%02X", byte);
-    const bool plain = std::isalnum(byte) || c == '_' || c == '-';
+    const bool plain = std::isalnum(byte) || c == '_' || c == '-' || (c == '.' && !name.empty());
     name += plain ? std::string(1, c) : code;
   }
   return name + ".csv";

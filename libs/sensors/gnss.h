@@ -24,9 +24,9 @@ struct GnssSheet {
     f.positive("rate_hz", rate_hz);
     f.positive("horizontal_sigma_m", horizontal_sigma_m);
     f.positive("vertical_sigma_m", vertical_sigma_m);
-    f.number("origin_latitude_deg", origin.latitude_deg);
-    f.number("origin_longitude_deg", origin.longitude_deg);
-    f.number("origin_height_m", origin.height_m);
+    f.numberWithin("origin_latitude_deg", origin.latitude_deg, 89);  // odom has an east there
+    f.numberWithin("origin_longitude_deg", origin.longitude_deg, 180);
+    f.numberWithin("origin_height_m", origin.height_m, 10000);
     f.degrees("odom_yaw_deg", odom_yaw_rad);
     f.pose("pose", T_robot_gnss);
   }

@@ -46,9 +46,9 @@ T rangeToFloor(const Inputs<T>& in, const Vector3<T>& from_robot, const Vector3<
 
 /// When a measurement was valid, and where its instrument sits, where there is nothing but effects.
 template <class Instrument, class T>
-T validityOffset(const EffectParameters<T>& effects, double t_s, const Instance& instance = {}) {
+T validityOffset(const EffectParameters<T>& effects, double t_s) {
   ValidityOffset<T, Instrument> offset;
-  applyEffects(effects, t_s, instance, offset);
+  applyEffects(effects, t_s, offset);
   return offset.seconds;
 }
 template <class Instrument, class T>

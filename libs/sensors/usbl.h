@@ -17,6 +17,7 @@ struct UsblSheet {
   double rate_hz = 0.2;
   double position_sigma_m = 0.5;  ///< each axis
   Pose T_robot_usbl;
+  bool is_absent = false;  ///< the vehicle file has no section: each entry's own mounting holds
 
   template <class Fields>
   void fields(Fields&& f) {
@@ -61,12 +62,13 @@ struct Usbl {
                                        .tells = ChannelText::Tells::position,
                                        .start = ChannelText::Start::position};
   static constexpr const char* lacking = "USBL with a covariance that is none";
-  /// The mounting is the vehicle file's.
+  /// The mounting is the vehicle file's; where that has no section, the entry's.
   template <class F>
   static void observe(const PoseSample& s, const UsblSheet& sheet, F&& f) {
     const Matrix3d covariance = s.T_odom_robot.covariance.topLeftCorner<3, 3>();
     if (isPositiveDefinite(covariance))
-      f(Observation{s.T_odom_robot.mean.position, covariance, sheet.T_robot_usbl});
+      f(Observation{s.T_odom_robot.mean.position, covariance,
+                    sheet.is_absent ? s.T_robot_sensor : sheet.T_robot_usbl});
   }
   /// Position of the transponder, odom, m.
   template <class T>

@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "core/error.h"
 #include "core/yaml.h"
+#include "effects/catalogue.h"
 
 namespace fathom {
 namespace {
@@ -14,7 +16,11 @@ class ReadFields {
 
   void positive(const char* key, double& value) const { value = y_.positive(key); }
   void notNegative(const char* key, double& value) const { value = y_.notNegative(key); }
-  void number(const char* key, double& value) const { value = y_.number(key); }
+  void numberWithin(const char* key, double& value, double limit) const {
+    value = y_.number(key);
+    if (std::abs(value) > limit)
+      throw y_.error(key, "must be within +-" + std::to_string(std::lround(limit)));
+  }
   void degrees(const char* key, double& value_rad) const { value_rad = radians(y_.number(key)); }
   void positiveDegrees(const char* key, double& value_rad) const { value_rad = radians(y_.positive(key)); }
   void degreesBelow(const char* key, double& value_rad, double limit_deg) const {
@@ -87,6 +93,12 @@ LampSheet readLamp(const YamlMap& y) {
   return s;
 }
 
+bool isSectionOfSensor(const std::string& section) {
+  bool is_one = section == "camera";
+  forEachInstrument([&]<class Instrument>() { is_one = is_one || section == Instrument::section; });
+  return is_one;
+}
+
 /// One section for each kind, behind its name the instance's.
 void readSensors(const YamlMap& y, const Instance& instance, SensorsOnBoard& sensors) {
   forEachInstrument([&]<class Instrument>() {
@@ -109,6 +121,20 @@ const SensorsOnBoard& Vehicle::sensors(const Instance& instance) const {
   return found == others.end() ? none : found->second;
 }
 
+void requireInstances(const EffectParameters<double>& effects, const Vehicle& vehicle,
+                      const std::string& calibration) {
+  const auto require = [&](std::size_t effect, const Instance& instance) {
+    if (instance.isFirst() || vehicle.others.contains(instance)) return;
+    std::string there = std::string(Instance::kFirst);
+    for (const auto& [other, sensors] : vehicle.others) there.append(", ").append(other.name());
+    throw Error(calibration, std::string(allEffects()[effect].id),
+                "the vehicle has no instance " + std::string(instance.name()) + "; there are " + there);
+  };
+  for (std::size_t e = 0; e < kEffectCount; ++e)
+    if (effects.on[e] && effects.only[e]) require(e, *effects.only[e]);
+  for (const auto& f : effects.further) require(f.effect, f.instance);
+}
+
 void readPinhole(const YamlMap& y, CameraModel& camera) {
   camera.fx_px = y.positive("fx_px");
   camera.fy_px = y.positive("fy_px");
@@ -122,9 +148,14 @@ Vehicle readVehicle(const std::filesystem::path& file) {
   Vehicle v;
   v.gravity_m_s2 = y.notNegative("gravity_m_s2");
   readSensors(y, {}, v);
-  for (const std::string& section : y.keys())
-    if (const auto instance = Instance::of(section, baseOf(section)); instance && !instance->isFirst())
+  for (const std::string& section : y.keys()) {
+    if (const auto instance = Instance::of(section, baseOf(section)); instance && !instance->isFirst()) {
       if (!v.others.contains(*instance)) readSensors(y, *instance, v.others[*instance]);
+    } else if (isSectionOfSensor(section.substr(0, section.find('.'))) &&
+               section.find('.') != std::string::npos) {
+      throw y.error(section, "behind the dot must be 1 to 15 letters, digits, `_` or `-`, and not `first`");
+    }
+  }
   if (y.has("lamps"))
     for (const YamlMap& lamp : y.maps("lamps")) v.lamps.push_back(readLamp(lamp));
   yaml.rejectUnknownKeys();

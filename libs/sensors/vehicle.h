@@ -80,10 +80,26 @@ struct Vehicle : SensorsOnBoard {
 template <class C>
 const auto& sheetOf(const Vehicle& vehicle, const Instance& instance = {}) {
   using Sheet = typename C::Instrument::Sheet;
-  static const Sheet defaults;
+  static const Sheet defaults = [] {
+    Sheet sheet;
+    if constexpr (requires { sheet.is_absent; }) sheet.is_absent = true;
+    return sheet;
+  }();
   const std::optional<Sheet>& sheet = vehicle.sensors(instance).*C::Instrument::on_board;
   return sheet ? *sheet : defaults;
 }
+
+/// Whether any camera is on board.
+inline bool hasCamera(const Vehicle& vehicle) {
+  bool any = false;
+  vehicle.forEachInstance(
+      [&](const Instance&, const SensorsOnBoard& s) { any = any || s.camera.has_value(); });
+  return any;
+}
+
+/// Throws Error, about the calibration, where an effect is of an instance that the vehicle has nothing of.
+void requireInstances(const EffectParameters<double>& effects, const Vehicle& vehicle,
+                      const std::string& calibration);
 
 /// Strict, see core/yaml.h. Throws Error.
 Vehicle readVehicle(const std::filesystem::path& file);

@@ -77,7 +77,7 @@ RecordingFiles simulateRecording(const SimulationOptions& options, const Traject
   if (!target.panel_map.empty()) files.panel_map = copyOfPanelMap(target.panel_map, named(kPanelFolder));
   PendingFile truth(files.truth);  // from here on, so that no other run makes this recording's images too
   SimulationOptions with_images = options;
-  with_images.images = options.vehicle.camera && target.environment && !target.panel_map.empty();
+  with_images.images = hasCamera(options.vehicle) && target.environment && !target.panel_map.empty();
   if (with_images.images) {
     files.images = named("_Images");
     files.image_entries = imageCount(options, trajectory);

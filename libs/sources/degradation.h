@@ -59,10 +59,14 @@ struct DegradationStage {
 ///   DVL_BEAMS   range_m (a number)
 ///   DEPTH       pressure_pa (a number)
 ///   USBL        position_m, odom axes
+///   COMPASS     heading_rad (a number)
+///   GNSS        fix_m: east, north, up
+///   ALTIMETER   altimeter_m (a number)
 ///   LANDMARKS   position_m, angle_deg: the robot pose they imply is moved so, in robot axes
 ///
-/// The sensors: INS, DVL, DVL_BEAMS, DEPTH, USBL, CAMERA, STEREO, LANDMARKS, MARKERS, PANEL. Landmarks are
-/// derived from images before the stages act, so what happens to CAMERA does not happen to LANDMARKS.
+/// The sensors: INS, DVL, DVL_BEAMS, DEPTH, USBL, COMPASS, GNSS, ALTIMETER, CAMERA, STEREO, LANDMARKS,
+/// MARKERS, PANEL, and of several of a kind DVL.2 and so on, each by itself. Landmarks are derived from
+/// images before the stages act, so what happens to CAMERA does not happen to LANDMARKS.
 std::vector<DegradationStage> readDegradation(const std::filesystem::path& file);
 /// One stage; keys other than a stage's are left to the caller. `vary` names a strength that need not be
 /// there yet.

@@ -125,7 +125,11 @@ class SourceMaker {
       if (kImages.contains(std::string(baseOf(label))))
         throw at.error(label, "images cannot be simulated on the way: simulate a recording and name it here");
     demand(sensorsOf(options.vehicle), wanted, at, "the simulated vehicle");
-    if (y.has("calibration")) options.effects = readCalibration(folder_ / y.text("calibration"));
+    if (y.has("calibration")) {
+      const fs::path calibration = folder_ / y.text("calibration");
+      options.effects = readCalibration(calibration);
+      requireInstances(options.effects, options.vehicle, calibration.string());
+    }
     if (y.has("seed")) options.seed = seedOf(y);
     y.read("noise", options.noise);
     y.read("sea_floor_z_m", options.sea_floor_z_m);

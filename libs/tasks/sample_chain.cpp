@@ -33,6 +33,7 @@ SampleChain::SampleChain(const ChainOptions& options, bool landmarks) : options_
   auto source = openBare();
   setup_.vehicle = readVehicle(neededVehicleFile(options.vehicle, options.rawlog, source->header()));
   if (!options.calibration.empty()) setup_.calibration = readCalibration(options.calibration);
+  requireInstances(setup_.calibration, setup_.vehicle, options.calibration);
   setup_.time_zero = source->next()->time;
   std::vector<std::string> lacking;
   // Each reads the recording once, so side by side.

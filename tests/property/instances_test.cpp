@@ -113,9 +113,54 @@ TEST(Instances, ACalibrationNamesThem) {
   EXPECT_FALSE(effects.only[kEffectIndex<CameraLatency>].has_value());
   const std::string text = formatCalibration(effects);
   EXPECT_EQ(formatCalibration(parseCalibration(YamlFile::parse(text, "again").root())), text);
-  for (const char* wrong : {"{id: marker-size, scale_error: 0.01, instance: 2}",
-                            "{id: dvl-scale, scale_error: 0.01, instance: \"two words\"}"})
+  const auto both = parsed(
+      "{id: dvl-scale, scale_error: 0.01, instance: first},"
+      "{id: dvl-scale, scale_error: -0.02, instance: 2, active_s: [3, 5]}");
+  EXPECT_EQ(*both.of({}).of<DvlScale>(), 0.01);
+  EXPECT_EQ(*both.of(kSecond).of<DvlScale>(), -0.02);
+  EXPECT_TRUE(both.at<double>(4, kSecond).has<DvlScale>());
+  EXPECT_FALSE(both.at<double>(6, kSecond).has<DvlScale>());
+  const std::string both_text = formatCalibration(both);
+  EXPECT_EQ(formatCalibration(parseCalibration(YamlFile::parse(both_text, "again").root())), both_text);
+  for (const char* wrong :
+       {"{id: marker-size, scale_error: 0.01, instance: 2}",
+        "{id: water-current, current_m_s: [0, 0, 1], instance: 2}",
+        "{id: dvl-scale, scale_error: 0.01}, {id: dvl-scale, scale_error: 0.02, instance: 2}",
+        "{id: dvl-scale, scale_error: 0.01, instance: \"two words\"}"})
     EXPECT_THROW(parsed(wrong), Error) << wrong;
+}
+
+// Each by its own amount: simulated, and taken off again by filter and batch estimate.
+TEST(Instances, OneEffectMayBeOnEachByItsOwnAmount) {
+  const auto effects =
+      parseCalibration(YamlFile::parse("effects: [{id: dvl-scale, scale_error: 0.05, instance: first},"
+                                       "{id: dvl-scale, scale_error: -0.08, instance: 2}]",
+                                       "test")
+                           .root());
+  const Trajectory trajectory = test::sineTrajectory(10);
+  SimulationOptions options = twice();
+  const auto nominal = simulated(options, trajectory);
+  options.effects = effects;
+  const auto scaled = simulated(options, trajectory);
+  for (const auto& [label, factor] : {std::pair("DVL", 1.05), {"DVL.2", 0.92}}) {
+    const Vector3d was = *test::reading<DvlSample>(nominal, label, 5).velocity_dvl,
+                   is = *test::reading<DvlSample>(scaled, label, 5).velocity_dvl;
+    EXPECT_LT((is - factor * was).norm(), 1e-12) << label;
+  }
+  EXPECT_NO_THROW(requireInstances(effects, options.vehicle, "test"));
+  EXPECT_THROW(requireInstances(effects, test::slantedVehicle(), "test"), Error);
+
+  test::BatchRun run(12.0);
+  run.noise = false;
+  run.vehicle.others[kSecond].dvl = run.vehicle.dvl;
+  run.effects = effects;
+  const BatchInput input = run.input(effects);
+  BatchOptions known;
+  known.calibration = effects;
+  const BatchEstimate with = estimateBatch(input.data, input.start, known);
+  const BatchEstimate without = estimateBatch(input.data, input.start, {});
+  EXPECT_LT(with.residuals.at(kChannel<Dvl>).rms, 0.1);
+  EXPECT_GT(without.residuals.at(kChannel<Dvl>).rms, 1.0);
 }
 
 struct FilterRun {

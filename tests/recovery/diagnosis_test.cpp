@@ -65,6 +65,28 @@ TEST(Diagnosis, NamesTheInstrumentOfSeveral) {
   expectFound<DvlScale>(found.effects[0], 0.03);
 }
 
+// Two compasses and nothing else that knows the heading: which of them is off cannot be told, and is not.
+TEST(Diagnosis, InstrumentsThatCannotBeToldApartAreNamedTogether) {
+  if (test::kSanitized)
+    GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  test::BatchRun run = test::richRun(1, 24.0);
+  run.vehicle.camera.reset();
+  const Instance second = *Instance::named("2");
+  run.vehicle.compass.emplace();
+  run.vehicle.others[second].compass.emplace();
+  run.effects.add<HeadingDisturbance>({15, 0, 0, 0, 0});
+  run.effects.only[kEffectIndex<HeadingDisturbance>] = second;
+  const Diagnosis found = diagnose(run.input());
+  const bool are_together =
+      std::any_of(found.alternatives.begin(), found.alternatives.end(), [](const Alternatives& set) {
+        std::set<std::string> names;
+        for (const Candidate& candidate : set.candidates) names.insert(nameOf(candidate));
+        return names.contains("heading-disturbance of 2") &&
+               names.contains("heading-disturbance of the first");
+      });
+  EXPECT_TRUE(are_together) << found.why;
+}
+
 class HiddenEffect : public testing::TestWithParam<const char*> {};
 TEST_P(HiddenEffect, IsNamed) {
   if (test::kSanitized)

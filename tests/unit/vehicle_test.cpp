@@ -127,7 +127,8 @@ TEST(Vehicle, MayHaveSeveralOfAKind) {
   EXPECT_EQ(vehicle.sensors(aft).compass->rate_hz, 3);
   EXPECT_FALSE(vehicle.sensors(aft).dvl.has_value());
   EXPECT_EQ(&vehicle.sensors({}), &static_cast<const SensorsOnBoard&>(vehicle));
-  for (const char* unknown : {"lamps.2: []\n", "compas.2: {}\n", "compass.two words: {}\n"})
+  for (const char* unknown :
+       {"lamps.2: []\n", "compas.2: {}\n", "compass.two words: {}\n", "compass.first: {}\n"})
     EXPECT_THROW(read(unknown), Error) << unknown;
 }
 
