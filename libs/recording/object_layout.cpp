@@ -139,6 +139,8 @@ void walkMatrix(Walker& w) {
 /// damaged it never frees.
 void requireReadable(std::int32_t kind, std::span<const std::uint8_t> fields) {
   using mrpt::obs::gnss::gnss_message;
+  // What is beyond the largest kind MRPT makes nothing of, and no value of its enumeration.
+  if (kind < 0 || kind > mrpt::obs::gnss::NV_OEM6_GENERIC_SHORT_FRAME) return;
   const auto type = static_cast<mrpt::obs::gnss::gnss_message_type_t>(kind);
   const std::unique_ptr<gnss_message> message(gnss_message::Factory(type));
   std::vector<std::uint8_t> bytes(2 * sizeof(std::uint32_t));
