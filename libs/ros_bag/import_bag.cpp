@@ -210,10 +210,13 @@ std::vector<std::string> BagImporter::remarks() const {
     lines.push_back(topic +
                     print(": %zu of %zu messages say that there is no bottom lock", count, count_.at(topic)));
   for (const auto& [topic, count] : bad_count_) {
-    std::string quoted;
-    for (const BadMessage& bad : bad_.at(topic))
-      quoted += (quoted.empty() ? "" : "; ") + bad.where + ": " + bad.why;
-    lines.push_back(topic + print(": %zu of %zu messages are left out: ", count, count_.at(topic)) + quoted);
+    std::string line = topic + print(": %zu of %zu messages are left out", count, count_.at(topic));
+    const char* between = ": ";
+    for (const BadMessage& bad : bad_.at(topic)) {
+      line.append(between).append(bad.where).append(": ").append(bad.why);
+      between = "; ";
+    }
+    lines.push_back(line);
   }
   return lines;
 }
