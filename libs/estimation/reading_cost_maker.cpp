@@ -68,10 +68,9 @@ ReadingCostMaker::Subject ReadingCostMaker::subjectOf(const RowSource& source) c
   return subject;
 }
 
-std::bitset<kEffectCount> ReadingCostMaker::actingOn(const ReadingModel& model,
-                                                     const RowSource& source) const {
+std::bitset<kEffectCount> ReadingCostMaker::actingOn(const ReadingModel& model, const RowSource& source,
+                                                     const EffectParameters<double>& effects) const {
   const EffectParameters<double>& all = unknowns_.reference().effects;
-  const EffectParameters<double> effects = all.of(source.instance);
   std::bitset<kEffectCount> acting;
   for (std::size_t e = 0; e < kEffectCount; ++e) {
     const bool on = effects.on[e] || (options_.estimate[e] && all.concerns(e, source.instance));
@@ -93,12 +92,12 @@ std::bitset<kEffectCount> ReadingCostMaker::actingOn(const ReadingModel& model,
 void ReadingCostMaker::setEffects(const Subject& subject, ReadingCost& cost) const {
   ForwardPoint& point = cost.at_reference;
   setDiscrete(point, subject.marker == nullptr ? -1 : subject.marker->marker.id, cost.source.t_s);
-  cost.acting = actingOn(*cost.model, cost.source);
+  const EffectParameters<double> effects = unknowns_.reference().effects.of(cost.source.instance);
+  cost.acting = actingOn(*cost.model, cost.source, effects);
   for (const EffectInfo& effect : allEffects())
     cost.told[effect.index] = cost.model->dependsOn(effect.index) &&
                               (subject.patch == nullptr || effect.text.channel == EffectChannel::image);
   point.on = cost.acting;
-  const EffectParameters<double> effects = unknowns_.reference().effects.of(cost.source.instance);
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (cost.acting[e])
       for (const std::size_t s : continuousScalars(e)) point.effects[s] = effects.values[s];

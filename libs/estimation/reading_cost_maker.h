@@ -35,7 +35,9 @@ class ReadingCostMaker {
  private:
   struct Subject;
   Subject subjectOf(const RowSource& source) const;
-  std::bitset<kEffectCount> actingOn(const ReadingModel& model, const RowSource& source) const;
+  /// `effects`: those of the source's instrument.
+  std::bitset<kEffectCount> actingOn(const ReadingModel& model, const RowSource& source,
+                                     const EffectParameters<double>& effects) const;
   void setEffects(const Subject& subject, ReadingCost& cost) const;
   void setPlaces(const Subject& subject, ForwardPoint& point) const;
   void setMotions(const Subject& subject, std::vector<double> node_s, ReadingCost& cost) const;

@@ -17,6 +17,7 @@
 #include "ros_bag/bag_check.h"
 #include "ros_bag/bag_image.h"
 #include "ros_bag/bag_message.h"
+#include "ros_bag/bag_pose.h"
 #include "ros_bag/bag_vehicle.h"
 #include "ros_bag/mounting_checks.h"
 #include "ros_bag/reorder_buffer.h"
@@ -52,38 +53,6 @@ struct SilentRos {
   SilentRos(const SilentRos&) = delete;
   SilentRos& operator=(const SilentRos&) = delete;
 };
-
-/// A pose as whichever message has it.
-struct BagPose {
-  Time time;
-  ros1::Quaternion orientation;
-  Vector3d position;
-  std::optional<Eigen::Matrix<double, 6, 6>> covariance;
-};
-
-BagPose poseOf(const BagMessage& message) {
-  const auto of = [](const auto& stamped, const ros1::Pose& pose) {
-    return BagPose{toTime(stamped.header.stamp), pose.orientation, toVector(pose.position), {}};
-  };
-  const auto withCovariance = [&](const auto& stamped) {
-    BagPose pose = of(stamped, stamped.pose.pose);
-    pose.covariance =
-        Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(stamped.pose.covariance.data());
-    return pose;
-  };
-  if (message.is("nav_msgs/Odometry")) return withCovariance(*message.as<ros1::Odometry>());
-  if (message.is("geometry_msgs/PoseWithCovarianceStamped"))
-    return withCovariance(*message.as<ros1::PoseWithCovarianceStamped>());
-  if (message.is("geometry_msgs/TransformStamped")) {
-    const auto transform = message.as<ros1::TransformStamped>();
-    return {toTime(transform->header.stamp),
-            transform->transform.rotation,
-            toVector(transform->transform.translation),
-            {}};
-  }
-  const auto stamped = message.as<ros1::PoseStamped>();
-  return of(*stamped, stamped->pose);
-}
 
 /// Whether a driver says by a velocity, or by its variance, that it has none: it has no other way in a twist.
 bool isWithoutLock(const Vector3d& velocity, double first_variance) {
