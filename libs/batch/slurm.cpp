@@ -44,7 +44,8 @@ std::string submittedJob(const std::string& printed) {
   // Of its lines the first that is a number, or one with a cluster's name behind a semicolon.
   for (std::size_t begin = 0, end = 0; (end = printed.find('\n', begin)) != std::string::npos;
        begin = end + 1) {
-    const std::string line = printed.substr(begin, end - begin), number = line.substr(0, line.find(';'));
+    const std::string line = printed.substr(begin, end - begin);
+    std::string number = line.substr(0, line.find(';'));
     if (!number.empty() && number.find_first_not_of("0123456789") == std::string::npos) return number;
   }
   throw Error("sbatch", "", printed.empty() ? "printed nothing" : printed);
