@@ -52,7 +52,7 @@ void leaveOut(const std::vector<std::string>& sensors, Vehicle& vehicle) {
       });
       if (sensor == instance.label("camera")) on_board.camera.reset();
     };
-    const auto instance = Instance::of(sensor, baseOf(sensor)).value_or(Instance());
+    const Instance instance = Instance::of(sensor);
     if (instance.isFirst()) {
       leaveOutOf(instance, vehicle);
       continue;

@@ -21,6 +21,8 @@ std::optional<Instance> Instance::of(std::string_view text, std::string_view bas
   return text == base ? Instance() : named(text.substr(base.size() + 1));
 }
 
+Instance Instance::of(std::string_view label) { return of(label, baseOf(label)).value_or(Instance()); }
+
 std::string Instance::label(std::string_view base) const {
   std::string text(base);
   if (!isFirst()) text.append(".").append(name());

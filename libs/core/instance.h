@@ -20,6 +20,8 @@ class Instance {
   constexpr Instance() = default;
   /// 1 to 15 letters, digits, `_` or `-`, but not `first`; nothing of what is no such name.
   static std::optional<Instance> named(std::string_view name);
+  /// Of the one that a label "BASE" or "BASE.NAME" is about, whatever the base.
+  static Instance of(std::string_view label);
   /// Of the one that "BASE" or "BASE.NAME" is about; nothing where the text is of another base, or no such
   /// name.
   static std::optional<Instance> of(std::string_view text, std::string_view base);

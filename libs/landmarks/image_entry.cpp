@@ -48,8 +48,7 @@ std::optional<ImageEntry> imageEntry(const Sample& sample, const fs::path& image
   const auto eye = [&](const std::string& file, const RecordedCamera& camera, const Pose& T_first_camera) {
     return ImageEntry::Eye{{image_folder / file, camera.model}, T_first_camera};
   };
-  const std::string_view kind = baseOf(sample.label);
-  const Instance instance = Instance::of(sample.label, kind).value_or(Instance());
+  const Instance instance = Instance::of(sample.label);
   if (const auto* image = std::get_if<ImageSample>(&sample.reading))
     return ImageEntry{
         sample.time, instance, image->T_robot_camera, {eye(image->file, image->intrinsics, {})}};

@@ -93,7 +93,7 @@ std::optional<Sample> LandmarkSource::next() {
 }
 
 void LandmarkSource::derive(const Sighting& sighting, const Sample& image) {
-  const Instance instance = Instance::of(image.label, baseOf(image.label)).value_or(Instance());
+  const Instance instance = Instance::of(image.label);
   const auto emit = [&](const char* label, Reading reading) {
     derived_.push_back({image.time, instance.label(label), std::move(reading)});
   };

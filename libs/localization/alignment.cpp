@@ -110,9 +110,10 @@ FirstReadings readAll(const LocalizationSetup& setup, const std::vector<Sample>&
   for (const Sample& sample : samples)
     if (const auto* ins = std::get_if<InsSample>(&sample.reading);
         ins && ins->R_odom_ins && !first.R_odom_robot && ins->R_odom_ins->allFinite()) {
-      const auto instance = Instance::of(sample.label, Ins::label).value_or(Instance());
-      const Inputs<double> at{
-          {}, {}, setup.calibration.of(instance), secondsBetween(setup.time_zero, sample.time)};
+      const Inputs<double> at{{},
+                              {},
+                              setup.calibration.of(Instance::of(sample.label)),
+                              secondsBetween(setup.time_zero, sample.time)};
       first.R_odom_robot = *ins->R_odom_ins * Attitude::orientation(at, ins->T_robot_ins).transpose();
     }
   return first;

@@ -110,8 +110,7 @@ class Localizer::RunOf : public Run {
   double validity_s(const Sample& sample) const {
     const double stamp_s = secondsBetween(setup_.time_zero, sample.time);
     if (setup_.calibration.on.none()) return stamp_s;
-    const EffectParameters<double> effects =
-        setup_.calibration.of(Instance::of(sample.label, baseOf(sample.label)).value_or(Instance()));
+    const EffectParameters<double> effects = setup_.calibration.of(Instance::of(sample.label));
     if (isLandmark(sample)) return stamp_s + validityOffset<Camera>(effects, stamp_s);
     double valid_s = stamp_s;
     withInstrument(sample, [&]<class Instrument>(const auto&, const Instance&) {

@@ -245,10 +245,10 @@ Extent quickProof() {
   quick.corner_dives = 2;
   quick.image_dives = 1;
   quick.strata = {16};
-  quick.every = 6;
+  quick.every = 12;
   quick.pairs = 1;
-  quick.nulls = 4;
-  quick.outside = 2;
+  quick.nulls = 2;
+  quick.outside = 1;
   quick.intervals = 1;
   quick.decoy_dives = 1;
   quick.decoys_a_dive = 1;
