@@ -22,6 +22,7 @@ struct DetectOptions {
   std::vector<std::string> images, families;
   std::string backend = "apriltag", preprocess = "none", corners, vehicle, out;
   bool fallback = false;
+  MarkerLook look;
 };
 
 Preprocess preprocessNamed(const std::string& name) {
@@ -41,13 +42,15 @@ std::optional<CameraModel> cameraOf(const std::string& vehicle_file) {
   return vehicle.camera->model;
 }
 
-void checkFamilies(const std::vector<std::string>& families, Backend backend) {
+void checkFamilies(const std::vector<std::string>& families, Backend backend, const MarkerLook& look) {
   for (const auto& family : families) {
     if (!isMarkerFamily(family))
       throw Error("--family", family,
                   "no such marker family; there are " + CLI::detail::join(markerFamilies(), ", "));
-    if (!canRead(backend, family))
-      throw Error("--family", family, "the " + std::string(nameOf(backend)) + " backend cannot read it");
+    if (!canRead(backend, family, look))
+      throw Error("--family", family,
+                  "the " + std::string(nameOf(backend)) + " backend cannot read it" +
+                      (look.border_width == 1 ? "" : " with such a border"));
   }
 }
 
@@ -58,14 +61,16 @@ std::unique_ptr<Detector> detectorFor(const DetectOptions& options,
     detector.preprocess = preprocessNamed(options.preprocess);
     detector.refine = refinesCorners(options, backend);
     detector.camera = camera;
+    detector.look = options.look;
     return makeDetector(backend, families, detector);
   };
   const Backend first = backendNamed(options.backend);
-  checkFamilies(options.families, first);
+  checkFamilies(options.families, first, options.look);
   auto detector = make(first, options.families);
   if (!options.fallback) return detector;
   std::vector<std::string> readable = options.families;
-  std::erase_if(readable, [&](const auto& family) { return !canRead(fallbackOf(first), family); });
+  std::erase_if(readable,
+                [&](const auto& family) { return !canRead(fallbackOf(first), family, options.look); });
   if (readable.empty()) return detector;
   return std::make_unique<FallbackDetector>(std::move(detector), make(fallbackOf(first), readable));
 }
@@ -90,19 +95,30 @@ void writeRow(const std::string& image, const Detection& detection, std::ostream
   csv << '\n';
 }
 
+/// What an empty table does not mean.
+std::string lookedFor(const MarkerLook& look) {
+  return print(
+      "looked for %s ones whose border is %d cell%s wide, not for %s ones (%s) or other borders "
+      "(--border-cells)",
+      look.white_on_black ? "white" : "black", look.border_width, look.border_width == 1 ? "" : "s",
+      look.white_on_black ? "black" : "white",
+      look.white_on_black ? "without --white-on-black" : "--white-on-black");
+}
+
 void detect(const DetectOptions& options) {
   const auto camera = cameraOf(options.vehicle);
   const auto detector = detectorFor(options, camera);
   std::ostringstream csv;
   csv << "image,id,x0,y0,x1,y1,x2,y2,x3,y3,family,sigma_px,corrected_bits,decision_margin\n";
   Progress progress("detecting");
-  std::size_t done = 0;
+  std::size_t done = 0, found = 0;
   for (const auto& file : options.images) {
     const cv::Mat image = readImage(file);
     checkSize(file, image, camera);
-    for (const Detection& detection : detector->detect(image)) writeRow(file, detection, csv);
+    for (const Detection& detection : detector->detect(image)) writeRow(file, detection, csv), ++found;
     progress.update(static_cast<double>(++done) / static_cast<double>(options.images.size()));
   }
+  if (found == 0) std::cerr << "fathom: no marker found; " << lookedFor(options.look) << "\n";
   if (options.out.empty())
     std::cout << csv.str();
   else
@@ -149,6 +165,13 @@ void addDetect(const RunContext& context) {
                    "fitted to the edges' pixels, or the library's own (default: library for apriltag, fitted "
                    "for aruco)")
       ->check(CLI::IsMember({"fitted", "library"}));
+  command
+      ->add_option("--border-cells", options->look.border_width,
+                   "How wide the black border is: 1, or 2 as in Kalibr's grids of AprilTags")
+      ->check(CLI::Range(1, 2))
+      ->capture_default_str();
+  command->add_flag("--white-on-black", options->look.white_on_black,
+                    "Markers are engraved or cut out, white on black");
   command->add_flag("--fallback", options->fallback,
                     "Search images in which the backend finds nothing with the other one");
   command

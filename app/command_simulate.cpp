@@ -5,7 +5,9 @@
 #include "commands.h"
 #include "core/error.h"
 #include "core/shipped_file.h"
+#include "core/text.h"
 #include "effects/calibration.h"
+#include "imaging/camera_check.h"
 #include "report/run_info.h"
 #include "report/table.h"
 #include "simulation/read_trajectory.h"
@@ -63,6 +65,18 @@ void leaveOut(const std::vector<std::string>& sensors, Vehicle& vehicle) {
   }
 }
 
+/// Throws Error, where of a camera no image can be drawn.
+void requireUnfolded(const SimulateOptions& options) {
+  options.simulation.vehicle.forEachInstance([&](const Instance& instance, const SensorsOnBoard& on_board) {
+    if (!on_board.camera) return;
+    if (const auto fold = foldOf(on_board.camera->model))
+      throw Error(
+          options.vehicle, instance.label("camera") + ".distortion",
+          print("turns back %.0f px from the principal point: %.0f %% of the pixels have no line of sight",
+                fold->radius_px, 100 * fold->blind_share));
+  });
+}
+
 /// Why there are no images, though something that is for images was given.
 std::string lackingForImages(const SimulateOptions& options) {
   const bool camera = hasCamera(options.simulation.vehicle);
@@ -96,6 +110,7 @@ void simulate(SimulateOptions options, const RunContext& context) {
   const std::string name = options.name.empty() ? fs::path(options.trajectory).stem().string() : options.name;
   RecordingTarget target{options.folder, name, options.vehicle, options.map, "simulated by fathom", {}};
   if (!options.water.empty()) target.environment = readEnvironment(options.water);
+  if (lackingForImages(options).empty()) requireUnfolded(options);
   const RecordingFiles files = simulateRecording(simulation, trajectory, target);
 
   const double duration_s = simulatedDuration_s(simulation, trajectory);

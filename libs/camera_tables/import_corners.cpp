@@ -157,7 +157,7 @@ CameraModel readIntrinsics(const fs::path& file, const std::optional<std::array<
     const std::vector<double> d = root.numbers("distortion");
     if (d.size() != 4 && d.size() != 5)
       throw root.error("distortion", "must be k1, k2, p1, p2 and perhaps k3, in OpenCV's order");
-    setPlumbBob(d, camera);
+    setLens(d, camera);
   }
   yaml.rejectUnknownKeys();
   return camera;

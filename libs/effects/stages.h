@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/camera_model.h"
 #include "core/geometry.h"
 
 /// The stages of the forward model at which an effect can act: each is a quantity on its way from the true
@@ -104,7 +105,8 @@ struct FlatPort {
 template <class T>
 struct Intrinsics {
   T fx_px = T(1), fy_px = T(1), cx_px = T(0), cy_px = T(0);
-  T k1 = T(0), k2 = T(0), p1 = T(0), p2 = T(0), k3 = T(0);
+  T k1 = T(0), k2 = T(0), p1 = T(0), p2 = T(0), k3 = T(0), k4{T(0)}, k5{T(0)}, k6{T(0)};
+  LensModel lens{};
 };
 
 /// When the image's rows are read: row v at the first one's time + readout_s v / height.

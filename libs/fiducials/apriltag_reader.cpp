@@ -75,29 +75,31 @@ std::vector<Cell> cellsInTurningOrder(int bits) {
   return cells;
 }
 
-std::uint64_t codeWord(const MarkerPattern& pattern, const std::vector<Cell>& cells) {
+/// `bits`: the side of the square of cells that carry the code, in the pattern's middle.
+std::uint64_t codeWord(const MarkerPattern& pattern, int bits, const std::vector<Cell>& cells) {
   std::uint64_t code = 0;
+  const int origin = (pattern.cells - bits) / 2;
   for (const Cell& cell : cells)
-    code = code << 1U | static_cast<std::uint64_t>(pattern.whiteAt(cell.y + 1, cell.x + 1));
+    code = code << 1U | static_cast<std::uint64_t>(pattern.whiteAt(origin + cell.y, origin + cell.x));
   return code;
 }
 
-TagFamily familyFromDictionary(const std::string& name) {
+TagFamily familyFromDictionary(const std::string& name, int border_width) {
   auto owned = std::make_unique<DictionaryFamily>();
-  const int bits = markerPattern(name, 0).cells - 2;
+  const int bits = markerPattern(name, 0).border_cells - 2;
   const auto cells = cellsInTurningOrder(bits);
   for (int id = 0; id < markerCount(name); ++id)
-    owned->codes.push_back(codeWord(markerPattern(name, id), cells));
+    owned->codes.push_back(codeWord(markerPattern(name, id), bits, cells));
   for (const Cell& cell : cells) {  // counted from the corner of the border
-    owned->bit_x.push_back(static_cast<std::uint32_t>(cell.x + 1));
-    owned->bit_y.push_back(static_cast<std::uint32_t>(cell.y + 1));
+    owned->bit_x.push_back(static_cast<std::uint32_t>(cell.x + border_width));
+    owned->bit_y.push_back(static_cast<std::uint32_t>(cell.y + border_width));
   }
   owned->name = name;
   apriltag_family_t& family = owned->family;
   family.ncodes = static_cast<std::uint32_t>(owned->codes.size());
   family.codes = owned->codes.data();
-  family.width_at_border = bits + 2;
-  family.total_width = bits + 4;
+  family.width_at_border = bits + 2 * border_width;
+  family.total_width = family.width_at_border + 2;
   family.reversed_border = false;
   family.nbits = static_cast<std::uint32_t>(cells.size());
   family.bit_x = owned->bit_x.data();
@@ -108,9 +110,9 @@ TagFamily familyFromDictionary(const std::string& name) {
   return {&released->family, [released](apriltag_family_t*) { delete released; }};
 }
 
-TagFamily makeFamily(const std::string& name) {
+TagFamily makeFamily(const std::string& name, int border_width) {
   const auto native = nativeFamilies().find(name);
-  if (native == nativeFamilies().end()) return familyFromDictionary(name);
+  if (native == nativeFamilies().end() || border_width != 1) return familyFromDictionary(name, border_width);
   return {native->second.create(), native->second.destroy};
 }
 
@@ -171,13 +173,13 @@ bool isBelievable(const cv::Mat& gray, const apriltag_detection_t& tag, const De
 
 class AprilTagReader : public MarkerReader {
  public:
-  AprilTagReader(const std::vector<std::string>& families, int largest_corrected_bits)
+  AprilTagReader(const std::vector<std::string>& families, int largest_corrected_bits, int border_width)
       : detector_(apriltag_detector_create(), apriltag_detector_destroy) {
     detector_->nthreads = 1;
     detector_->quad_decimate = 1.0F;  // regions of large markers come scaled down
     detector_->refine_edges = false;  // see refineCorners()
     for (const auto& name : families) {
-      families_.push_back(makeFamily(name));
+      families_.push_back(makeFamily(name, border_width));
       const int wanted = correctableBits(name, largest_corrected_bits);
       apriltag_detector_add_family_bits(detector_.get(), families_.back().get(),
                                         affordableBits(*families_.back(), wanted));
@@ -215,8 +217,8 @@ class AprilTagReader : public MarkerReader {
 }  // namespace
 
 std::unique_ptr<MarkerReader> makeAprilTagReader(const std::vector<std::string>& families,
-                                                 int largest_corrected_bits) {
-  return std::make_unique<AprilTagReader>(families, largest_corrected_bits);
+                                                 int largest_corrected_bits, int border_width) {
+  return std::make_unique<AprilTagReader>(families, largest_corrected_bits, border_width);
 }
 
 }  // namespace fathom

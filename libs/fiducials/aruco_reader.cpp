@@ -54,7 +54,8 @@ cv::Ptr<cv::aruco::Dictionary> dictionaryOf(const std::string& family, int corre
 
 class ArucoReader : public MarkerReader {
  public:
-  ArucoReader(const std::vector<std::string>& families, int largest_corrected_bits) {
+  ArucoReader(const std::vector<std::string>& families, int largest_corrected_bits, int border_width)
+      : border_width_(border_width) {
     for (const auto& family : families)
       dictionaries_[family] = dictionaryOf(family, correctableBits(family, largest_corrected_bits));
   }
@@ -73,9 +74,10 @@ class ArucoReader : public MarkerReader {
 
  private:
   /// Where sizes are known, one threshold window suffices and small contours need no look.
-  static cv::Ptr<cv::aruco::DetectorParameters> parametersFor(const cv::Mat& gray, double smallest_side_px) {
+  cv::Ptr<cv::aruco::DetectorParameters> parametersFor(const cv::Mat& gray, double smallest_side_px) const {
     auto parameters = cv::aruco::DetectorParameters::create();
     parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
+    parameters->markerBorderBits = border_width_;
     parameters->errorCorrectionRate = 1.0;  // the caution is in correctableBits()
     // The default takes the outline of a narrow quiet zone for the marker's own, and the larger one wins.
     parameters->minMarkerDistanceRate = 0.02;
@@ -96,14 +98,15 @@ class ArucoReader : public MarkerReader {
     return result;
   }
 
+  int border_width_;
   std::map<std::string, cv::Ptr<cv::aruco::Dictionary>> dictionaries_;
 };
 
 }  // namespace
 
 std::unique_ptr<MarkerReader> makeArucoReader(const std::vector<std::string>& families,
-                                              int largest_corrected_bits) {
-  return std::make_unique<ArucoReader>(families, largest_corrected_bits);
+                                              int largest_corrected_bits, int border_width) {
+  return std::make_unique<ArucoReader>(families, largest_corrected_bits, border_width);
 }
 
 bool hasPlainBorder(const std::string& family) {

@@ -22,7 +22,9 @@ constexpr double kRough = 1.0 / 3.0, kFarthestMove = 0.5;
 /// A cell this wide is read safely; larger ones are scaled down to it.
 constexpr double kReadableCell_px = 4.0;
 
-int borderCells(const std::string& family) { return markerPattern(family, 0).border_cells; }
+int borderCells(const std::string& family, int border_width) {
+  return markerPattern(family, 0).border_cells + 2 * (border_width - 1);
+}
 
 double meanSide_px(const std::array<Vector2d, 4>& corners) {
   const auto sides = sides_px(corners);
@@ -60,7 +62,7 @@ bool mayBeCutOff(const Detection& detection, double cell_px, const cv::Mat& imag
 struct BackendEntry {
   std::string_view name;
   std::unique_ptr<MarkerReader> (*makeReader)(const std::vector<std::string>& families,
-                                              int largest_corrected_bits);
+                                              int largest_corrected_bits, int border_width);
   bool reads_any_border, rough_corners;
   Backend fallback;  ///< for what it does not find
 };
@@ -80,10 +82,12 @@ class ReaderDetector : public Detector {
   ReaderDetector(std::unique_ptr<MarkerReader> reader, const std::vector<std::string>& families,
                  const DetectorOptions& options)
       : reader_(std::move(reader)), options_(options) {
-    for (const auto& family : families) border_cells_.emplace_back(family, borderCells(family));
+    for (const auto& family : families)
+      border_cells_.emplace_back(family, borderCells(family, options.look.border_width));
   }
 
   std::optional<Detection> confirm(const cv::Mat& gray, const ExpectedMarker& expected) override {
+    if (options_.look.border_width != 1 || options_.look.white_on_black) return std::nullopt;
     if (!options_.refine || !isRead(expected.family) || !hasPlainBorder(expected.family)) return std::nullopt;
     const MarkerPattern& pattern = patternOf(expected.family, expected.id);
     Detection detection;
@@ -114,7 +118,8 @@ class ReaderDetector : public Detector {
 
   using Detector::detect;
   std::vector<Detection> detect(const cv::Mat& image, const std::vector<SearchRegion>& regions) override {
-    const cv::Mat gray = toGray(image);
+    cv::Mat gray = toGray(image);
+    if (options_.look.white_on_black) gray = 255 - gray;
     const GrayRange* range = options_.expected_range ? &*options_.expected_range : nullptr;
     const cv::Mat searched = regions.empty() ? gray : preprocessed(gray, options_.preprocess, range);
     std::vector<Detection> detections;
@@ -224,8 +229,9 @@ Backend fallbackOf(Backend backend) { return entryOf(backend).fallback; }
 
 bool hasRoughCorners(Backend backend) { return entryOf(backend).rough_corners; }
 
-bool canRead(Backend backend, const std::string& family) {
-  return isMarkerFamily(family) && (entryOf(backend).reads_any_border || hasPlainBorder(family));
+bool canRead(Backend backend, const std::string& family, const MarkerLook& look) {
+  if (!isMarkerFamily(family)) return false;
+  return hasPlainBorder(family) || (entryOf(backend).reads_any_border && look.border_width == 1);
 }
 
 std::vector<Detection> Detector::detect(const cv::Mat& image) {
@@ -242,13 +248,15 @@ std::unique_ptr<Detector> makeDetector(Backend backend, const std::vector<std::s
   if (families.empty()) throw std::invalid_argument("no marker family given");
   for (const auto& family : families) {
     if (!isMarkerFamily(family)) throw std::invalid_argument("no such marker family: `" + family + "`");
-    if (!canRead(backend, family))
-      throw std::invalid_argument("the " + std::string(nameOf(backend)) + " backend cannot read " + family);
+    if (!canRead(backend, family, options.look))
+      throw std::invalid_argument("the " + std::string(nameOf(backend)) + " backend cannot read " + family +
+                                  (options.look.border_width == 1 ? "" : " with such a border"));
   }
   auto unique = families;
   std::sort(unique.begin(), unique.end());
   unique.erase(std::unique(unique.begin(), unique.end()), unique.end());
-  auto reader = entryOf(backend).makeReader(unique, options.largest_corrected_bits);
+  auto reader =
+      entryOf(backend).makeReader(unique, options.largest_corrected_bits, options.look.border_width);
   return std::make_unique<ReaderDetector>(std::move(reader), unique, options);
 }
 

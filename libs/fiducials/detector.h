@@ -27,11 +27,18 @@ Backend fallbackOf(Backend backend);
 /// Whether its own corners are whole pixels, so that they should be refined; else they are good to a tenth.
 bool hasRoughCorners(Backend backend);
 
+/// How markers are printed, where not black on white with a border one cell wide.
+struct MarkerLook {
+  int border_width = 1;  ///< of the border, cells: 1 or 2; 2 (Kalibr's grids) for plain families only
+  bool white_on_black = false;
+};
+
 /// Whether a backend can read a family. All read all of OpenCV's dictionaries and AprilTag's classic
 /// families (tag16h5 … tag36h11); the newer ones (tagStandard41h12 …) only AprilTag.
-bool canRead(Backend backend, const std::string& family);
+bool canRead(Backend backend, const std::string& family, const MarkerLook& look = {});
 
 struct DetectorOptions {
+  MarkerLook look{};
   Preprocess preprocess = Preprocess::none;
   std::optional<GrayRange> expected_range;  ///< for Preprocess::stretch; absent: from the image
   bool refine = true;                       ///< corners by refineCorners() on the image as it came
@@ -69,7 +76,8 @@ class Detector {
   virtual std::optional<Detection> confirm(const cv::Mat& gray, const ExpectedMarker& expected);
 };
 
-/// Throws std::invalid_argument: no family, an unknown one, or one that the backend cannot read.
+/// Throws std::invalid_argument: no family, an unknown one, or one that the backend cannot read, or not with
+/// such a border.
 std::unique_ptr<Detector> makeDetector(Backend backend, const std::vector<std::string>& families,
                                        const DetectorOptions& options = {});
 

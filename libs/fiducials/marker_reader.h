@@ -19,10 +19,11 @@ class MarkerReader {
   virtual std::vector<Detection> read(const cv::Mat& gray, double smallest_side_px) = 0;
 };
 
+/// `border_width`: of the black border, cells; 2 for families with a plain border only.
 std::unique_ptr<MarkerReader> makeArucoReader(const std::vector<std::string>& families,
-                                              int largest_corrected_bits);
+                                              int largest_corrected_bits, int border_width);
 std::unique_ptr<MarkerReader> makeAprilTagReader(const std::vector<std::string>& families,
-                                                 int largest_corrected_bits);
+                                                 int largest_corrected_bits, int border_width);
 
 /// Whether a family is a plain one: data cells inside a black border one cell wide, nothing but white
 /// outside. Only those are known to OpenCV.

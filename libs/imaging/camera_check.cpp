@@ -8,15 +8,21 @@
 namespace fathom {
 namespace {
 
+CameraModel radialPartOf(CameraModel camera) {
+  camera.p1 = camera.p2 = 0;
+  return camera;
+}
+
 /// Smallest r > 0 at which the radial distortion has no slope, by steps and bisection; none below 10 (84
 /// degrees from the axis).
 std::optional<double> turningRadius(const CameraModel& camera) {
   constexpr double kLargest = 10, kStep = 1e-3;
+  const CameraModel radial = radialPartOf(camera);
   const auto slope = [&](double r) {
-    const double s = r * r;
-    return 1 + s * (3 * camera.k1 + s * (5 * camera.k2 + s * 7 * camera.k3));
+    const double h = 1e-6;
+    return radial.distort(Vector2d(r + h, 0)).x() - radial.distort(Vector2d(std::abs(r - h), 0)).x();
   };
-  for (double low = 0; low < kLargest; low += kStep) {
+  for (double low = kStep; low < kLargest; low += kStep) {
     double high = low + kStep;
     if (slope(high) > 0) continue;
     for (int i = 0; i < 60; ++i) (slope(0.5 * (low + high)) > 0 ? low : high) = 0.5 * (low + high);
@@ -45,7 +51,7 @@ bool isNearMiddle(double x_px, double y_px, double width_px, double height_px) {
 std::optional<Fold> foldOf(const CameraModel& camera) {
   const auto turn = turningRadius(camera);
   if (!turn) return {};
-  const double limit = plumbBob(Vector2d(*turn, 0), camera.k1, camera.k2, 0.0, 0.0, camera.k3).x();
+  const double limit = radialPartOf(camera).distort(Vector2d(*turn, 0)).x();
   Fold fold{*turn, limit * camera.fx_px};
   double farthest = 0;
   for (const double x_px : {-0.5, camera.width_px - 0.5})

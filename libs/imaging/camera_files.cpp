@@ -51,14 +51,22 @@ std::vector<double> numbersOf(const YamlMap& y, const std::string& key) {
   return y.isList(key) ? y.numbers(key) : y.map(key).numbers("data");
 }
 
-/// k1, k2, p1, p2 and perhaps more: k3, then what only a rational model has.
+/// Coefficients as OpenCV orders them, of the lens that the file says; of a plumb bob k3 may be left out, and
+/// more than five are a rational model's, as in OpenCV.
 void setDistortion(const YamlMap& y, const std::string& key, const std::vector<double>& d,
                    CameraModel& camera) {
-  if (d.size() < 4 && !d.empty()) throw y.error(key, "must be k1, k2, p1, p2 and perhaps k3");
-  if (std::any_of(d.begin() + std::min<std::ptrdiff_t>(5, std::ssize(d)), d.end(),
-                  [](double rational) { return rational != 0; }))
-    throw y.error(key, "has more than plumb bob's five coefficients");
-  if (!d.empty()) setPlumbBob(d, camera);
+  if (d.empty()) return;
+  if (camera.lens == LensModel::fisheye) {
+    if (d.size() != 4) throw y.error(key, "must be k1, k2, k3, k4 of a fisheye lens");
+  } else {
+    if (d.size() < 4) throw y.error(key, "must be k1, k2, p1, p2 and perhaps k3");
+    const auto zeroFrom = [&](std::ptrdiff_t from) {
+      return std::all_of(d.begin() + std::min(from, std::ssize(d)), d.end(), [](double c) { return c == 0; });
+    };
+    if (!zeroFrom(8)) throw y.error(key, "has more than the rational model's eight coefficients");
+    camera.lens = zeroFrom(5) ? LensModel::plumb_bob : LensModel::rational;
+  }
+  setLens(d, camera);
 }
 
 /// A model is named, and no coefficient found: they stand under a key that nobody knows.
@@ -71,21 +79,27 @@ void demandDistortion(const YamlMap& y) {
   throw y.error("distortion_model", "is " + model + ", but there are no coefficients under any of " + known);
 }
 
-void rejectOtherModels(const YamlMap& y, const char* key, std::initializer_list<const char*> known) {
-  if (!y.has(key)) return;
+/// Of a key that names a model: whether it is a fisheye's. Throws Error where it is none that is known.
+bool namesFisheye(const YamlMap& y, const char* key, std::initializer_list<const char*> pinholes,
+                  std::initializer_list<const char*> fisheyes) {
+  if (!y.has(key)) return false;
   const std::string model = y.text(key);
-  if (std::find(known.begin(), known.end(), model) == known.end())
-    throw y.error(key, model + " is no pinhole with plumb-bob distortion");
+  if (std::find(fisheyes.begin(), fisheyes.end(), model) != fisheyes.end()) return true;
+  if (std::find(pinholes.begin(), pinholes.end(), model) == pinholes.end())
+    throw y.error(key, model + " is neither a pinhole with plumb-bob or rational distortion nor a fisheye");
+  return false;
 }
 
-/// Marks by which programs say that the coefficients are another model's.
-void rejectFisheye(const YamlMap& y) {
-  if (y.has("fisheye_model") && y.number("fisheye_model") != 0)
-    throw y.error("fisheye_model", "a fisheye's coefficients are no plumb bob's");
-  rejectOtherModels(y, "model_type", {"PINHOLE", "pinhole"});
-  rejectOtherModels(y, "camera_model", {"pinhole", "PINHOLE"});
-  rejectOtherModels(y, "distortion_model",
-                    {"plumb_bob", "rational_polynomial", "radtan", "radial-tangential", "none", ""});
+/// By each of the marks that programs leave.
+LensModel lensOf(const YamlMap& y) {
+  bool fisheye = y.has("fisheye_model") && y.number("fisheye_model") != 0;
+  fisheye = namesFisheye(y, "model_type", {"PINHOLE", "pinhole"}, {"KANNALA_BRANDT"}) || fisheye;
+  fisheye = namesFisheye(y, "camera_model", {"pinhole", "PINHOLE"}, {"fisheye"}) || fisheye;
+  fisheye = namesFisheye(y, "distortion_model",
+                         {"plumb_bob", "rational_polynomial", "radtan", "radial-tangential", "none", ""},
+                         {"equidistant", "equi", "fisheye", "kannala_brandt"}) ||
+            fisheye;
+  return fisheye ? LensModel::fisheye : LensModel::plumb_bob;
 }
 
 void setImageSize(const YamlMap& y, const std::string& key, double width_px, double height_px,
@@ -140,9 +154,10 @@ CameraModel readMatrices(const YamlMap& y, const std::string& matrix, const Came
 bool isCamera(const YamlMap& y) { return y.has("intrinsics") || firstKeyOf(y, kMatrixKeys); }
 
 CameraModel readCamera(const YamlMap& y, const CameraFileOptions& options) {
-  rejectFisheye(y);
+  const LensModel lens = lensOf(y);
   const auto matrix = firstKeyOf(y, kMatrixKeys);
   CameraModel camera = matrix ? readMatrices(y, *matrix, options) : readIntrinsics(y, options);
+  camera.lens = lens;
   if (const auto d = firstKeyOf(y, kDistortionKeys))
     setDistortion(y, *d, numbersOf(y, *d), camera);
   else
@@ -189,12 +204,10 @@ bool isImageSide(double side_px) {
   return side_px >= 1 && side_px <= kLargestImageSide_px && side_px == std::floor(side_px);
 }
 
-void setPlumbBob(const std::vector<double>& coefficients, CameraModel& camera) {
-  camera.k1 = coefficients[0];
-  camera.k2 = coefficients[1];
-  camera.p1 = coefficients[2];
-  camera.p2 = coefficients[3];
-  if (coefficients.size() > 4) camera.k3 = coefficients[4];
+void setLens(const std::vector<double>& coefficients, CameraModel& camera) {
+  const auto names = coefficientsOf(camera.lens);
+  for (std::size_t i = 0; i < std::min(coefficients.size(), names.size()); ++i)
+    camera.*names[i].value = coefficients[i];
 }
 
 CameraFile readCameraFile(const std::filesystem::path& file, const CameraFileOptions& options) {

@@ -23,11 +23,11 @@ struct CameraFileOptions {
 
 /// Reads what OpenCV's calibration writes (cv::FileStorage, YAML); ROS's camera_info, as its calibrator
 /// writes it and as `topic echo` prints the message (the first of them); or Kalibr's camchain. Several
-/// cameras may stand in one file under their names. All of them mean the same model: a pinhole with plumb-bob
-/// distortion, pixel (0, 0) the centre of the first pixel. What that model cannot express (fisheye, an
-/// omnidirectional mirror, skew, rational coefficients that are not zero) is an error, and so is a file that
-/// names a distortion model and has no coefficients under any key that is known. What cannot be, or hardly
-/// (camera_check.h), is a remark. Other keys of the file do not matter. Throws Error.
+/// cameras may stand in one file under their names. Of each the lens is plumb bob, rational or a fisheye
+/// (equidistant, Kannala-Brandt), pixel (0, 0) the centre of the first pixel. What none of these can express
+/// (an omnidirectional mirror, skew, a thin prism) is an error, and so is a file that names a distortion
+/// model and has no coefficients under any key that is known. What cannot be, or hardly (camera_check.h), is
+/// a remark. Other keys of the file do not matter. Throws Error.
 CameraFile readCameraFile(const std::filesystem::path& file, const CameraFileOptions& options = {});
 
 /// A longer side of an image is taken for a mistake.
@@ -35,7 +35,7 @@ inline constexpr int kLargestImageSide_px = 20000;
 /// Whether an image may have a side of so many pixels: a whole number, from 1 on.
 bool isImageSide(double side_px);
 
-/// Takes plumb-bob coefficients as OpenCV orders them: k1, k2, p1, p2 and perhaps k3, four at least.
-void setPlumbBob(const std::vector<double>& coefficients, CameraModel& camera);
+/// Takes coefficients of the camera's lens, as OpenCV orders them; those that are missing stay.
+void setLens(const std::vector<double>& coefficients, CameraModel& camera);
 
 }  // namespace fathom

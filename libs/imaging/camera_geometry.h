@@ -49,9 +49,23 @@ struct CameraProjector {
 
   /// Pinhole and lens alone, in an image of the nominal camera's size.
   CameraModel lensModel(const CameraModel& nominal) const {
-    return {nominal.width_px,    nominal.height_px,   valueOf(lens.fx_px), valueOf(lens.fy_px),
-            valueOf(lens.cx_px), valueOf(lens.cy_px), valueOf(lens.k1),    valueOf(lens.k2),
-            valueOf(lens.p1),    valueOf(lens.p2),    valueOf(lens.k3)};
+    const Intrinsics<double> l = valuesOf(lens);
+    return {nominal.width_px,
+            nominal.height_px,
+            l.fx_px,
+            l.fy_px,
+            l.cx_px,
+            l.cy_px,
+            l.k1,
+            l.k2,
+            l.p1,
+            l.p2,
+            l.k3,
+            {},
+            l.k4,
+            l.k5,
+            l.k6,
+            l.lens};
   }
 
   /// Without derivatives.
@@ -63,9 +77,7 @@ struct CameraProjector {
         return Vector3d(valueOf(v.x()), valueOf(v.y()), valueOf(v.z()));
       };
       CameraProjector<double> plain;
-      plain.lens = {valueOf(lens.fx_px), valueOf(lens.fy_px), valueOf(lens.cx_px),
-                    valueOf(lens.cy_px), valueOf(lens.k1),    valueOf(lens.k2),
-                    valueOf(lens.p1),    valueOf(lens.p2),    valueOf(lens.k3)};
+      plain.lens = valuesOf(lens);
       plain.port = {port.present,
                     valueOf(port.distance_m),
                     valueOf(port.glass_m),
@@ -86,7 +98,8 @@ struct CameraProjector {
   static CameraProjector nominal(const CameraModel& camera) {
     CameraProjector projector;
     projector.lens = {P(camera.fx_px), P(camera.fy_px), P(camera.cx_px), P(camera.cy_px), P(camera.k1),
-                      P(camera.k2),    P(camera.p1),    P(camera.p2),    P(camera.k3)};
+                      P(camera.k2),    P(camera.p1),    P(camera.p2),    P(camera.k3),    P(camera.k4),
+                      P(camera.k5),    P(camera.k6),    camera.lens};
     projector.height_px = camera.height_px;
     projector.port.window_m = P(camera.window.distance_m);
     projector.port.tilt_x_rad = P(camera.window.tilt_x_rad);
@@ -95,6 +108,21 @@ struct CameraProjector {
   }
 
  private:
+  static Intrinsics<double> valuesOf(const Intrinsics<P>& l) {
+    return {valueOf(l.fx_px),
+            valueOf(l.fy_px),
+            valueOf(l.cx_px),
+            valueOf(l.cy_px),
+            valueOf(l.k1),
+            valueOf(l.k2),
+            valueOf(l.p1),
+            valueOf(l.p2),
+            valueOf(l.k3),
+            valueOf(l.k4),
+            valueOf(l.k5),
+            valueOf(l.k6),
+            l.lens};
+  }
   template <class T>
   Vector2<T> straight(const Vector3<T>& point_camera) const {
     const Vector3<T> d = port.present ? apparentDirection(port, point_camera) : point_camera;
@@ -103,7 +131,7 @@ struct CameraProjector {
 
   template <class T>
   Vector2<T> pixelAt(const Vector2<T>& ideal) const {
-    const Vector2<T> d = plumbBob(ideal, T(lens.k1), T(lens.k2), T(lens.p1), T(lens.p2), T(lens.k3));
+    const Vector2<T> d = distorted(lens, ideal);
     return {T(lens.fx_px) * d.x() + T(lens.cx_px), T(lens.fy_px) * d.y() + T(lens.cy_px)};
   }
 

@@ -5,8 +5,6 @@
 #include "core/stable_sort.h"
 
 namespace fathom {
-namespace {
-
 std::vector<SignedAxes> allAxes() {
   std::vector<SignedAxes> all;
   std::array<int, 3> source{0, 1, 2};
@@ -16,8 +14,6 @@ std::vector<SignedAxes> allAxes() {
   } while (std::next_permutation(source.begin(), source.end()));
   return all;
 }
-
-}  // namespace
 
 Matrix3d SignedAxes::matrix() const {
   Matrix3d m = Matrix3d::Zero();

@@ -19,6 +19,9 @@ struct SignedAxes {
   bool operator==(const SignedAxes&) const = default;
 };
 
+/// All 48.
+std::vector<SignedAxes> allAxes();
+
 struct AxesScore {
   SignedAxes axes;
   double log_likelihood = 0.0;  ///< up to a constant that is the same for all axes

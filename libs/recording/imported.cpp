@@ -27,13 +27,13 @@ std::string yamlPose(const Pose& pose) {
 std::string cameraLines(const CameraModel& c, double corner_sigma_px, int bits) {
   return print(
       "  width_px: %d\n  height_px: %d\n  fx_px: %.9g\n  fy_px: %.9g\n  cx_px: %.9g\n  cy_px: %.9g\n"
-      "  distortion: {k1: %.9g, k2: %.9g, p1: %.9g, p2: %.9g, k3: %.9g}\n"
+      "  distortion: {%s}\n"
       "  corner_sigma_px: %.9g\n"
       "  # From here on generic: the source does not say.\n"
       "  exposure_s: 0.004\n  gain: fixed\n  response_gamma: 1.0\n  bits: %d\n"
       "  full_well_e: 30000\n  read_noise_e: 12\n",
-      c.width_px, c.height_px, c.fx_px, c.fy_px, c.cx_px, c.cy_px, c.k1, c.k2, c.p1, c.p2, c.k3,
-      corner_sigma_px, bits);
+      c.width_px, c.height_px, c.fx_px, c.fy_px, c.cx_px, c.cy_px, distortionText(c).c_str(), corner_sigma_px,
+      bits);
 }
 
 }  // namespace fathom

@@ -6,9 +6,6 @@ namespace fathom {
 
 static_assert(std::is_same_v<mrpt::Clock::period, UtcClock::period> &&
               std::is_same_v<mrpt::Clock::rep, UtcClock::rep>);
-static_assert(static_cast<int>(RecordedCamera::Distortion::kannala_brandt) ==
-              static_cast<int>(mrpt::img::DistortionModel::kannala_brandt));
-
 mrpt::poses::CPose3D toMrpt(const Pose& pose) {
   mrpt::math::CMatrixDouble33 R;
   R.asEigen() = pose.rotation;
@@ -35,8 +32,11 @@ mrpt::img::TCamera toMrpt(const RecordedCamera& camera) {
   mrpt.ncols = static_cast<std::uint32_t>(m.width_px);
   mrpt.nrows = static_cast<std::uint32_t>(m.height_px);
   mrpt.setIntrinsicParamsFromValues(m.fx_px, m.fy_px, m.cx_px, m.cy_px);
-  mrpt.distortion = static_cast<mrpt::img::DistortionModel>(camera.distortion);
-  mrpt.dist = {m.k1, m.k2, m.p1, m.p2, m.k3, camera.k4_k5_k6[0], camera.k4_k5_k6[1], camera.k4_k5_k6[2]};
+  using mrpt::img::DistortionModel;
+  mrpt.distortion = camera.is_undistorted          ? DistortionModel::none
+                    : m.lens == LensModel::fisheye ? DistortionModel::kannala_brandt
+                                                   : DistortionModel::plumb_bob;
+  mrpt.dist = {m.k1, m.k2, m.p1, m.p2, m.k3, m.k4, m.k5, m.k6};
   mrpt.focalLengthMeters = camera.focal_length_m;
   mrpt.cameraName = camera.name;
   return mrpt;
@@ -55,9 +55,16 @@ RecordedCamera fromMrpt(const mrpt::img::TCamera& mrpt) {
                   mrpt.p1(),
                   mrpt.p2(),
                   mrpt.k3(),
-                  {}};
-  camera.distortion = static_cast<RecordedCamera::Distortion>(mrpt.distortion);
-  camera.k4_k5_k6 = {mrpt.k4(), mrpt.k5(), mrpt.k6()};
+                  {},
+                  mrpt.k4(),
+                  mrpt.k5(),
+                  mrpt.k6()};
+  using mrpt::img::DistortionModel;
+  camera.is_undistorted = mrpt.distortion == DistortionModel::none;
+  if (mrpt.distortion == DistortionModel::kannala_brandt)
+    camera.model.lens = LensModel::fisheye;
+  else if (mrpt.k4() != 0 || mrpt.k5() != 0 || mrpt.k6() != 0)
+    camera.model.lens = LensModel::rational;
   camera.focal_length_m = mrpt.focalLengthMeters;
   camera.name = mrpt.cameraName;
   return camera;

@@ -36,6 +36,13 @@ struct Header {
   std::uint8_t version = 0;
 };
 
+/// With its namespace: MRPT before 2.0 wrote names without.
+std::string canonicalName(const std::string& name) {
+  if (name.find("::") != std::string::npos) return name;
+  const auto* id = mrpt::rtti::findRegisteredClass(name, true);
+  return id != nullptr ? id->className : name;
+}
+
 /// Walks over an object's bytes. Every step throws Damage where the bytes are not what they must be.
 class Walker {
  public:
@@ -83,7 +90,7 @@ class Walker {
     const auto is_name = [](std::uint8_t c) { return std::isalnum(c) || c == ':' || c == '_'; };
     if (size == 0 || !std::all_of(name, name + size, is_name))
       throw Damage{"no object begins where one should"};
-    Header header{{name, name + size}, 0};
+    Header header{canonicalName({name, name + size}), 0};
     header.version = number<std::uint8_t>();
     return header;
   }
@@ -190,6 +197,16 @@ const Layout kParts[] = {
     {kMatrix, 0, walkMatrix},
 };
 
+/// As before MRPT 1.9.9: lists of fields bear their lengths.
+void walkCountedImu(Walker& w) {
+  constexpr std::uint32_t kMostFields = 64;
+  w.object(kPose);
+  for (auto flags = w.count(kMostFields); flags > 0; --flags) w.flag();
+  w.time();
+  w.doubles(w.count(kMostFields));
+  w.label();
+}
+
 const Layout kObservations[] = {
     {"mrpt::obs::CObservationComment", 0,
      [](Walker& w) {
@@ -205,6 +222,8 @@ const Layout kObservations[] = {
        w.doubles(kFields);
        w.label();
      }},
+    {"mrpt::obs::CObservationIMU", 3, walkCountedImu},
+    {"mrpt::obs::CObservationIMU", 2, walkCountedImu},
     {"mrpt::obs::CObservationRange", 3,
      [](Walker& w) {
        w.floats(3);
@@ -285,11 +304,16 @@ const Layout kObservations[] = {
      }},
 };
 
+/// Of this version, or else the newest; null where the table has none of the class.
 template <std::size_t size>
-const Layout* findLayout(const Layout (&table)[size], std::string_view class_name) {
-  const auto* found = std::find_if(std::begin(table), std::end(table),
-                                   [&](const Layout& layout) { return layout.class_name == class_name; });
-  return found == std::end(table) ? nullptr : found;
+const Layout* findLayout(const Layout (&table)[size], const Header& header) {
+  const Layout* newest = nullptr;
+  for (const Layout& layout : table) {
+    if (layout.class_name != header.class_name) continue;
+    if (layout.version == header.version) return &layout;
+    if (newest == nullptr) newest = &layout;
+  }
+  return newest;
 }
 
 void requireVersion(const Layout& layout, std::uint8_t version) {
@@ -301,7 +325,7 @@ void requireVersion(const Layout& layout, std::uint8_t version) {
 void Walker::object(std::string_view class_name) {
   const Header nested = header();
   if (nested.class_name != class_name) throw Damage{"an entry lacks its " + std::string(class_name)};
-  const Layout& layout = *findLayout(kParts, class_name);
+  const Layout& layout = *findLayout(kParts, nested);
   requireVersion(layout, nested.version);
   layout.walk(*this);
   end();
@@ -312,18 +336,23 @@ bool isObservation(const std::string& class_name) {
   return id != nullptr && id->derivedFrom(CLASS_ID(mrpt::obs::CObservation));
 }
 
-/// What the names of all of MRPT's observations begin with.
-constexpr std::string_view kObservationMark = "mrpt::obs::CObservation";
+/// What the names of all of MRPT's observations begin with, behind their namespace.
+constexpr std::string_view kObservationMark = "CObservation", kNamespace = "mrpt::obs::";
+
+/// Whether the bytes from the second one on are the name of an observation.
+bool namesObservation(std::string_view bytes) {
+  bytes.remove_prefix(std::min<std::size_t>(1, bytes.size()));
+  if (bytes.starts_with(kNamespace)) bytes.remove_prefix(kNamespace.size());
+  return bytes.starts_with(kObservationMark);
+}
 
 bool beginsObservation(ByteStream& in, std::size_t offset) {
   // Looked at first: an exception at every byte that could end an entry would take minutes.
-  const auto ahead = in.peek(offset, 1 + kObservationMark.size());
-  if (ahead.size() <= kObservationMark.size() ||
-      !std::equal(kObservationMark.begin(), kObservationMark.end(), ahead.begin() + 1))
-    return false;
+  const auto ahead = in.peek(offset, 1 + kNamespace.size() + kObservationMark.size());
+  if (!namesObservation({reinterpret_cast<const char*>(ahead.data()), ahead.size()})) return false;
   try {
     const Header header = Walker(in, offset).header();
-    const Layout* layout = findLayout(kObservations, header.class_name);
+    const Layout* layout = findLayout(kObservations, header);
     return layout && !layout->others_skipped ? header.version == layout->version
                                              : isObservation(header.class_name);
   } catch (const Damage&) {
@@ -335,7 +364,7 @@ bool beginsObservation(ByteStream& in, std::size_t offset) {
 bool beginsKnown(ByteStream& in, std::size_t offset) {
   try {
     const Header header = Walker(in, offset).header();
-    const Layout* layout = findLayout(kObservations, header.class_name);
+    const Layout* layout = findLayout(kObservations, header);
     return layout != nullptr && (!layout->others_skipped || layout->version == header.version);
   } catch (const Damage&) {
     return false;
@@ -359,7 +388,7 @@ ObjectExtent measure(ByteStream& in, std::size_t offset) {
   const Header header = walker.header();
   ObjectExtent& extent = walker.found;
   extent.mrpt_class = header.class_name;
-  const Layout* layout = findLayout(kObservations, header.class_name);
+  const Layout* layout = findLayout(kObservations, header);
   if (layout != nullptr && layout->others_skipped && layout->version != header.version) layout = nullptr;
   if (layout != nullptr) {
     requireVersion(*layout, header.version);
@@ -394,25 +423,27 @@ Time findLastTime(ByteStream& in) {
   constexpr std::size_t kWindow = 4096;
   Time last{};
   for (;;) {
-    // One byte before the mark is the length of the class name.
     const auto ahead = in.peek(0, kWindow);
     const std::string_view text(reinterpret_cast<const char*>(ahead.data()), ahead.size());
     const std::size_t found = text.find(kObservationMark, 1);
     if (found == std::string_view::npos) {
       if (ahead.size() < kWindow) return last;
-      in.skip(ahead.size() - kObservationMark.size());
+      in.skip(ahead.size() - kNamespace.size() - kObservationMark.size());
       continue;
     }
-    in.skip(found - 1);
+    // Before the mark is the namespace, in MRPT before 2.0 not; before that the length of the class name.
+    const bool is_named = found > kNamespace.size() && text.substr(0, found).ends_with(kNamespace);
+    in.skip(found - (is_named ? kNamespace.size() : 0) - 1);
     // Of another the end would have to be searched, for each of them up to the file's.
+    const std::size_t beyond = (is_named ? kNamespace.size() : 0) + 2;
     if (!beginsKnown(in, 0)) {
-      in.skip(2);
+      in.skip(beyond);
       continue;
     }
     const ObjectExtent extent = measureObject(in);
     const bool known = extent.kind == ObjectExtent::Kind::kKnown;
     if (known) last = std::max(last, extent.time);
-    in.skip(known ? extent.bytes : 2);
+    in.skip(known ? extent.bytes : beyond);
   }
 }
 

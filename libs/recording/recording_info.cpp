@@ -181,10 +181,12 @@ void describeLabel(const RecordingInfo& info, const LabelInfo& label, std::strin
   for (const Pose& mounting : label.mountings) text += "             at " + poseText(mounting) + "\n";
   for (const RecordedCamera& camera : label.intrinsics) {
     const CameraModel& m = camera.model;
-    text += print(
-        "             %d x %d px, fx %.3f fy %.3f cx %.3f cy %.3f px, k1 %.6f k2 %.6f p1 %.6f p2 %.6f k3 "
-        "%.6f\n",
-        m.width_px, m.height_px, m.fx_px, m.fy_px, m.cx_px, m.cy_px, m.k1, m.k2, m.p1, m.p2, m.k3);
+    text += print("             %d x %d px, fx %.3f fy %.3f cx %.3f cy %.3f px", m.width_px, m.height_px,
+                  m.fx_px, m.fy_px, m.cx_px, m.cy_px);
+    if (m.lens != LensModel::plumb_bob) text.append(", ").append(nameOf(m.lens));
+    text += ",";
+    for (const LensCoefficient& c : coefficientsOf(m.lens)) text += print(" %s %.6f", c.name, m.*c.value);
+    text += "\n";
   }
 }
 
@@ -195,17 +197,11 @@ nlohmann::json toJson(const Pose& pose) {
 }
 
 nlohmann::json toJson(const CameraModel& m) {
-  return {{"width_px", m.width_px},
-          {"height_px", m.height_px},
-          {"fx_px", m.fx_px},
-          {"fy_px", m.fy_px},
-          {"cx_px", m.cx_px},
-          {"cy_px", m.cy_px},
-          {"k1", m.k1},
-          {"k2", m.k2},
-          {"p1", m.p1},
-          {"p2", m.p2},
-          {"k3", m.k3}};
+  nlohmann::json json{{"width_px", m.width_px}, {"height_px", m.height_px}, {"fx_px", m.fx_px},
+                      {"fy_px", m.fy_px},       {"cx_px", m.cx_px},         {"cy_px", m.cy_px}};
+  for (const LensCoefficient& c : coefficientsOf(m.lens)) json[c.name] = m.*c.value;
+  if (m.lens != LensModel::plumb_bob) json["model"] = nameOf(m.lens);
+  return json;
 }
 
 nlohmann::json toJson(const RecordingInfo& info, const LabelInfo& label) {

@@ -42,9 +42,8 @@ struct RecordingHeader {
 
 /// A camera as rawlogs keep it: what this program computes with, and what it only passes on.
 struct RecordedCamera {
-  CameraModel model;  ///< its window is not kept
-  enum class Distortion { none, plumb_bob, kannala_brandt } distortion = Distortion::plumb_bob;
-  std::array<double, 3> k4_k5_k6{};
+  CameraModel model;            ///< its window is not kept
+  bool is_undistorted = false;  ///< said so; else its model's lens
   double focal_length_m = 0;
   std::string name = "camera1";
 

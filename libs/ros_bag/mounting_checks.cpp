@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/text.h"
-#include "sensors/ins.h"
 
 namespace fathom {
 
@@ -29,13 +28,9 @@ void MountingChecks::addOdometry(Time time, const Vector3d& velocity, const Vect
   ++readings_;
   const double span = secondsBetween(start_, time);
   if (span < 1.0) return;
-  if (forces_ > 0 && span < 3.0) {  // a longer one has a gap in it
-    Inputs<double> level;
-    level.world.gravity_odom = -up();
-    level.state.acceleration_robot =
-        (velocity - start_velocity_) / span + turning_ / static_cast<double>(readings_);
-    force_axes_.add(Accelerometer::specificForce(level, {}), force_robot_ / static_cast<double>(forces_));
-  }
+  if (forces_ > 0 && span < 3.0)  // a longer one has a gap in it
+    windows_.push_back({(velocity - start_velocity_) / span + turning_ / static_cast<double>(readings_),
+                        force_robot_ / static_cast<double>(forces_)});
   force_robot_ = turning_ = Vector3d::Zero();
   forces_ = readings_ = 0;
   start_ = time;
@@ -47,7 +42,7 @@ std::vector<Conclusion> MountingChecks::conclusions(const BagTopic& ins) const {
   if (total_forces_ > 0) all.push_back(gravityConclusion());
   if (oriented_ > 0 && angleBetween(ins.T_robot_sensor.rotation, Matrix3d::Identity()) > 1e-6)
     all.push_back(orientationConclusion(ins));
-  if (force_axes_.count() >= 10) all.push_back(axesConclusion());
+  if (windows_.size() >= 10) all.push_back(axesConclusion());
   return all;
 }
 
@@ -75,22 +70,39 @@ Conclusion MountingChecks::orientationConclusion(const BagTopic& ins) const {
                 std::min(sensor, robot), std::max(sensor, robot))};
 }
 
+/// Changes are compared: gravity is the same throughout, be it on a slope. Of the axes those come into
+/// question that turn the mean specific force about up.
 Conclusion MountingChecks::axesConclusion() const {
-  auto ranked = force_axes_.ranking();
-  std::erase_if(ranked, [](const AxesScore& s) { return !s.axes.proper(); });  // a mounting is no mirror
+  const double kSteepestSlope = radians(35);
+  Window mean{Vector3d::Zero(), Vector3d::Zero()};
+  for (const Window& w : windows_) {
+    mean.acceleration += w.acceleration / static_cast<double>(windows_.size());
+    mean.force += w.force / static_cast<double>(windows_.size());
+  }
+  AxesEvidence evidence;
+  for (const Window& w : windows_) evidence.add(w.acceleration - mean.acceleration, w.force - mean.force);
+  auto ranked = evidence.ranking();
+  std::erase_if(ranked, [&](const AxesScore& s) {
+    const Vector3d up = s.axes.matrix() * mean.force;
+    return !s.axes.proper() ||  // a mounting is no mirror
+           up.z() < std::cos(kSteepestSlope) * up.norm();
+  });
+  if (ranked.size() < 2)
+    return {"INS mounting against odometry", "none of the 24 right-angled ones turns gravity upright", "",
+            0.0, ""};
   const AxesScore &best = ranked[0], &other = ranked[1];
-  std::string evidence = print(
-      "acceleration from odometry plus gravity against accelerometer, %zu windows of "
-      "1 s, RMS (%.2f, %.2f, %.2f) m/s2 against (%.2f, %.2f, %.2f)",
-      force_axes_.count(), best.residual_rms.x(), best.residual_rms.y(), best.residual_rms.z(),
-      other.residual_rms.x(), other.residual_rms.y(), other.residual_rms.z());
-  return {"INS mounting against odometry",
-          best.axes == SignedAxes{}
-              ? "the map's pose fits best of the 24 right-angled ones"
-              : "axes " + best.axes.text() + " after the map's pose fit better (not corrected)",
-          "axes " + other.axes.text() + " after the map's pose",
-          std::exp((best.log_likelihood - other.log_likelihood) / static_cast<double>(force_axes_.count())),
-          evidence};
+  return {
+      "INS mounting against odometry",
+      best.axes == SignedAxes{}
+          ? "the map's pose fits best of the 24 right-angled ones"
+          : "axes " + best.axes.text() + " after the map's pose fit better (not corrected)",
+      "axes " + other.axes.text() + " after the map's pose",
+      std::exp((best.log_likelihood - other.log_likelihood) / static_cast<double>(windows_.size())),
+      print(
+          "changes of acceleration from odometry against the accelerometer's, %zu windows of 1 s, RMS (%.2f, "
+          "%.2f, %.2f) m/s2 against (%.2f, %.2f, %.2f)",
+          windows_.size(), best.residual_rms.x(), best.residual_rms.y(), best.residual_rms.z(),
+          other.residual_rms.x(), other.residual_rms.y(), other.residual_rms.z())};
 }
 
 }  // namespace fathom

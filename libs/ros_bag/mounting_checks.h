@@ -10,7 +10,7 @@
 namespace fathom {
 
 /// Sums that tell what the INS's orientation means and whether its mounting agrees with gravity and with the
-/// odometry. Memory does not depend on how much is added.
+/// odometry. Memory: 48 bytes for each second.
 class MountingChecks {
  public:
   explicit MountingChecks(double gravity_m_s2) : gravity_(gravity_m_s2) {}
@@ -40,7 +40,11 @@ class MountingChecks {
   Time start_{};
   Vector3d start_velocity_ = Vector3d::Zero(), turning_ = Vector3d::Zero(), force_robot_ = Vector3d::Zero();
   std::size_t forces_ = 0, readings_ = 0;
-  AxesEvidence force_axes_;
+  /// Means over a second, robot axes: acceleration by the odometry, specific force.
+  struct Window {
+    Vector3d acceleration, force;
+  };
+  std::vector<Window> windows_;
 };
 
 }  // namespace fathom

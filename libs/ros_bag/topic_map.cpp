@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/yaml.h"
+#include "sensors/vehicle.h"
 
 namespace fathom {
 namespace {
@@ -50,12 +51,7 @@ RecordedCamera readIntrinsics(const YamlMap& y) {
   if (width_px <= 0 || height_px <= 0) throw y.error("width_px", "image size must be greater than zero");
   CameraModel camera{width_px,          height_px,        y.positive("fx_px"), y.positive("fy_px"),
                      y.number("cx_px"), y.number("cy_px")};
-  const YamlMap d = y.map("distortion");
-  camera.k1 = d.number("k1");
-  camera.k2 = d.number("k2");
-  camera.p1 = d.number("p1");
-  camera.p2 = d.number("p2");
-  camera.k3 = d.number("k3");
+  readDistortion(y.map("distortion"), camera);
   return recordedCamera(camera);
 }
 

@@ -57,12 +57,7 @@ CameraSheet readCamera(const YamlMap& y) {
   if (s.model.width_px <= 0 || s.model.height_px <= 0)
     throw y.error("width_px", "image size must be greater than zero");
   readPinhole(y, s.model);
-  const YamlMap d = y.map("distortion");
-  s.model.k1 = d.number("k1");
-  s.model.k2 = d.number("k2");
-  s.model.p1 = d.number("p1");
-  s.model.p2 = d.number("p2");
-  s.model.k3 = d.number("k3");
+  readDistortion(y.map("distortion"), s.model);
   s.exposure_s = y.positive("exposure_s");
   s.gain = y.text("gain");
   if (s.gain != "fixed" && s.gain != "auto") throw y.error("gain", "must be fixed or auto");
@@ -90,6 +85,14 @@ LampSheet readLamp(const YamlMap& y) {
   s.name = y.text("name");
   s.half_angle_rad = radians(y.positive("half_angle_deg"));
   s.T_robot_lamp = y.pose("pose");
+  return s;
+}
+
+LimitsSheet readLimits(const YamlMap& y) {
+  LimitsSheet s;
+  if (y.has("speed_m_s")) s.speed_m_s = y.positive("speed_m_s");
+  if (y.has("turn_rate_deg_s")) s.turn_rate_rad_s = radians(y.positive("turn_rate_deg_s"));
+  if (y.has("depth_m")) s.depth_m = y.positive("depth_m");
   return s;
 }
 
@@ -142,6 +145,15 @@ void readPinhole(const YamlMap& y, CameraModel& camera) {
   camera.cy_px = y.number("cy_px");
 }
 
+void readDistortion(const YamlMap& y, CameraModel& camera) {
+  if (y.has("model")) {
+    const auto lens = lensNamed(y.text("model"));
+    if (!lens) throw y.error("model", "must be plumb_bob, rational or fisheye");
+    camera.lens = *lens;
+  }
+  for (const LensCoefficient& c : coefficientsOf(camera.lens)) camera.*c.value = y.number(c.name);
+}
+
 Vehicle readVehicle(const std::filesystem::path& file) {
   const YamlFile yaml(file);
   const YamlMap& y = yaml.root();
@@ -156,6 +168,7 @@ Vehicle readVehicle(const std::filesystem::path& file) {
       throw y.error(section, "behind the dot must be 1 to 15 letters, digits, `_` or `-`, and not `first`");
     }
   }
+  if (y.has("limits")) v.limits = readLimits(y.map("limits"));
   if (y.has("lamps"))
     for (const YamlMap& lamp : y.maps("lamps")) v.lamps.push_back(readLamp(lamp));
   yaml.rejectUnknownKeys();

@@ -47,6 +47,13 @@ struct LampSheet {
   Pose T_robot_lamp;  ///< light leaves along x
 };
 
+/// Section `limits`, and each of its keys, may be left out: what such a vehicle does not exceed.
+struct LimitsSheet {
+  double speed_m_s = 10;
+  double turn_rate_rad_s = radians(180);
+  double depth_m = 6000;
+};
+
 /// What instruments of a list there are on board, each under its own name: `ins`, `dvl`, …
 template <class Instruments>
 struct OnBoardOf;
@@ -61,6 +68,7 @@ struct SensorsOnBoard : OnBoardOf<AllInstruments> {
 /// Its own are the first of each kind; sections `dvl.2`, `camera.port` are others'.
 struct Vehicle : SensorsOnBoard {
   double gravity_m_s2 = 9.80665;
+  LimitsSheet limits;
   std::vector<LampSheet> lamps;
   std::map<Instance, SensorsOnBoard> others;
 
@@ -106,5 +114,7 @@ Vehicle readVehicle(const std::filesystem::path& file);
 
 /// A camera's fx_px, fy_px, cx_px, cy_px, wherever they stand. Throws Error.
 void readPinhole(const YamlMap& y, CameraModel& camera);
+/// A lens's coefficients by name; `model`, where it is not plumb_bob. Throws Error.
+void readDistortion(const YamlMap& y, CameraModel& camera);
 
 }  // namespace fathom

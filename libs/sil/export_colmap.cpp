@@ -12,9 +12,13 @@ namespace {
 constexpr double kFromCorner_px = 0.5;  // COLMAP's (0, 0) is the image's corner, not a pixel's centre
 
 std::string lineOf(const CameraModel& c, std::size_t id) {
-  return print("%zu FULL_OPENCV %d %d %.12g %.12g %.12g %.12g %.12g %.12g %.12g %.12g %.12g 0 0 0\n", id,
-               c.width_px, c.height_px, c.fx_px, c.fy_px, c.cx_px + kFromCorner_px, c.cy_px + kFromCorner_px,
-               c.k1, c.k2, c.p1, c.p2, c.k3);
+  const bool fisheye = c.lens == LensModel::fisheye;
+  std::string line =
+      print("%zu %s %d %d %.12g %.12g %.12g %.12g", id, fisheye ? "OPENCV_FISHEYE" : "FULL_OPENCV",
+            c.width_px, c.height_px, c.fx_px, c.fy_px, c.cx_px + kFromCorner_px, c.cy_px + kFromCorner_px);
+  for (const LensCoefficient& k : coefficientsOf(fisheye ? LensModel::fisheye : LensModel::rational))
+    line += print(" %.12g", c.*k.value);
+  return line + "\n";
 }
 
 /// The markers' corners as points of the world, with the images that show them.

@@ -66,11 +66,11 @@ struct Comparison {
     compare("fy_px", recorded.fy_px, sheet.model.fy_px, kSamePixel_px);
     compare("cx_px", recorded.cx_px, sheet.model.cx_px, kSamePixel_px);
     compare("cy_px", recorded.cy_px, sheet.model.cy_px, kSamePixel_px);
-    compare("k1", recorded.k1, sheet.model.k1, kSameDistortion);
-    compare("k2", recorded.k2, sheet.model.k2, kSameDistortion);
-    compare("p1", recorded.p1, sheet.model.p1, kSameDistortion);
-    compare("p2", recorded.p2, sheet.model.p2, kSameDistortion);
-    compare("k3", recorded.k3, sheet.model.k3, kSameDistortion);
+    if (recorded.lens != sheet.model.lens)
+      lines.push_back(label.label + ": the lens is " + std::string(nameOf(recorded.lens)) +
+                      " in the recording, " + std::string(nameOf(sheet.model.lens)) + " in the vehicle file");
+    for (const LensCoefficient& c : coefficientsOf(sheet.model.lens))
+      compare(c.name, recorded.*c.value, sheet.model.*c.value, kSameDistortion);
   }
 
   void beams(const LabelInfo& label, const std::vector<Pose>& sheet) {

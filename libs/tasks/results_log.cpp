@@ -6,7 +6,7 @@ namespace fathom {
 
 ResultsLog::ResultsLog(const std::filesystem::path& file, const RecordingHeader& header, Time time_zero,
                        std::size_t streams)
-    : rawlog_(file, header, time_zero), pending_(streams) {}
+    : rawlog_(file, header, time_zero), written_(time_zero), pending_(streams) {}
 
 void ResultsLog::writeBefore(const Time& time) {
   for (;;) {
@@ -16,7 +16,10 @@ void ResultsLog::writeBefore(const Time& time) {
           (earliest == nullptr || stream.front().time < earliest->front().time))
         earliest = &stream;
     if (earliest == nullptr) return;
-    rawlog_.write(earliest->front());
+    if (const Sample& sample = earliest->front(); sample.time >= written_) {
+      rawlog_.write(sample);
+      written_ = sample.time;
+    }
     earliest->pop_front();
   }
 }

@@ -16,13 +16,15 @@ class ResultsLog {
              std::size_t streams);
 
   void add(std::size_t stream, Sample sample) { pending_[stream].push_back(std::move(sample)); }
-  /// Writes what is older than `time`; no stream may deliver such any more. Not while one delivers.
+  /// Writes what is older than `time`. Not while a stream delivers. What of such comes all the same (a
+  /// recording's stamps step back) is left out.
   void writeBefore(const Time& time);
   /// Writes the rest and puts the file under its name. Throws Error.
   void finish();
 
  private:
   RawlogWriter rawlog_;
+  Time written_;  ///< up to there
   std::vector<std::deque<Sample>> pending_;
 };
 

@@ -358,5 +358,47 @@ TEST(SimulateCommand, SaysWhyThereAreNoImages) {
   EXPECT_EQ(test::runShell(whole).out.find("no images"), std::string::npos);
 }
 
+/// The shipped vehicle, its lens and focal length others.
+fs::path vehicleWith(const fs::path& folder, const std::string& distortion) {
+  std::string rov = readTextFile(kRov);
+  const std::size_t from = rov.find("distortion: {"), to = rov.find('}', from);
+  rov.replace(from, to + 1 - from, "distortion: {" + distortion + "}");
+  for (const char* key : {"fx_px: 555.1962", "fy_px: 555.2854"})
+    rov.replace(rov.find(key), std::string(key).size(), std::string(key, 5) + ": 380");
+  const fs::path file = folder / "vehicle.yaml";
+  writeTextFile(file, rov);
+  return file;
+}
+
+test::ProgramResult simulateWith(const fs::path& folder, const fs::path& vehicle) {
+  writeTextFile(folder / "station.yaml", kStation);
+  return test::runFathom("simulate --trajectory " + test::shellQuoted((folder / "station.yaml").string()) +
+                         " --vehicle " + test::shellQuoted(vehicle.string()) + " --map " +
+                         test::shellQuoted(kDexrovMap.string()) +
+                         " --water config/water_clear.yaml --duration 10 --name r --out " +
+                         test::shellQuoted((folder / "r").string()));
+}
+
+/// Images drawn through a fisheye tell where the robot is: rays, corners and the filter agree on the lens.
+TEST(SimulatedImages, AreSeenThroughAFisheye) {
+  const fs::path folder = test::scratchFolder();
+  const auto simulated = simulateWith(
+      folder, vehicleWith(folder, "model: fisheye, k1: -0.029, k2: 0.021, k3: -0.032, k4: 0.017"));
+  ASSERT_EQ(simulated.status, 0) << simulated.err;
+  const auto localized = test::runFathom("localize " + test::shellQuoted((folder / "r/r.rawlog").string()) +
+                                         " --tasks TL5 --paper-only --start reference --out " +
+                                         test::shellQuoted((folder / "l").string()));
+  EXPECT_EQ(localized.status, 0) << localized.err;
+  // Of a pinhole of that focal length 0.010 m: markers of 0.16 m at 2 m, corners to 0.15 px.
+  EXPECT_NE(localized.out.find("position error 0.0"), std::string::npos) << localized.out;
+}
+
+TEST(SimulatedImages, AreNotDrawnThroughALensThatFoldsThemOver) {
+  const fs::path folder = test::scratchFolder();
+  const auto refused = simulateWith(folder, vehicleWith(folder, "k1: -0.9, k2: 0, p1: 0, p2: 0, k3: 0"));
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("camera.distortion: turns back"), std::string::npos) << refused.err;
+}
+
 }  // namespace
 }  // namespace fathom

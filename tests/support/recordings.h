@@ -27,7 +27,10 @@ inline RecordedCamera randomCamera(Random& random) {
   model = {640, 480, random.uniform(500, 600), random.uniform(500, 600), 320.5, 240.25};
   for (double* coefficient : {&model.k1, &model.k2, &model.p1, &model.p2, &model.k3})
     *coefficient = 0.01 * random.normal();
-  for (double& coefficient : camera.k4_k5_k6) coefficient = 0.01 * random.normal();
+  if (random.uniform() < 0.5) {
+    model.lens = LensModel::rational;
+    for (double* coefficient : {&model.k4, &model.k5, &model.k6}) *coefficient = 0.01 * random.normal();
+  }
   camera.name = "front";
   return camera;
 }
@@ -161,7 +164,7 @@ inline std::string fingerprint(const Sample& sample) {
   for (const auto& camera : intrinsics(sample.reading)) {
     const CameraModel& m = camera.model;
     for (const double x : {m.fx_px, m.fy_px, m.cx_px, m.cy_px, m.k1, m.k2, m.p1, m.p2, m.k3}) add(x);
-    for (const double x : camera.k4_k5_k6) add(x);
+    for (const double x : {camera.model.k4, camera.model.k5, camera.model.k6}) add(x);
     bytes += camera.name + std::to_string(m.width_px) + 'x' + std::to_string(m.height_px);
   }
   for (const std::string& image : imageFiles(sample.reading)) bytes += '|' + image;

@@ -109,13 +109,24 @@ std::string changed(std::string text, const std::string& from, const std::string
   return text.replace(text.find(from), from.size(), to);
 }
 
-TEST(CameraFiles, OtherModelsAreErrors) {
-  EXPECT_NE(complaint(changed(kRos, "plumb_bob", "equidistant")).find("distortion_model"), std::string::npos);
-  EXPECT_NE(complaint(changed(kKalibr, "radtan", "equidistant")).find("equidistant"), std::string::npos);
-  EXPECT_NE(complaint(changed(kKalibr, "pinhole", "omni")).find("omni"), std::string::npos);
-  EXPECT_NE(complaint(changed(kRos, "-0.002, 0]", "-0.002, 0, 0.1, 0, 0]")).find("five coefficients"),
-            std::string::npos);
-  EXPECT_EQ(complaint(changed(kRos, "-0.002, 0]", "-0.002, 0, 0, 0, 0]")), "none");
+TEST(CameraFiles, OtherLensesAreReadAsWhatTheyAre) {
+  const std::string fisheye =
+      changed(kKalibr, "radtan\n  distortion_coeffs: [-0.125", "equidistant\n  distortion_coeffs: [-0.125");
+  const CameraModel camera = readCameraFile(written(fisheye), {"cam1", {}}).camera;
+  EXPECT_EQ(camera.lens, LensModel::fisheye);
+  EXPECT_EQ((std::array{camera.k1, camera.k2, camera.k3, camera.k4, camera.p1, camera.p2}),
+            (std::array{-0.125, 0.0625, 0.001, -0.002, 0.0, 0.0}));
+  EXPECT_NE(complaint(changed(kRos, "plumb_bob", "equidistant")).find("k1, k2, k3, k4"), std::string::npos);
+  const CameraModel rational =
+      readCameraFile(written(changed(kRos, "-0.002, 0]", "-0.002, 0, 0.1, 0, 0]"))).camera;
+  EXPECT_EQ(rational.lens, LensModel::rational);
+  EXPECT_EQ(rational.k4, 0.1);
+  EXPECT_EQ(readCameraFile(written(changed(kRos, "-0.002, 0]", "-0.002, 0, 0, 0, 0]"))).camera,
+            expectedCamera());
+  EXPECT_NE(
+      complaint(changed(kRos, "-0.002, 0]", "-0.002, 0, 0, 0, 0, 0.1, 0, 0, 0]")).find("eight coefficients"),
+      std::string::npos);
+  EXPECT_NE(complaint(changed(kKalibr, "pinhole", "omni")).find("omni is neither"), std::string::npos);
 }
 
 TEST(CameraFiles, ComplaintsNameTheKey) {

@@ -105,7 +105,7 @@ std::vector<Telltale> telltales() {
         {"ros_bag/mounting_checks.cpp", "omega x v, the body's own motion"}}},
       {"hydrostatics", std::regex(R"(\b(density|rho)\w*\s*\*|atmospheric_pressure\w*\s*[-+])"), {}},
       {"lens distortion",
-       std::regex(R"(\bk1\s*[*+]|\*\s*k1\b)"),
+       std::regex(R"(\bk1\)?\s*[*+]|\*\s*(T\()?[\w.]*\bk1\b)"),
        {{"core/camera_model.h", "the definition"}}},
       {"refraction", std::regex(R"(\basin\(|\bsnell\b)", std::regex::icase), {}},
       {"Rodrigues' formula beside expSO3()",
@@ -197,10 +197,11 @@ const std::map<std::string, Asker> kAskers{
       {"predictLight", "predictReading", "predictCorners"}}},
     {"landmarks",
      {"how fast the robot was when an image was taken", {"Gyro::angularVelocity", "Dvl::velocity"}}},
-    {"sea_trial", {"whether a trial's streams agree", {"Accelerometer::specificForce", "Dvl::velocity"}}},
-    {"ros_bag",
-     {"whether a mounting agrees with what was driven; the pressure that a depth is",
+    {"audit",
+     {"what is put back where a driver took it out; the depth that a pressure is",
       {"Accelerometer::specificForce", "Depth::pressure"}}},
+    {"sea_trial", {"whether a trial's streams agree", {"Accelerometer::specificForce", "Dvl::velocity"}}},
+    {"ros_bag", {"the pressure that a depth is", {"Depth::pressure"}}},
 };
 
 /// predictLight(), …, as the rooms of physics declare them.
