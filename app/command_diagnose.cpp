@@ -36,6 +36,16 @@ void judgeOthers(const DiagnoseOptions& options, const std::vector<BatchRecordin
     story.elsewhere.push_back({options.judge[i], judge.judge(others[i].input)});
 }
 
+/// A fault of a driver is no physics, however well an effect fits it.
+void doubtFaults(DiagnosisStory& story) {
+  if (story.read.accepted_faults.empty() || story.diagnosis.verdict != Verdict::explained) return;
+  std::string names;
+  for (const std::string& name : story.read.accepted_faults) names += (names.empty() ? "" : ", ") + name;
+  story.diagnosis.verdict = Verdict::unexplained;
+  story.diagnosis.why = "the recording has a fault that was accepted (" + names +
+                        "): what fits it need be no physics; " + story.diagnosis.why;
+}
+
 void printStory(const DiagnosisStory& story) {
   const Diagnosis& d = story.diagnosis;
   std::cout << nameOf(d.verdict) << ": " << d.why << "\n";
@@ -80,6 +90,7 @@ void runDiagnosis(DiagnoseOptions options, const RunContext& context) {
   }
 
   story.diagnosis = diagnose(story.read.input, options.diagnosis);
+  doubtFaults(story);
   judgeOthers(options, others, story);
   story.images = compareImages(story.read, story.diagnosis, options.diagnosis.calibration);
   if (again && story.diagnosis.verdict == Verdict::explained) {

@@ -2,6 +2,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "audit/audit.h"
 #include "camera_tables/camera_alone.h"
 #include "commands.h"
 #include "core/error.h"
@@ -23,11 +24,19 @@ namespace {
 /// Writes samples as they come. The rawlog is opened at the first, whose time its first entry bears.
 class ImportWriter {
  public:
-  ImportWriter(ImportTarget target, std::string description)
-      : target_(std::move(target)), description_(std::move(description)) {}
+  ImportWriter(ImportTarget target, std::string description, const std::vector<std::string>& correct = {})
+      : target_(std::move(target)), description_(std::move(description)) {
+    for (const std::string& text : correct) {
+      corrections_.push_back(Correction::named(text));
+      if (corrections_.back().reorders())
+        throw Error("--correct", text, "changes the entries' order: correct it where the recording is read");
+    }
+  }
 
-  void write(const Sample& sample) {
+  void write(Sample sample) {
     if (interrupted()) throw Interrupted{};
+    for (const Correction& correction : corrections_) correction.apply(sample, Vehicle{}, sample.time);
+    streams_.add(sample);
     if (!rawlog_) {
       const RecordingHeader header{"", target_.file("_vehicle.yaml").filename().string(), description_};
       rawlog_.emplace(target_.file(".rawlog"), header, sample.time);
@@ -41,6 +50,7 @@ class ImportWriter {
     if (!rawlog_) throw Error(target_.file(".rawlog").string(), "", "the source holds no sample");
     writeTextFile(target_.file("_vehicle.yaml"), imported.vehicle_yaml);
     if (!imported.reference.empty()) writeTum(target_.file("_reference.tum"), imported.reference);
+    findings_ = audit(streams_, readVehicle(target_.file("_vehicle.yaml")), target_.file("_Images"));
     writeJson(target_.file("_import.json"), summary(imported, context));
     rawlog_->finish();
     report(imported);
@@ -54,6 +64,8 @@ class ImportWriter {
     json["samples"] = samples_;
     json["reference_poses"] = imported.reference.size();
     json["remarks"] = imported.remarks;
+    json["findings"] = nlohmann::ordered_json::array();
+    for (const Finding& f : findings_) json["findings"].push_back(toText(f));
     json["conclusions"] = nlohmann::ordered_json::array();
     for (const auto& conclusion : imported.conclusions)
       json["conclusions"].push_back({{"what", conclusion.what},
@@ -67,6 +79,7 @@ class ImportWriter {
   void report(const ImportedRecording& imported) const {
     for (const auto& conclusion : imported.conclusions) std::cout << toText(conclusion) << "\n";
     for (const std::string& remark : imported.remarks) std::cout << "remark: " << remark << "\n";
+    for (const Finding& f : findings_) std::cout << "remark: " << toText(f) << "\n";
     std::cout << samples_ << " samples\n";
     sayWritten(target_, {".rawlog", "_vehicle.yaml"});
     if (!imported.reference.empty()) sayWritten(target_, {"_reference.tum"});
@@ -75,6 +88,9 @@ class ImportWriter {
 
   ImportTarget target_;
   std::string description_;
+  std::vector<Correction> corrections_;
+  Streams streams_;
+  std::vector<Finding> findings_;
   std::optional<RawlogWriter> rawlog_;
   std::size_t samples_ = 0;
 };
@@ -122,18 +138,19 @@ void addCsv(CLI::App& parent, const RunContext& context) {
 struct BagCommandOptions {
   std::string bag, topics;
   bool strict = false;
+  std::vector<std::string> correct;
   ImportTarget target;
 };
 
 void importRosBag(BagCommandOptions options, const RunContext& context) {
   if (options.target.name.empty()) options.target.name = fs::path(options.bag).stem().string();
   const TopicMap map = readTopicMap(options.topics);
-  ImportWriter writer(options.target, map.description);
+  ImportWriter writer(options.target, map.description, options.correct);
   BagOptions bag_options;
   bag_options.image_folder = options.target.file("_Images");
   bag_options.strict = options.strict;
   const ImportedRecording imported = streamBag(
-      options.bag, map, [&](Sample&& sample) { writer.write(sample); }, bag_options);
+      options.bag, map, [&](Sample&& sample) { writer.write(std::move(sample)); }, bag_options);
   writer.finish(imported, context);
 }
 
@@ -152,6 +169,10 @@ void addBag(CLI::App& parent, const RunContext& context) {
       ->type_name(values::kYaml);
   command->add_flag("--strict", options->strict,
                     "Refuse the bag where a message cannot be used (default: leave it out, and say so)");
+  command
+      ->add_option("--correct", options->correct,
+                   "A fault of the bag's streams to correct, as the remarks of an import say it")
+      ->type_name("NAME");
   addImportTarget(*command, options->target, "the bag's");
   command->callback([options, &context] { importRosBag(*options, context); });
 }
@@ -185,6 +206,7 @@ void addCamera(CLI::App& parent) {
       "or Kalibr's camchain are written as, and writes\n"
       "NAME_vehicle.yaml with that camera alone: give it to --vehicle, or take its camera section into your "
       "own.\n"
+      "Lenses: plumb bob, rational, fisheye (equidistant).\n"
       "Mounting, exposure and noise are not in such files: they are defaults there, to be corrected.\n"
       "\n"
       "Examples:\n"

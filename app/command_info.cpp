@@ -2,6 +2,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "audit/audit.h"
 #include "commands.h"
 #include "core/progress.h"
 #include "recording/recording_info.h"
@@ -27,10 +28,21 @@ void info(const InfoOptions& options) {
   const auto differences =
       vehicle_file ? disagreements(recording, readVehicle(*vehicle_file)) : std::vector<std::string>{};
 
+  RecordingSource source(options.rawlog);
+  const std::vector<Finding> findings = audit(source, vehicle_file ? readVehicle(*vehicle_file) : Vehicle{});
+
   if (options.json) {
     nlohmann::json json = toJson(recording);
     json["compared_with"] = vehicle_file ? nlohmann::json(vehicle_file->string()) : nlohmann::json(nullptr);
     json["disagreements"] = differences;
+    json["findings"] = nlohmann::json::array();
+    for (const Finding& f : findings)
+      json["findings"].push_back({{"name", f.name},
+                                  {"label", f.label},
+                                  {"sure", f.certainty == Finding::Certainty::sure},
+                                  {"what", f.what},
+                                  {"corrected", f.corrected},
+                                  {"correction", f.correction}});
     std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
     return;
   }
@@ -39,6 +51,9 @@ void info(const InfoOptions& options) {
     std::cout << "compared with " << vehicle_file->string() << ":\n"
               << (differences.empty() ? "  mountings and intrinsics agree\n" : "");
   for (const auto& line : differences) std::cout << "  ! " << line << "\n";
+  std::cout << "compared with physics and with each other:\n"
+            << (findings.empty() ? "  the streams agree\n" : "");
+  for (const Finding& f : findings) std::cout << "  ! " << toText(f) << "\n";
 }
 
 }  // namespace
@@ -51,7 +66,11 @@ void addInfo(const RunContext& context) {
       "order\n"
       "in time and damage. With a vehicle file, tells where that and the recording disagree; the "
       "recording's\n"
-      "values are the nominal ones.\n"
+      "values are the nominal ones. Streams are compared with physics and with each other (units, signs, "
+      "axes,\n"
+      "clocks, images): what is sure must be corrected or accepted by name (--correct, --accept) before "
+      "other\n"
+      "commands believe the recording; what is likely is a warning.\n"
       "\n"
       "Examples:\n"
       "  fathom info rawlogs/dive/dive.rawlog\n"

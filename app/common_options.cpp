@@ -4,6 +4,17 @@
 
 namespace fathom {
 
+void addAuditOptions(CLI::App& command, AuditChoice& choice) {
+  command
+      .add_option("--accept", choice.accept,
+                  "A fault of the recording's streams to take as it is, as `fathom info` names it")
+      ->type_name("NAME");
+  command
+      .add_option("--correct", choice.correct,
+                  "A fault of the recording's streams to correct, as `fathom info` says it")
+      ->type_name("NAME");
+}
+
 void addChainOptions(CLI::App& command, ChainOptions& options) {
   command.add_option("--vehicle", options.vehicle, "Vehicle file (default: the one the recording names)")
       ->type_name(values::kYaml);
@@ -19,6 +30,7 @@ void addChainOptions(CLI::App& command, ChainOptions& options) {
   command.add_option("--backend", options.backend, "Which library finds the markers")
       ->check(CLI::IsMember(backendNames()))
       ->capture_default_str();
+  addAuditOptions(command, options.audit);
 }
 
 void addBatchRecordingOptions(CLI::App& command, BatchRecordingOptions& options) {
@@ -30,6 +42,7 @@ void addBatchRecordingOptions(CLI::App& command, BatchRecordingOptions& options)
       ->type_name(values::kYaml);
   command.add_option("--start", options.start, "auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]")
       ->capture_default_str();
+  addAuditOptions(command, options.audit);
 }
 
 CLI::Option* addCalibrationOption(CLI::App& command, std::string& file, const std::string& help) {

@@ -9,6 +9,9 @@
 /// Options that several commands have.
 namespace fathom {
 
+/// --accept and --correct.
+void addAuditOptions(CLI::App& command, AuditChoice& choice);
+
 /// All of a chain's options but the rawlog, as options of a command.
 void addChainOptions(CLI::App& command, ChainOptions& options);
 

@@ -106,10 +106,7 @@ InputFile inputFile(const fs::path& file) { return {file, Fingerprint().add(read
 
 BatchRecording readBatchRecording(const BatchRecordingOptions& options,
                                   const EffectParameters<double>& calibration) {
-  const auto open = [&]() -> std::unique_ptr<SampleSource> {
-    return std::make_unique<RecordingSource>(options.rawlog);
-  };
-  const RecordingHeader header = open()->header();
+  const RecordingHeader header = RawlogReader(options.rawlog).header();
   BatchRecording recording;
   recording.calibration = calibration;
   recording.vehicle = neededVehicleFile(options.vehicle, options.rawlog, header);
@@ -119,6 +116,12 @@ BatchRecording readBatchRecording(const BatchRecordingOptions& options,
       recording.map ? readPanelMaps(*recording.map) : std::vector<PanelMap>{};
   const Vehicle vehicle = readVehicle(recording.vehicle);
   requireInstances(calibration, vehicle, "the calibration");
+  const auto open = [&] {
+    return corrected(std::make_unique<RecordingSource>(options.rawlog), options.audit, vehicle);
+  };
+  Plausibility plausibility = requirePlausible(audit(*open(), vehicle), options.audit, options.rawlog);
+  recording.remarks = std::move(plausibility.remarks);
+  recording.accepted_faults = std::move(plausibility.accepted);
   const auto start = startPose(options.start, options.rawlog, {});
   recording.found = findMarkers(options.rawlog, panels, recording.remarks);
   BatchDataOptions beside;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "audit/audit.h"
 #include "estimation/batch_estimate.h"
 #include "estimation/filter_start.h"
 
@@ -17,6 +18,7 @@ struct BatchRecordingOptions {
   std::string start = "auto";    ///< see startPose()
   bool pixels = false;           ///< take patches of the images too
   bool open_water = true;        ///< of them, what is above the horizon and beside the panels too
+  AuditChoice audit{};           ///< what is wrong with the streams, and known to the user
   std::filesystem::path folder;  ///< of the results
 };
 
@@ -44,10 +46,12 @@ struct BatchRecording {
   std::optional<std::filesystem::path> map;
   std::vector<InputFile> files;  ///< rawlog, vehicle file, panel maps
   std::vector<std::string> remarks;
+  /// Faults of its streams that audit() is sure of, and the user takes as they are.
+  std::vector<std::string> accepted_faults{};
 };
 
-/// Detects the markers in all images, or takes the detections kept beside the recording. Throws Error,
-/// Interrupted.
+/// Detects the markers in all images, or takes the detections kept beside the recording. Throws Error, also
+/// where a stream has a fault that audit() is sure of; Interrupted.
 BatchRecording readBatchRecording(const BatchRecordingOptions& options,
                                   const EffectParameters<double>& calibration);
 

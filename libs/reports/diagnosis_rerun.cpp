@@ -28,6 +28,7 @@ RecordingJob rerunJob(const BatchRecordingOptions& recording, const std::string&
   job.chain.rawlog = recording.rawlog;
   job.chain.vehicle = recording.vehicle;
   job.chain.map = recording.map;
+  job.chain.audit = recording.audit;
   job.start = recording.start;
   job.tasks = {{readLocalizationOptions(shippedFile("config/improved.yaml"), readTask("TL5")), true}};
   job.command_line = command_line;

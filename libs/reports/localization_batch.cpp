@@ -42,6 +42,8 @@ void addCompanions(Fingerprint& print, const RecordingJob& job) {
 std::string fingerprintOf(const RecordingJob& job) {
   Fingerprint print;
   print.add(programVersion()).add(job.start).add(job.chain.backend).add(job.chain.panel_unknown ? 1.0 : 0.0);
+  for (const auto& names : {job.chain.audit.accept, job.chain.audit.correct})
+    for (const std::string& name : names) print.add(name).add("");
   print.add(readTextFile(job.chain.rawlog));
   addCompanions(print, job);
   for (const std::string& file : {job.chain.calibration, job.chain.sources, job.reference, job.faults})

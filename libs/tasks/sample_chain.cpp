@@ -30,17 +30,20 @@ DetectionSettings settingsFor(const std::vector<PanelMap>& panels, const std::st
 }  // namespace
 
 SampleChain::SampleChain(const ChainOptions& options, bool landmarks) : options_(options) {
-  auto source = openBare();
-  setup_.vehicle = readVehicle(neededVehicleFile(options.vehicle, options.rawlog, source->header()));
+  const RecordingHeader header = RawlogReader(options.rawlog).header();
+  setup_.vehicle = readVehicle(neededVehicleFile(options.vehicle, options.rawlog, header));
   if (!options.calibration.empty()) setup_.calibration = readCalibration(options.calibration);
   requireInstances(setup_.calibration, setup_.vehicle, options.calibration);
-  setup_.time_zero = source->next()->time;
+  setup_.time_zero = openBare()->next()->time;
+  const std::vector<std::string> remarks =
+      requirePlausible(audit(*openBare(), setup_.vehicle), options.audit, options.rawlog).remarks;
   std::vector<std::string> lacking;
   // Each reads the recording once, so side by side.
   tbb::parallel_invoke([&] { remarks_ = disagreements(inspectRecording(options.rawlog), setup_.vehicle); },
                        [&] {
-                         if (landmarks) lacking = findLandmarks(source->header());
+                         if (landmarks) lacking = findLandmarks(header);
                        });
+  remarks_.insert(remarks_.end(), remarks.begin(), remarks.end());
   remarks_.insert(remarks_.end(), lacking.begin(), lacking.end());
 }
 
@@ -67,8 +70,12 @@ std::vector<std::string> SampleChain::findLandmarks(const RecordingHeader& heade
 }
 
 std::unique_ptr<SampleSource> SampleChain::openBare() const {
-  if (!options_.sources.empty()) return makeSource(options_.sources, options_.rawlog);
-  return std::make_unique<RecordingSource>(options_.rawlog);
+  std::unique_ptr<SampleSource> source;
+  if (options_.sources.empty())
+    source = std::make_unique<RecordingSource>(options_.rawlog);
+  else
+    source = makeSource(options_.sources, options_.rawlog);
+  return corrected(std::move(source), options_.audit, setup_.vehicle);
 }
 
 std::unique_ptr<SampleSource> SampleChain::open() const {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "audit/audit.h"
 #include "landmarks/landmark_source.h"
 #include "localization/localizer.h"
 #include "recording/sample_source.h"
@@ -18,6 +19,7 @@ struct ChainOptions {
   std::string calibration, sources;  ///< files; empty: none
   std::string backend = "apriltag";  ///< which library finds the markers
   bool panel_unknown = false;        ///< the map's panel poses are not to be believed
+  AuditChoice audit{};               ///< what is wrong with the streams, and known to the user
 };
 
 /// A recording's samples on their way to a filter: from where --sources says, with what the images tell of
@@ -25,8 +27,8 @@ struct ChainOptions {
 /// open() begins anew each time.
 class SampleChain {
  public:
-  /// With `landmarks`, finds the markers in all images, or takes the cached detections. Throws Error,
-  /// Interrupted.
+  /// With `landmarks`, finds the markers in all images, or takes the cached detections. Throws Error, also
+  /// where a stream has a fault that audit() is sure of; Interrupted.
   SampleChain(const ChainOptions& options, bool landmarks);
 
   std::unique_ptr<SampleSource> open() const;

@@ -1,0 +1,102 @@
+#include "audit/acceleration_evidence.h"
+
+#include <Eigen/QR>
+
+namespace fathom {
+namespace {
+
+constexpr double kSegment_s = 8;
+constexpr std::size_t kFewestReadings = 10;  // in a segment
+
+/// One segment: what was integrated so far, from its beginning.
+class Segment {
+ public:
+  explicit Segment(double from_s) : t_s_(from_s) {}
+
+  void integrate(double to_s, const Vector3d& rate_robot, const Vector3d& force_robot) {
+    const double seconds = to_s - t_s_;
+    const Vector3d half = 0.5 * seconds * rate_robot;
+    velocity_ += turned_ * expSO3<double>(half) * force_robot * seconds;
+    turned_ *= expSO3<double>(2 * half);
+    t_s_ = to_s;
+  }
+  void read(double t_s, const Vector3d& velocity_robot) {
+    times_.push_back(t_s);
+    by_ins_.push_back(velocity_);
+    by_dvl_.emplace_back(turned_ * velocity_robot);
+  }
+
+  void finish(std::vector<AccelerationEvidence::Change>& changes) const {
+    const auto n = static_cast<Eigen::Index>(times_.size());
+    if (times_.size() < kFewestReadings) return;
+    Eigen::MatrixXd parabola(n, 3), both(n, 6);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double t = times_[k] - times_.front();
+      parabola.row(i) << 1, t, t * t;
+      both.row(i) << by_ins_[k].transpose(), by_dvl_[k].transpose();
+    }
+    const Eigen::MatrixXd left = both - parabola * parabola.householderQr().solve(both);
+    for (Eigen::Index i = 0; i < n; ++i)
+      changes.push_back({left.row(i).head<3>().transpose(), left.row(i).tail<3>().transpose()});
+  }
+
+ private:
+  double t_s_;
+  Matrix3d turned_ = Matrix3d::Identity();
+  Vector3d velocity_ = Vector3d::Zero();
+  std::vector<double> times_;
+  std::vector<Vector3d> by_ins_, by_dvl_;
+};
+
+}  // namespace
+
+Regression AccelerationEvidence::all() const {
+  Regression r;
+  for (const Change& c : changes) r.add(c.by_ins, c.by_dvl);
+  return r;
+}
+
+double AccelerationEvidence::left() const {
+  double left = 0, whole = 0;
+  for (const Change& c : changes) {
+    left += (c.by_ins - c.by_dvl).squaredNorm();
+    whole += c.by_ins.squaredNorm();
+  }
+  return whole > 0 ? left / whole : 1;
+}
+
+AccelerationEvidence accelerationEvidence(const DvlStream& dvl, const InsStream& ins,
+                                          const AssumedAxes& axes) {
+  AccelerationEvidence evidence;
+  const Matrix3d gyro = axes.gyro_scale * ins.T_robot_ins.rotation * axes.gyro.matrix(),
+                 force = ins.T_robot_ins.rotation * axes.accelerometer.matrix(),
+                 R_dvl = dvl.T_robot_dvl.rotation * axes.dvl.matrix();
+  std::size_t next = 0;
+  std::optional<Segment> segment;
+  double from_s = 0, before_s = 0;
+  for (const InsWindow& w : ins.windows) {
+    const double to_s = w.t_s + kInsWindow_s / 2;
+    const bool whole = w.rates > 0 && w.forces > 0 && to_s - before_s < 3 * kInsWindow_s;
+    if (segment && (!whole || w.t_s - from_s > kSegment_s)) {
+      segment->finish(evidence.changes);
+      segment.reset();
+    }
+    if (!segment) {
+      from_s = w.t_s - kInsWindow_s / 2;
+      segment.emplace(from_s);
+      while (next < dvl.velocities.size() && dvl.velocities[next].t_s < from_s) ++next;
+    }
+    for (; next < dvl.velocities.size() && dvl.velocities[next].t_s < to_s; ++next) {
+      const auto& [t_s, velocity] = dvl.velocities[next];
+      segment->integrate(t_s, gyro * w.rate, force * w.force);
+      segment->read(t_s, R_dvl * velocity);
+    }
+    segment->integrate(to_s, gyro * w.rate, force * w.force);
+    before_s = to_s;
+  }
+  if (segment) segment->finish(evidence.changes);
+  return evidence;
+}
+
+}  // namespace fathom

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "audit/regression.h"
+#include "audit/streams.h"
+#include "recording/axes.h"
+
+namespace fathom {
+
+/// How a DVL's velocity changes, beside what the INS's gyro and accelerometer make of it: both turned into
+/// the axes that the robot had at the beginning of a segment of some seconds, and without their parabola,
+/// in which are gravity, the tilt at the beginning and the biases.
+struct AccelerationEvidence {
+  struct Change {
+    Vector3d by_ins, by_dvl;  ///< m/s, as they read
+  };
+  std::vector<Change> changes;
+
+  /// by_dvl over by_ins.
+  Regression all() const;
+  /// Sum of squares of by_ins - by_dvl over that of by_ins.
+  double left() const;
+};
+
+/// What the sensors' own axes are taken for, before their mountings.
+struct AssumedAxes {
+  SignedAxes gyro{}, accelerometer{}, dvl{};
+  double gyro_scale = 1;
+};
+AccelerationEvidence accelerationEvidence(const DvlStream& dvl, const InsStream& ins,
+                                          const AssumedAxes& axes = {});
+
+}  // namespace fathom

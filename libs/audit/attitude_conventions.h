@@ -1,0 +1,21 @@
+#pragma once
+
+#include "core/geometry.h"
+
+/// Attitudes as other programs write them.
+namespace fathom {
+
+/// East-north-up axes from north-east-down ones.
+inline Matrix3d enuFromNed() {
+  Matrix3d m;
+  m << 0, 1, 0, 1, 0, 0, 0, 0, -1;
+  return m;
+}
+
+/// What was meant where w, x, y, z were written and x, y, z, w read.
+inline Matrix3d attitudeWFirst(const Matrix3d& read) {
+  const Eigen::Quaterniond q(read);
+  return Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()).toRotationMatrix();
+}
+
+}  // namespace fathom

@@ -1,0 +1,245 @@
+#include "audit/correction.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "audit/attitude_conventions.h"
+#include "audit/water_column.h"
+#include "core/error.h"
+
+namespace fathom {
+namespace {
+
+SignedAxes axesOf(const std::string& text, const std::string& whole) {
+  SignedAxes axes;
+  std::array<bool, 3> used{};
+  std::size_t axis = 0, at = 0;
+  const auto fail = [&] { return Error("--correct", whole, "behind the colon must be axes, as x,-y,-z"); };
+  for (; axis < 3; ++axis, ++at) {
+    axes.sign[axis] = at < text.size() && text[at] == '-' ? (++at, -1) : 1;
+    if (at >= text.size() || text[at] < 'x' || text[at] > 'z') throw fail();
+    axes.source[axis] = text[at] - 'x';
+    if (std::exchange(used[static_cast<std::size_t>(axes.source[axis])], true)) throw fail();
+    if (++at < text.size() && text[at] != ',') throw fail();
+  }
+  if (at != text.size() + 1) throw fail();
+  return axes;
+}
+
+template <class Entry>
+Entry& entryOf(Sample& sample) {
+  return std::get<Entry>(sample.reading);
+}
+
+void scaleForce(Sample& sample, double factor) {
+  if (auto& force = entryOf<InsSample>(sample).specific_force_ins) *force *= factor;
+}
+void scaleVelocity(Sample& sample, double factor) {
+  if (auto& velocity = entryOf<DvlSample>(sample).velocity_dvl) *velocity *= factor;
+}
+template <class F>
+void turnAttitude(Sample& sample, const F& turn) {
+  auto& entry = entryOf<InsSample>(sample);
+  if (entry.R_odom_ins) entry.R_odom_ins = (turn(*entry.R_odom_ins, entry.T_robot_ins.rotation));
+}
+
+/// What is at rest and so turned reads: gravity.
+Vector3d forceAtRest(const InsSample& entry, const Vehicle& vehicle) {
+  Inputs<double> rest;
+  rest.world.gravity_odom = vehicle.gravityOdom();
+  if (entry.R_odom_ins) rest.state.R_odom_robot = *entry.R_odom_ins * entry.T_robot_ins.rotation.transpose();
+  return Accelerometer::specificForce(rest, Pose{entry.T_robot_ins.rotation, Vector3d::Zero()});
+}
+
+}  // namespace
+
+std::string plainText(const SignedAxes& axes) {
+  std::string text = axes.text();
+  std::erase_if(text, [](char c) { return c == '(' || c == ')' || c == ' '; });
+  return text;
+}
+
+struct Correction::Kind {
+  const char* name;
+  const char* label;
+  bool has_axes;
+  Apply apply;
+  const PressureUnit* unit{};
+};
+
+const std::vector<Correction::Kind>& Correction::kinds() {
+  static std::vector<Kind> all{
+      {"accelerometer-in-g", Ins::label, false,
+       [](const Correction&, Sample& s, const Vehicle&) { scaleForce(s, kStandardGravity_m_s2); }},
+      {"accelerometer-in-milli-g", Ins::label, false,
+       [](const Correction&, Sample& s, const Vehicle&) { scaleForce(s, kStandardGravity_m_s2 / 1000); }},
+      {"accelerometer-in-cm-s2", Ins::label, false,
+       [](const Correction&, Sample& s, const Vehicle&) { scaleForce(s, 0.01); }},
+      {"accelerometer-without-gravity", Ins::label, false,
+       [](const Correction&, Sample& s, const Vehicle& vehicle) {
+         auto& entry = entryOf<InsSample>(s);
+         if (entry.specific_force_ins) *entry.specific_force_ins += forceAtRest(entry, vehicle);
+       }},
+      {"accelerometer-axes", Ins::label, true,
+       [](const Correction& c, Sample& s, const Vehicle&) {
+         if (auto& force = entryOf<InsSample>(s).specific_force_ins) force = Vector3d(c.axes_ * *force);
+       }},
+      {"gyro-in-degrees", Ins::label, false,
+       [](const Correction&, Sample& s, const Vehicle&) {
+         if (auto& rate = entryOf<InsSample>(s).angular_velocity_ins) *rate *= radians(1.0);
+       }},
+      {"gyro-axes", Ins::label, true,
+       [](const Correction& c, Sample& s, const Vehicle&) {
+         if (auto& rate = entryOf<InsSample>(s).angular_velocity_ins) rate = Vector3d(c.axes_ * *rate);
+       }},
+      {"ins-axes", Ins::label, true,
+       [](const Correction& c, Sample& s, const Vehicle&) {
+         auto& entry = entryOf<InsSample>(s);
+         if (entry.specific_force_ins)
+           entry.specific_force_ins = Vector3d(c.axes_ * *entry.specific_force_ins);
+         if (entry.angular_velocity_ins)
+           entry.angular_velocity_ins = Vector3d(c.axes_ * *entry.angular_velocity_ins);
+         turnAttitude(
+             s, [&](const Matrix3d& R, const Matrix3d&) -> Matrix3d { return R * c.axes_.transpose(); });
+       }},
+      {"attitude-of-robot", Ins::label, false,
+       [](const Correction&, Sample& s, const Vehicle&) {
+         turnAttitude(
+             s, [](const Matrix3d& R, const Matrix3d& R_robot_ins) -> Matrix3d { return R * R_robot_ins; });
+       }},
+      {"attitude-ned", Ins::label, false,
+       [](const Correction&, Sample& s, const Vehicle&) {
+         turnAttitude(s, [](const Matrix3d& R, const Matrix3d&) -> Matrix3d { return enuFromNed() * R; });
+       }},
+      {"attitude-ned-frd", Ins::label, false,
+       [](const Correction&, Sample& s, const Vehicle&) {
+         turnAttitude(s, [](const Matrix3d& R, const Matrix3d&) -> Matrix3d {
+           return enuFromNed() * R * Vector3d(1, -1, -1).asDiagonal();
+         });
+       }},
+      {"attitude-inverse", Ins::label, false,
+       [](const Correction&, Sample& s, const Vehicle&) {
+         turnAttitude(s, [](const Matrix3d& R, const Matrix3d&) -> Matrix3d { return R.transpose(); });
+       }},
+      {"attitude-w-first", Ins::label, false,
+       [](const Correction&, Sample& s, const Vehicle&) {
+         turnAttitude(s, [](const Matrix3d& R, const Matrix3d&) { return attitudeWFirst(R); });
+       }},
+      {"attitude-none", Ins::label, false,
+       [](const Correction&, Sample& s, const Vehicle&) { entryOf<InsSample>(s).R_odom_ins.reset(); }},
+      {"dvl-in-millimetres", Dvl::label, false,
+       [](const Correction&, Sample& s, const Vehicle&) { scaleVelocity(s, 1e-3); }},
+      {"dvl-in-centimetres", Dvl::label, false,
+       [](const Correction&, Sample& s, const Vehicle&) { scaleVelocity(s, 1e-2); }},
+      {"dvl-axes", Dvl::label, true,
+       [](const Correction& c, Sample& s, const Vehicle&) {
+         if (auto& velocity = entryOf<DvlSample>(s).velocity_dvl) velocity = Vector3d(c.axes_ * *velocity);
+       }},
+  };
+  static const bool with_units = [] {
+    for (const PressureUnit& unit : pressureUnits())
+      all.push_back({unit.name, Depth::label, false,
+                     [](const Correction& c, Sample& s, const Vehicle& vehicle) {
+                       auto& p = entryOf<DepthSample>(s).pressure_pa;
+                       p = inPascal(p, *c.unit_, vehicle, Instance::of(c.label_));
+                     },
+                     &unit});
+    return true;
+  }();
+  static_cast<void>(with_units);
+  return all;
+}
+
+std::vector<std::string> Correction::names() {
+  std::vector<std::string> names;
+  for (const Kind& kind : kinds()) names.push_back(std::string(kind.name) + (kind.has_axes ? ":AXES" : ""));
+  names.emplace_back("clock-rate:LABEL:FACTOR");
+  return names;
+}
+
+Correction Correction::named(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  const std::string name = text.substr(0, colon),
+                    more = colon == std::string::npos ? "" : text.substr(colon + 1);
+  Correction correction;
+  if (name == "clock-rate") {
+    const std::size_t second = more.rfind(':');
+    correction.label_ = more.substr(0, second);
+    const std::string factor = second == std::string::npos ? "" : more.substr(second + 1);
+    char* end = nullptr;
+    correction.clock_factor_ = std::strtod(factor.c_str(), &end);
+    if (factor.empty() || *end != '\0' || !(correction.clock_factor_ > 0.5 && correction.clock_factor_ < 2))
+      throw Error("--correct", text, "must be clock-rate:LABEL:FACTOR, as clock-rate:INS:1.0025");
+    return correction;
+  }
+  for (const Kind& kind : kinds()) {
+    const auto instance = Instance::of(name, kind.name);
+    if (!instance) continue;
+    if (!kind.has_axes && !more.empty()) throw Error("--correct", text, "takes nothing behind a colon");
+    if (kind.has_axes) correction.axes_ = axesOf(more, text).matrix();
+    correction.apply_ = kind.apply;
+    correction.unit_ = kind.unit;
+    correction.label_ = instance->label(kind.label);
+    return correction;
+  }
+  std::string there;
+  for (const std::string& n : names()) there += (there.empty() ? "" : ", ") + n;
+  throw Error("--correct", text, "there is no such correction; there are " + there);
+}
+
+void Correction::apply(Sample& sample, const Vehicle& vehicle, Time time_zero) const {
+  if (sample.label != label_) return;
+  if (apply_ != nullptr) apply_(*this, sample, vehicle);
+  if (clock_factor_ != 1 && sample.time != Time{})
+    sample.time = after(time_zero, clock_factor_ * secondsBetween(time_zero, sample.time));
+}
+
+struct CorrectedSource::Held {
+  Sample sample;
+  std::uint64_t number;
+  /// For a heap whose top is the earliest.
+  friend bool operator<(const Held& a, const Held& b) {
+    return a.sample.time != b.sample.time ? a.sample.time > b.sample.time : a.number > b.number;
+  }
+};
+
+CorrectedSource::CorrectedSource(std::unique_ptr<SampleSource> source, std::vector<Correction> corrections,
+                                 Vehicle vehicle)
+    : source_(std::move(source)), corrections_(std::move(corrections)), vehicle_(std::move(vehicle)) {
+  for (const Correction& correction : corrections_) {
+    slowest_ = std::min(slowest_, correction.slowest());
+    reorders_ = reorders_ || correction.reorders();
+  }
+}
+CorrectedSource::~CorrectedSource() = default;
+
+std::optional<Sample> CorrectedSource::nextCorrected() {
+  auto sample = source_->next();
+  if (!sample) return sample;
+  if (!time_zero_ && sample->time != Time{}) time_zero_ = sample->time;
+  if (!time_zero_) return sample;
+  // A stamp yet to come is no earlier than this one, and its correction no more than the slowest clock's.
+  safe_ = after(*time_zero_, slowest_ * secondsBetween(*time_zero_, sample->time));
+  for (const Correction& correction : corrections_) correction.apply(*sample, vehicle_, *time_zero_);
+  return sample;
+}
+
+std::optional<Sample> CorrectedSource::next() {
+  if (!reorders_) return nextCorrected();
+  while (!ended_ && (held_.empty() || held_.front().sample.time > safe_)) {
+    auto sample = nextCorrected();
+    if (!sample) {
+      ended_ = true;
+    } else {
+      held_.push_back({std::move(*sample), read_++});
+      std::push_heap(held_.begin(), held_.end());
+    }
+  }
+  if (held_.empty()) return std::nullopt;
+  std::pop_heap(held_.begin(), held_.end());
+  Sample sample = std::move(held_.back().sample);
+  held_.pop_back();
+  return sample;
+}
+
+}  // namespace fathom

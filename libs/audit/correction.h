@@ -1,0 +1,73 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "recording/axes.h"
+#include "recording/sample_source.h"
+#include "sensors/vehicle.h"
+
+namespace fathom {
+
+/// "x,-y,-z", as SignedAxes::text() without brackets and blanks.
+std::string plainText(const SignedAxes& axes);
+
+struct PressureUnit;
+
+/// One way to correct entries, as --correct names it: "NAME", of an instrument that is not the first
+/// "NAME.2", where it needs more "NAME:x,-y,-z" or "clock-rate:LABEL:FACTOR".
+class Correction {
+ public:
+  /// Throws Error, about --correct, where there is no such correction; it lists those there are.
+  static Correction named(const std::string& text);
+  /// Names, for help.
+  static std::vector<std::string> names();
+
+  /// Corrects an entry that it concerns, leaves others alone.
+  void apply(Sample& sample, const Vehicle& vehicle, Time time_zero) const;
+  /// How fast the corrected clock of some entries runs, at the slowest: 1 but for clock-rate.
+  double slowest() const { return clock_factor_ < 1 ? clock_factor_ : 1; }
+  const std::string& label() const { return label_; }
+  bool reorders() const { return clock_factor_ != 1; }
+
+ private:
+  using Apply = void (*)(const Correction&, Sample&, const Vehicle&);
+  struct Kind;
+  static const std::vector<Kind>& kinds();
+
+  Apply apply_ = nullptr;
+  const PressureUnit* unit_ = nullptr;
+  std::string label_;  ///< of entries that it concerns
+  Matrix3d axes_ = Matrix3d::Identity();
+  double clock_factor_ = 1;  ///< of stamps, about the first of the recording
+};
+
+/// A source's samples corrected, in the order of their corrected stamps.
+class CorrectedSource : public SampleSource {
+ public:
+  CorrectedSource(std::unique_ptr<SampleSource> source, std::vector<Correction> corrections, Vehicle vehicle);
+  ~CorrectedSource() override;
+
+  const RecordingHeader& header() const override { return source_->header(); }
+  std::optional<Sample> next() override;
+  std::filesystem::path imageFolder() const override { return source_->imageFolder(); }
+  double fraction() const override { return source_->fraction(); }
+  std::optional<RecordingLoss> loss() const override { return source_->loss(); }
+
+ private:
+  struct Held;
+  std::optional<Sample> nextCorrected();
+
+  std::unique_ptr<SampleSource> source_;
+  const std::vector<Correction> corrections_;
+  const Vehicle vehicle_;
+  double slowest_ = 1;
+  bool reorders_ = false, ended_ = false;
+  std::optional<Time> time_zero_;
+  Time safe_{};  ///< no entry still to come is earlier, corrected
+  std::vector<Held> held_;
+  std::uint64_t read_ = 0;
+};
+
+}  // namespace fathom

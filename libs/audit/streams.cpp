@@ -1,0 +1,71 @@
+#include "audit/streams.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fathom {
+
+void Streams::add(const Sample& sample) {
+  if (std::holds_alternative<RecordingHeader>(sample.reading)) return;
+  StampStream& stamp = stamps[sample.label];
+  if (sample.time == Time{}) {
+    ++stamp.without_stamp;
+    return;
+  }
+  if (!time_zero) time_zero = sample.time;
+  const double t_s = secondsBetween(*time_zero, sample.time);
+  stamp.t_s.push_back(t_s);
+  newest_s_ = std::max(newest_s_, t_s);
+  stamp.behind_s.push_back(newest_s_ - t_s);
+  const Instance instance = Instance::of(sample.label);
+  std::visit(
+      [&]<class Entry>(const Entry& entry) {
+        if constexpr (requires { add(t_s, instance, entry); }) add(t_s, instance, entry);
+      },
+      sample.reading);
+  const auto addImage = [&](const RecordedCamera& intrinsics, const std::string& file) {
+    images.try_emplace(sample.label, ImageStream{intrinsics, {}}).first->second.files.push_back(file);
+  };
+  if (const auto* image = std::get_if<ImageSample>(&sample.reading)) addImage(image->intrinsics, image->file);
+  if (const auto* pair = std::get_if<StereoSample>(&sample.reading))
+    addImage(pair->left_intrinsics, pair->left_file);
+}
+
+void Streams::add(double t_s, const Instance& instance, const InsSample& sample) {
+  InsStream& stream = ins.try_emplace(instance, InsStream{sample.T_robot_ins, {}}).first->second;
+  if (stream.windows.empty() || std::abs(t_s - stream.windows.back().t_s) > kInsWindow_s / 2) {
+    // A stamp that steps back is the clock's fault, and told there.
+    if (!stream.windows.empty() && t_s < stream.windows.back().t_s) return;
+    stream.windows.emplace_back().t_s = t_s + kInsWindow_s / 2;
+  }
+  InsWindow& window = stream.windows.back();
+  const auto addTo = [](Vector3d& mean, std::size_t& count, const std::optional<Vector3d>& value) {
+    if (value && value->allFinite()) mean += (*value - mean) / static_cast<double>(++count);
+  };
+  addTo(window.rate, window.rates, sample.angular_velocity_ins);
+  addTo(window.force, window.forces, sample.specific_force_ins);
+  if (sample.R_odom_ins && sample.R_odom_ins->allFinite() && !window.attitude) {
+    window.attitude = sample.R_odom_ins;
+    window.attitude_t_s = t_s;
+  }
+}
+
+void Streams::add(double t_s, const Instance& instance, const DvlSample& sample) {
+  DvlStream& stream = dvl.try_emplace(instance, DvlStream{sample.T_robot_dvl, {}}).first->second;
+  if (!sample.velocity_dvl || !sample.velocity_dvl->allFinite()) return;
+  auto& all = stream.velocities;
+  if (!all.empty() && t_s <= all.back().t_s) return;
+  const bool moves = !sample.velocity_dvl->isZero(0.0);
+  if (moves && !all.empty() && all.back().value == *sample.velocity_dvl) ++stream.repeated;
+  all.push_back({t_s, *sample.velocity_dvl});
+}
+
+void Streams::add(double t_s, const Instance& instance, const DepthSample& sample) {
+  DepthStream& stream = depth.try_emplace(instance, DepthStream{sample.T_robot_depth, {}}).first->second;
+  if (!std::isfinite(sample.pressure_pa)) return;
+  auto& all = stream.pressures;
+  if (!all.empty() && t_s < all.back().t_s + 0.999 / kMostPressuresHz) return;
+  all.push_back({t_s, sample.pressure_pa});
+}
+
+}  // namespace fathom

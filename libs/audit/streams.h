@@ -1,0 +1,79 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "recording/samples.h"
+
+/// A recording's streams, thinned to what an audit compares: a few megabytes an hour.
+namespace fathom {
+
+/// The readings of an INS within kInsWindow_s, in its own axes.
+struct InsWindow {
+  double t_s = 0;                                              ///< middle of its readings' stamps
+  Vector3d rate = Vector3d::Zero(), force = Vector3d::Zero();  ///< means, rad/s and m/s²
+  std::size_t rates = 0, forces = 0;                           ///< how many
+  std::optional<Matrix3d> attitude;                            ///< of the reading nearest the middle
+  double attitude_t_s = 0;                                     ///< whose stamp this is
+};
+inline constexpr double kInsWindow_s = 0.1;
+
+struct InsStream {
+  Pose T_robot_ins;
+  std::vector<InsWindow> windows;  ///< in time order; none where there were no readings
+};
+
+template <class Value>
+struct Timed {
+  double t_s = 0;
+  Value value{};
+};
+
+struct DvlStream {
+  Pose T_robot_dvl;
+  std::vector<Timed<Vector3d>> velocities;  ///< m/s, its own axes; with bottom lock only
+  std::size_t repeated = 0;                 ///< of them, exactly as the one before and not zero
+};
+
+struct DepthStream {
+  Pose T_robot_depth;
+  std::vector<Timed<double>> pressures;  ///< Pa as recorded; at most kMostPressuresHz
+};
+inline constexpr double kMostPressuresHz = 10;
+
+/// When the entries of one label came, by their stamps.
+struct StampStream {
+  std::vector<double> t_s;        ///< in the order of the recording; seconds since the first
+  std::size_t without_stamp = 0;  ///< entries
+  /// By how much each entry is older than the newest one before it, of whatever label; s, 0: it is the
+  /// newest.
+  std::vector<double> behind_s;
+};
+
+struct ImageStream {
+  RecordedCamera intrinsics;       ///< of the first
+  std::vector<std::string> files;  ///< of left images, of a pair
+};
+
+class Streams {
+ public:
+  void add(const Sample& sample);
+
+  std::map<Instance, InsStream> ins;
+  std::map<Instance, DvlStream> dvl;
+  std::map<Instance, DepthStream> depth;
+  std::map<std::string, StampStream> stamps;  ///< by label
+  std::map<std::string, ImageStream> images;  ///< by label
+  std::optional<Time> time_zero;              ///< of the first entry that has a stamp
+
+ private:
+  double newest_s_ = 0;
+
+  void add(double t_s, const Instance& instance, const InsSample& sample);
+  void add(double t_s, const Instance& instance, const DvlSample& sample);
+  void add(double t_s, const Instance& instance, const DepthSample& sample);
+};
+
+}  // namespace fathom
