@@ -1,10 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "audit/acceleration_evidence.h"
-#include "audit/attitude_conventions.h"
+#include "audit/attitude_evidence.h"
 #include "audit/checks.h"
 #include "audit/correction.h"
 #include "audit/regression.h"
@@ -15,8 +14,6 @@
 namespace fathom {
 namespace {
 using enum Finding::Certainty;
-
-constexpr std::size_t kFewestSeconds = 8;  ///< seconds, below which nothing is said
 
 /// A unit that accelerometers are read in by mistake.
 struct ForceUnit {
@@ -143,7 +140,7 @@ class InsCheck {
                   up_.y(), up_.z(), degrees(tilt)));
     const auto axes = axesThatTurnUp();
     if (!axes) return;
-    const double attitude_tilt = medianTilt(attitudeReadings()[0]);
+    const double attitude_tilt = evidence_.medianTilt(attitudeReadings()[0], axes_);
     if ((rise < 0.5 && riseWith(*axes) > 0.9) || attitude_tilt > radians(60)) found.certainty = sure;
     // What turns all of the INS turns its attitude too, so that the two still fit.
     if (!axes->proper()) axes_ = *axes;
@@ -171,9 +168,9 @@ class InsCheck {
   /// The gyro against how the attitude turns; without an attitude, against how gravity does; where that
   /// hardly turns, against the DVL.
   void checkTurning() {
-    Regression turning = turningOfAttitude();
+    Regression turning = evidence_.turning();
     const bool by_attitude = turning.count() >= 2 * kFewestSeconds;
-    if (!by_attitude) turning = turningOfGravity();
+    if (!by_attitude) turning = evidence_.turningOfGravity();
     // Enough turning, and told from noise.
     if (turning.count() < 2 * kFewestSeconds || turning.rmsX() < radians(0.2) ||
         std::abs(turning.correlation()) < 0.7) {
@@ -198,7 +195,7 @@ class InsCheck {
 
   /// Whether the attitude never changes, or an axis of the gyro never reads anything, while the other turns.
   bool isConstantOrDead() {
-    const std::array<Regression, 3> axes = turningByAxis();
+    const std::array<Regression, 3> axes = evidence_.turningByAxis();
     const auto total = [&](auto&& rms) {
       return std::sqrt(rms(0) * rms(0) + rms(1) * rms(1) + rms(2) * rms(2));
     };
@@ -227,7 +224,7 @@ class InsCheck {
 
   /// Whether the attitude clearly turns the other way round than the gyro about an axis.
   bool contradictsByAxis() const {
-    const std::array<Regression, 3> axes = turningByAxis();
+    const std::array<Regression, 3> axes = evidence_.turningByAxis();
     return std::any_of(axes.begin(), axes.end(), [](const Regression& axis) {
       return axis.rmsX() > radians(0.5) && axis.correlation() < -0.7;
     });
@@ -263,101 +260,16 @@ class InsCheck {
     found.correction = instance_.label("gyro-axes") + ":" + plainText(opposite);
   }
 
-  /// What an attitude may be by mistake.
-  struct AttitudeReading {
-    const char* name;
-    const char* says;
-    Matrix3d (*read)(const Matrix3d& attitude, const Matrix3d& R_robot_ins);
-  };
-  static const std::array<AttitudeReading, 6>& attitudeReadings() {
-    static const std::array<AttitudeReading, 6> readings{
-        {{"", "", [](const Matrix3d& R, const Matrix3d&) { return R; }},
-         {"attitude-of-robot", "it is the robot's attitude, not the sensor's",
-          [](const Matrix3d& R, const Matrix3d& R_robot_ins) -> Matrix3d { return R * R_robot_ins; }},
-         {"attitude-ned", "its world is north-east-down",
-          [](const Matrix3d& R, const Matrix3d&) -> Matrix3d { return enuFromNed() * R; }},
-         {"attitude-ned-frd", "its axes are north-east-down and forward-right-down",
-          [](const Matrix3d& R, const Matrix3d&) -> Matrix3d {
-            return enuFromNed() * R * Vector3d(1, -1, -1).asDiagonal();
-          }},
-         {"attitude-inverse", "it is the inverse: odom in the sensor's axes",
-          [](const Matrix3d& R, const Matrix3d&) -> Matrix3d { return R.transpose(); }},
-         {"attitude-w-first", "its quaternion's w stands first",
-          [](const Matrix3d& R, const Matrix3d&) { return attitudeWFirst(R); }}}};
-    return readings;
-  }
-
   /// Only where the DVL says so: axes that are forward, right, down are more usual, with a north-east-down
   /// attitude too.
   bool isOppositeForce(const SignedAxes& forward_right_down, const SignedAxes& opposite) const {
-    const double tilt = medianTilt(attitudeReadings()[0]);
+    const double tilt = evidence_.medianTilt(attitudeReadings()[0], axes_);
     if (dvl_ == nullptr || tilt < radians(90)) return false;
     const auto agreement = [&](const AssumedAxes& assumed) {
       return accelerationEvidence(*dvl_, stream_, assumed).all().correlation();
     };
     return agreement({{}, opposite, {}, 1}) >
            agreement({forward_right_down, forward_right_down, {}, 1}) + 0.1;
-  }
-
-  /// Over half a second; where an attitude's noise hides the turning then, over two.
-  Regression turningOfAttitude(const AttitudeReading& reading = attitudeReadings()[0],
-                               const Vector3d& gyro_signs = Vector3d::Ones()) const {
-    const Regression turning = turningOfAttitude(reading, 5, gyro_signs);
-    return std::abs(turning.correlation()) < 0.7 ? turningOfAttitude(reading, 20, gyro_signs) : turning;
-  }
-  Regression turningOfAttitude(const AttitudeReading& reading, std::size_t step,
-                               const Vector3d& gyro_signs) const {
-    Regression turning;
-    forEachTurn(reading, step, [&](const Vector3d& gyro, const Vector3d& attitude) {
-      turning.add(gyro.cwiseProduct(gyro_signs), attitude);
-    });
-    return turning;
-  }
-  std::array<Regression, 3> turningByAxis(const AttitudeReading& reading = attitudeReadings()[0]) const {
-    std::array<Regression, 3> axes;
-    forEachTurn(reading, 10, [&](const Vector3d& gyro, const Vector3d& attitude) {
-      for (int i = 0; i < 3; ++i) axes[static_cast<std::size_t>(i)].add(gyro[i], attitude[i]);
-    });
-    return axes;
-  }
-
-  /// f(mean rate by the gyro, by the attitude), rad/s, over so many windows each.
-  template <class F>
-  void forEachTurn(const AttitudeReading& reading, std::size_t step, F&& f) const {
-    const auto& w = stream_.windows;
-    for (std::size_t i = 0; i + step < w.size(); i += step) {
-      if (!w[i].attitude || !w[i + step].attitude) continue;
-      const double seconds = w[i + step].attitude_t_s - w[i].attitude_t_s;
-      if (seconds > 2 * static_cast<double>(step) * kInsWindow_s) continue;
-      Vector3d rate = Vector3d::Zero();
-      std::size_t rates = 0;
-      for (std::size_t k = i; k < i + step; ++k)
-        if (w[k].rates > 0) rate += w[k].rate, ++rates;
-      if (rates < step) continue;
-      const auto read = [&](const Matrix3d& R) { return reading.read(R, stream_.T_robot_ins.rotation); };
-      f(rate / static_cast<double>(rates),
-        logSO3<double>(read(*w[i].attitude).transpose() * read(*w[i + step].attitude)) / seconds);
-    }
-  }
-
-  /// u' = u x omega of a direction that stands still (Farrell 2008, sec. 2.6).
-  Regression turningOfGravity() const {
-    constexpr std::size_t kHalf = 5;
-    Regression turning;
-    const auto& w = stream_.windows;
-    for (std::size_t i = kHalf; i + 2 * kHalf < w.size(); i += kHalf) {
-      if (w[i + kHalf].t_s - w[i - kHalf].t_s > 3 * static_cast<double>(kHalf) * kInsWindow_s) continue;
-      Vector3d before = Vector3d::Zero(), behind = Vector3d::Zero(), rate = Vector3d::Zero();
-      for (std::size_t k = 0; k < kHalf; ++k) {
-        before += w[i - kHalf + k].force, behind += w[i + kHalf + k].force;
-        rate += w[i + k].rate / static_cast<double>(kHalf);
-      }
-      if (before.norm() < 1e-9 || behind.norm() < 1e-9) continue;
-      const double seconds = w[i + kHalf].t_s - w[i - kHalf].t_s;
-      const Vector3d up = (before + behind).normalized();
-      turning.add(up.cross(rate), (behind.normalized() - before.normalized()) / seconds);
-    }
-    return turning;
   }
 
   /// What may be wrong where the attitude contradicts gravity or the gyro.
@@ -374,9 +286,9 @@ class InsCheck {
         }))
       return;
     const AttitudeReading& as_it_is = attitudeReadings()[0];
-    const double tilt = medianTilt(as_it_is);
+    const double tilt = evidence_.medianTilt(as_it_is, axes_);
     if (std::isnan(tilt)) return;
-    const Regression turn = turningOfAttitude(as_it_is);
+    const Regression turn = evidence_.turning(as_it_is);
     const double turning = turn.correlation();
     const bool turns_alike = turning > 0.5 || turn.rmsX() < radians(0.5);  // or hardly at all
     if (tilt < radians(20) && turns_alike && !contradictsByAxis()) return;
@@ -423,34 +335,18 @@ class InsCheck {
   }
 
   /// Of an attitude, so read, with gravity (degrees, three of which are one) and with the gyro, of these
-  /// signs.
-  /// The worst of the axes about which it clearly turns counts.
+  /// signs: the worst of the axes about which it clearly turns counts.
   double contradictionOf(const AttitudeReading& reading, const Vector3d& gyro_signs) const {
-    double worst = 1 - turningOfAttitude(reading, 20, gyro_signs).correlation();
-    const std::array<Regression, 3> axes = turningByAxis(reading);
+    double worst = 1 - evidence_.turning(reading, 20, gyro_signs).correlation();
+    const std::array<Regression, 3> axes = evidence_.turningByAxis(reading);
     for (int i = 0; i < 3; ++i) {
       const Regression& axis = axes[static_cast<std::size_t>(i)];
       if (axis.rmsX() > radians(0.2) && std::abs(axis.correlation()) > 0.8)
         worst = std::max(worst, 1 - gyro_signs[i] * axis.correlation());
     }
-    return degrees(medianTilt(reading)) / 3 + 5 * worst;
+    return degrees(evidence_.medianTilt(reading, axes_)) / 3 + 5 * worst;
   }
   static constexpr double kContradiction = 6, kClear = 0.3;
-
-  /// How far off up the attitude, so read, turns the specific force; NaN without an attitude.
-  double medianTilt(const AttitudeReading& reading) const {
-    std::vector<double> tilts;
-    const Matrix3d R_robot_ins = stream_.T_robot_ins.rotation, axes = axes_.matrix();
-    for (std::size_t i = 0; i + 4 < stream_.windows.size(); i += 5) {
-      Vector3d force = Vector3d::Zero();
-      for (std::size_t k = i; k < i + 5; ++k) force += stream_.windows[k].force;
-      const InsWindow& middle = stream_.windows[i + 2];
-      if (!middle.attitude || force.norm() < 1e-9) continue;
-      const Vector3d up = reading.read(*middle.attitude, R_robot_ins) * axes * force.normalized();
-      tilts.push_back(std::acos(std::clamp(up.z(), -1.0, 1.0)));
-    }
-    return tilts.size() < kFewestSeconds ? std::numeric_limits<double>::quiet_NaN() : upperMedian(tilts);
-  }
 
   void checkRates() {
     const double limit = vehicle_.limits.turn_rate_rad_s;
@@ -472,6 +368,7 @@ class InsCheck {
 
   const Instance instance_;
   const InsStream& stream_;
+  const AttitudeEvidence evidence_{stream_};
   const Vehicle& vehicle_;
   const DvlStream* dvl_;  ///< a witness; null: none
   const Rise rise_;
@@ -480,7 +377,6 @@ class InsCheck {
   double force_scale_ = 0;  ///< to m/s²; 0: unknown
   Vector3d up_{0, 0, 1};    ///< in robot axes
   SignedAxes axes_;         ///< that the INS's axes are found to be
-  std::string backwards_;   ///< that the attitude turns the other way round than the gyro says
 };
 
 }  // namespace
