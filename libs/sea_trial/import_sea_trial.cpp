@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/stable_sort.h"
+#include "core/text.h"
 #include "recording/csv.h"
 #include "sea_trial/conventions.h"
 
@@ -44,7 +45,8 @@ double rate(const std::vector<double>& time_s) {
   return static_cast<double>(time_s.size() - 1) / (time_s.back() - time_s.front());
 }
 
-std::string vehicleYaml(const SeaTrialData& data, const SeaTrialConventions& c) {
+/// `stretch`: by which the DVL's stamps are corrected.
+std::string vehicleYaml(const SeaTrialData& data, const SeaTrialConventions& c, double stretch) {
   const double latitude = c.position_columns_swapped ? data.longitude_rad[0] : data.latitude_rad[0];
   char text[3000];
   std::snprintf(
@@ -71,7 +73,7 @@ std::string vehicleYaml(const SeaTrialData& data, const SeaTrialConventions& c) 
       "  beam_azimuths_deg: [45, 135, 225, 315]   # usual mounting; the recording has no beams\n"
       "  pose: {x: 0, y: 0, z: 0, yaw_deg: 0, pitch_deg: 0, roll_deg: 0}\n",
       normalGravity(latitude), rate(data.imu_time_s), highFrequencySigma(data.rate_imu),
-      highFrequencySigma(data.acceleration_imu), rate(data.dvl_time_s));
+      highFrequencySigma(data.acceleration_imu), rate(data.dvl_time_s) / stretch);
   return text;
 }
 
@@ -161,8 +163,15 @@ ImportedRecording importSeaTrial(const SeaTrialFiles& files, const SeaTrialOptio
   recording.samples = samples(data, conventions, stretch, options);
   recording.start = recording.samples.front().time;
   recording.reference = reference(data, conventions, stretch, options);
-  recording.vehicle_yaml = vehicleYaml(data, conventions);
+  recording.vehicle_yaml = vehicleYaml(data, conventions, stretch);
   recording.conclusions = std::move(conventions.conclusions);
+  if (conventions.stamp_stretch != 1.0)
+    recording.conclusions.push_back(
+        {"the stretch of these stamps",
+         options.undo_stamp_stretch
+             ? "undone, of DVL and reference; the vehicle file has the rate that results"
+             : "kept as published; --undo-stamp-stretch undoes it",
+         "", 0.0, print("factor %.7g", conventions.stamp_stretch)});
   return recording;
 }
 

@@ -316,6 +316,15 @@ TEST(SeaTrial, CanUndoTheStretchOfStamps) {
   const auto undone = importSeaTrial(files, {.undo_stamp_stretch = true});
   EXPECT_NEAR(secondsBetween(as_published.start, as_published.reference.back().time), 400.0, 1e-6);
   EXPECT_NEAR(secondsBetween(undone.start, undone.reference.back().time), 399.0, 1e-6);
+  // The import says which it is, and the vehicle file's rate is that of the recording.
+  for (const auto& [imported, said, rate] :
+       {std::tuple(&as_published, "kept as published", "rate_hz: 0.9975"),
+        std::tuple(&undone, "undone", "rate_hz: 1\n")}) {
+    EXPECT_TRUE(imported->conclusions.back().concluded.starts_with(said))
+        << imported->conclusions.back().concluded;
+    const std::string& yaml = imported->vehicle_yaml;
+    EXPECT_NE(yaml.find(rate, yaml.find("\ndvl:")), std::string::npos) << yaml;
+  }
 }
 
 TEST(SeaTrial, RefusesWhatProvesNothing) {
