@@ -389,7 +389,13 @@ ObjectExtent measure(ByteStream& in, std::size_t offset) {
   ObjectExtent& extent = walker.found;
   extent.mrpt_class = header.class_name;
   const Layout* layout = findLayout(kObservations, header);
-  if (layout != nullptr && layout->others_skipped && layout->version != header.version) layout = nullptr;
+  if (layout != nullptr && layout->others_skipped && layout->version != header.version) {
+    // A version that is far off was never written: it is damage, not to be skipped with what stands behind
+    // it.
+    constexpr int kNewerVersions = 4;
+    if (header.version > layout->version + kNewerVersions) requireVersion(*layout, header.version);
+    layout = nullptr;
+  }
   if (layout != nullptr) {
     requireVersion(*layout, header.version);
     layout->walk(walker);
