@@ -25,12 +25,13 @@ namespace {
 class ImportWriter {
  public:
   ImportWriter(ImportTarget target, std::string description, const std::vector<std::string>& correct = {})
-      : target_(std::move(target)), description_(std::move(description)) {
-    for (const std::string& text : correct) {
-      corrections_.push_back(Correction::named(text));
-      if (corrections_.back().reorders())
-        throw Error("--correct", text, "changes the entries' order: correct it where the recording is read");
-    }
+      : target_(std::move(target)),
+        description_(std::move(description)),
+        corrections_(correctionsNamed(correct)) {
+    for (std::size_t i = 0; i < correct.size(); ++i)
+      if (corrections_[i].reorders())
+        throw Error("--correct", correct[i],
+                    "changes the entries' order: correct it where the recording is read");
   }
 
   void write(Sample sample) {

@@ -59,15 +59,7 @@ std::vector<Finding> audit(SampleSource& source, const Vehicle& vehicle) {
 std::unique_ptr<SampleSource> corrected(std::unique_ptr<SampleSource> source, const AuditChoice& choice,
                                         const Vehicle& vehicle) {
   if (choice.correct.empty()) return source;
-  std::vector<Correction> corrections;
-  for (std::size_t i = 0; i < choice.correct.size(); ++i) {
-    const std::string& text = choice.correct[i];
-    if (std::find(choice.correct.begin(), choice.correct.begin() + static_cast<std::ptrdiff_t>(i), text) !=
-        choice.correct.begin() + static_cast<std::ptrdiff_t>(i))
-      throw Error("--correct", text, "given twice");
-    corrections.push_back(Correction::named(text));
-  }
-  return std::make_unique<CorrectedSource>(std::move(source), std::move(corrections), vehicle);
+  return std::make_unique<CorrectedSource>(std::move(source), correctionsNamed(choice.correct), vehicle);
 }
 
 namespace {

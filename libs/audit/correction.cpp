@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "audit/attitude_conventions.h"
+#include "audit/attitude_evidence.h"
+#include "audit/sensor_units.h"
 #include "audit/water_column.h"
 #include "core/error.h"
 
@@ -31,16 +32,8 @@ Entry& entryOf(Sample& sample) {
   return std::get<Entry>(sample.reading);
 }
 
-void scaleForce(Sample& sample, double factor) {
-  if (auto& force = entryOf<InsSample>(sample).specific_force_ins) *force *= factor;
-}
-void scaleVelocity(Sample& sample, double factor) {
-  if (auto& velocity = entryOf<DvlSample>(sample).velocity_dvl) *velocity *= factor;
-}
-template <class F>
-void turnAttitude(Sample& sample, const F& turn) {
-  auto& entry = entryOf<InsSample>(sample);
-  if (entry.R_odom_ins) entry.R_odom_ins = (turn(*entry.R_odom_ins, entry.T_robot_ins.rotation));
+void turn(const Matrix3d& axes, std::optional<Vector3d>& vector) {
+  if (vector) vector = Vector3d(axes * *vector);
 }
 
 /// What is at rest and so turned reads: gravity.
@@ -64,89 +57,69 @@ struct Correction::Kind {
   const char* label;
   bool has_axes;
   Apply apply;
+  // Of one of several that differ by a number or a rotation only.
+  double factor = 1;
+  const AttitudeReading* reading{};
   const PressureUnit* unit{};
 };
 
-const std::vector<Correction::Kind>& Correction::kinds() {
-  static std::vector<Kind> all{
-      {"accelerometer-in-g", Ins::label, false,
-       [](const Correction&, Sample& s, const Vehicle&) { scaleForce(s, kStandardGravity_m_s2); }},
-      {"accelerometer-in-milli-g", Ins::label, false,
-       [](const Correction&, Sample& s, const Vehicle&) { scaleForce(s, kStandardGravity_m_s2 / 1000); }},
-      {"accelerometer-in-cm-s2", Ins::label, false,
-       [](const Correction&, Sample& s, const Vehicle&) { scaleForce(s, 0.01); }},
-      {"accelerometer-without-gravity", Ins::label, false,
-       [](const Correction&, Sample& s, const Vehicle& vehicle) {
-         auto& entry = entryOf<InsSample>(s);
-         if (entry.specific_force_ins) *entry.specific_force_ins += forceAtRest(entry, vehicle);
-       }},
-      {"accelerometer-axes", Ins::label, true,
-       [](const Correction& c, Sample& s, const Vehicle&) {
-         if (auto& force = entryOf<InsSample>(s).specific_force_ins) force = Vector3d(c.axes_ * *force);
-       }},
-      {"gyro-in-degrees", Ins::label, false,
-       [](const Correction&, Sample& s, const Vehicle&) {
-         if (auto& rate = entryOf<InsSample>(s).angular_velocity_ins) *rate *= radians(1.0);
-       }},
-      {"gyro-axes", Ins::label, true,
-       [](const Correction& c, Sample& s, const Vehicle&) {
-         if (auto& rate = entryOf<InsSample>(s).angular_velocity_ins) rate = Vector3d(c.axes_ * *rate);
-       }},
-      {"ins-axes", Ins::label, true,
-       [](const Correction& c, Sample& s, const Vehicle&) {
-         auto& entry = entryOf<InsSample>(s);
-         if (entry.specific_force_ins)
-           entry.specific_force_ins = Vector3d(c.axes_ * *entry.specific_force_ins);
-         if (entry.angular_velocity_ins)
-           entry.angular_velocity_ins = Vector3d(c.axes_ * *entry.angular_velocity_ins);
-         turnAttitude(
-             s, [&](const Matrix3d& R, const Matrix3d&) -> Matrix3d { return R * c.axes_.transpose(); });
-       }},
-      {"attitude-of-robot", Ins::label, false,
-       [](const Correction&, Sample& s, const Vehicle&) {
-         turnAttitude(
-             s, [](const Matrix3d& R, const Matrix3d& R_robot_ins) -> Matrix3d { return R * R_robot_ins; });
-       }},
-      {"attitude-ned", Ins::label, false,
-       [](const Correction&, Sample& s, const Vehicle&) {
-         turnAttitude(s, [](const Matrix3d& R, const Matrix3d&) -> Matrix3d { return enuFromNed() * R; });
-       }},
-      {"attitude-ned-frd", Ins::label, false,
-       [](const Correction&, Sample& s, const Vehicle&) {
-         turnAttitude(s, [](const Matrix3d& R, const Matrix3d&) -> Matrix3d {
-           return enuFromNed() * R * Vector3d(1, -1, -1).asDiagonal();
-         });
-       }},
-      {"attitude-inverse", Ins::label, false,
-       [](const Correction&, Sample& s, const Vehicle&) {
-         turnAttitude(s, [](const Matrix3d& R, const Matrix3d&) -> Matrix3d { return R.transpose(); });
-       }},
-      {"attitude-w-first", Ins::label, false,
-       [](const Correction&, Sample& s, const Vehicle&) {
-         turnAttitude(s, [](const Matrix3d& R, const Matrix3d&) { return attitudeWFirst(R); });
-       }},
-      {"attitude-none", Ins::label, false,
-       [](const Correction&, Sample& s, const Vehicle&) { entryOf<InsSample>(s).R_odom_ins.reset(); }},
-      {"dvl-in-millimetres", Dvl::label, false,
-       [](const Correction&, Sample& s, const Vehicle&) { scaleVelocity(s, 1e-3); }},
-      {"dvl-in-centimetres", Dvl::label, false,
-       [](const Correction&, Sample& s, const Vehicle&) { scaleVelocity(s, 1e-2); }},
-      {"dvl-axes", Dvl::label, true,
-       [](const Correction& c, Sample& s, const Vehicle&) {
-         if (auto& velocity = entryOf<DvlSample>(s).velocity_dvl) velocity = Vector3d(c.axes_ * *velocity);
-       }},
+std::vector<Correction::Kind> Correction::makeKinds() {
+  std::vector<Kind> all;
+  const auto add = [&](const char* name, const char* label, Apply apply) {
+    all.push_back({name, label, false, apply});
+    return &all.back();
   };
-  static const bool with_units = [] {
-    for (const PressureUnit& unit : pressureUnits())
-      all.push_back({unit.name, Depth::label, false,
-                     [](const Correction& c, Sample& s, const Vehicle& vehicle) {
-                       auto& p = entryOf<DepthSample>(s).pressure_pa;
-                       p = inPascal(p, *c.unit_, vehicle, Instance::of(c.label_));
-                     },
-                     &unit});
-    return true;
-  }();
-  static_cast<void>(with_units);
+  const auto addAxes = [&](const char* name, const char* label, Apply apply) {
+    all.push_back({name, label, true, apply});
+  };
+  for (const SensorUnit& unit : kForceUnits)
+    add(unit.name, Ins::label, [](const Correction& c, Sample& s, const Vehicle&) {
+      if (auto& force = entryOf<InsSample>(s).specific_force_ins) *force *= c.factor_;
+    })->factor = unit.si;
+  add("accelerometer-without-gravity", Ins::label, [](const Correction&, Sample& s, const Vehicle& vehicle) {
+    auto& entry = entryOf<InsSample>(s);
+    if (entry.specific_force_ins) *entry.specific_force_ins += forceAtRest(entry, vehicle);
+  });
+  addAxes("accelerometer-axes", Ins::label, [](const Correction& c, Sample& s, const Vehicle&) {
+    turn(c.axes_, entryOf<InsSample>(s).specific_force_ins);
+  });
+  add("gyro-in-degrees", Ins::label, [](const Correction&, Sample& s, const Vehicle&) {
+    if (auto& rate = entryOf<InsSample>(s).angular_velocity_ins) *rate *= radians(1.0);
+  });
+  addAxes("gyro-axes", Ins::label, [](const Correction& c, Sample& s, const Vehicle&) {
+    turn(c.axes_, entryOf<InsSample>(s).angular_velocity_ins);
+  });
+  addAxes("ins-axes", Ins::label, [](const Correction& c, Sample& s, const Vehicle&) {
+    auto& entry = entryOf<InsSample>(s);
+    turn(c.axes_, entry.specific_force_ins);
+    turn(c.axes_, entry.angular_velocity_ins);
+    if (entry.R_odom_ins) entry.R_odom_ins = Matrix3d(*entry.R_odom_ins * c.axes_.transpose());
+  });
+  for (const AttitudeReading& reading : attitudeReadings().subspan(1))  // the first is as it stands
+    add(reading.name, Ins::label, [](const Correction& c, Sample& s, const Vehicle&) {
+      auto& entry = entryOf<InsSample>(s);
+      if (entry.R_odom_ins)
+        entry.R_odom_ins = c.reading_->read(*entry.R_odom_ins, entry.T_robot_ins.rotation);
+    })->reading = &reading;
+  add("attitude-none", Ins::label,
+      [](const Correction&, Sample& s, const Vehicle&) { entryOf<InsSample>(s).R_odom_ins.reset(); });
+  for (const SensorUnit& unit : kVelocityUnits)
+    add(unit.name, Dvl::label, [](const Correction& c, Sample& s, const Vehicle&) {
+      if (auto& velocity = entryOf<DvlSample>(s).velocity_dvl) *velocity *= c.factor_;
+    })->factor = unit.si;
+  addAxes("dvl-axes", Dvl::label, [](const Correction& c, Sample& s, const Vehicle&) {
+    turn(c.axes_, entryOf<DvlSample>(s).velocity_dvl);
+  });
+  for (const PressureUnit& unit : pressureUnits())
+    add(unit.name, Depth::label, [](const Correction& c, Sample& s, const Vehicle& vehicle) {
+      auto& p = entryOf<DepthSample>(s).pressure_pa;
+      p = inPascal(p, *c.unit_, vehicle, Instance::of(c.label_));
+    })->unit = &unit;
+  return all;
+}
+
+const std::vector<Correction::Kind>& Correction::kinds() {
+  static const std::vector<Kind> all = makeKinds();
   return all;
 }
 
@@ -178,6 +151,8 @@ Correction Correction::named(const std::string& text) {
     if (!kind.has_axes && !more.empty()) throw Error("--correct", text, "takes nothing behind a colon");
     if (kind.has_axes) correction.axes_ = axesOf(more, text).matrix();
     correction.apply_ = kind.apply;
+    correction.factor_ = kind.factor;
+    correction.reading_ = kind.reading;
     correction.unit_ = kind.unit;
     correction.label_ = instance->label(kind.label);
     return correction;
@@ -185,6 +160,15 @@ Correction Correction::named(const std::string& text) {
   std::string there;
   for (const std::string& n : names()) there += (there.empty() ? "" : ", ") + n;
   throw Error("--correct", text, "there is no such correction; there are " + there);
+}
+
+std::vector<Correction> correctionsNamed(const std::vector<std::string>& texts) {
+  std::vector<Correction> corrections;
+  for (auto text = texts.begin(); text != texts.end(); ++text) {
+    if (std::find(texts.begin(), text, *text) != text) throw Error("--correct", *text, "given twice");
+    corrections.push_back(Correction::named(*text));
+  }
+  return corrections;
 }
 
 void Correction::apply(Sample& sample, const Vehicle& vehicle, Time time_zero) const {

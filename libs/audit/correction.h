@@ -13,6 +13,7 @@ namespace fathom {
 /// "x,-y,-z", as SignedAxes::text() without brackets and blanks.
 std::string plainText(const SignedAxes& axes);
 
+struct AttitudeReading;
 struct PressureUnit;
 
 /// One way to correct entries, as --correct names it: "NAME", of an instrument that is not the first
@@ -34,14 +35,20 @@ class Correction {
  private:
   using Apply = void (*)(const Correction&, Sample&, const Vehicle&);
   struct Kind;
+  static std::vector<Kind> makeKinds();
   static const std::vector<Kind>& kinds();
 
   Apply apply_ = nullptr;
+  double factor_ = 1;
+  const AttitudeReading* reading_ = nullptr;
   const PressureUnit* unit_ = nullptr;
   std::string label_;  ///< of entries that it concerns
   Matrix3d axes_ = Matrix3d::Identity();
   double clock_factor_ = 1;  ///< of stamps, about the first of the recording
 };
+
+/// Throws Error as named(), and where one is given twice.
+std::vector<Correction> correctionsNamed(const std::vector<std::string>& texts);
 
 /// A source's samples corrected, in the order of their corrected stamps.
 class CorrectedSource : public SampleSource {

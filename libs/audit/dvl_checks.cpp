@@ -6,6 +6,7 @@
 #include "audit/acceleration_evidence.h"
 #include "audit/checks.h"
 #include "audit/correction.h"
+#include "audit/sensor_units.h"
 #include "audit/vertical_evidence.h"
 #include "core/median.h"
 #include "core/text.h"
@@ -13,14 +14,6 @@
 namespace fathom {
 namespace {
 using enum Finding::Certainty;
-
-struct VelocityUnit {
-  const char* name;
-  const char* says;
-  double m_s;
-};
-constexpr std::array kVelocityUnits{VelocityUnit{"dvl-in-millimetres", "it is in mm/s", 1e-3},
-                                    VelocityUnit{"dvl-in-centimetres", "it is in cm/s", 1e-2}};
 
 class DvlCheck {
  public:
@@ -68,13 +61,13 @@ class DvlCheck {
       times = std::abs(1 / rise.slope());
       what = print("it rises by %.4g times what the pressure falls", times);
     }
-    const VelocityUnit* unit = nullptr;
-    for (const VelocityUnit& u : kVelocityUnits)
-      if (times * u.m_s > 0.6 && times * u.m_s < 1.6) unit = &u;
+    const SensorUnit* unit = nullptr;
+    for (const SensorUnit& u : kVelocityUnits)
+      if (times * u.si > 0.6 && times * u.si < 1.6) unit = &u;
     const bool by_limit = times == 0 && fast > 2 * limit;
     if (by_limit) {
       // A speed that is usual.
-      const auto unusual = [&](const VelocityUnit& u) { return std::abs(std::log(fast * u.m_s / 0.5)); };
+      const auto unusual = [&](const SensorUnit& u) { return std::abs(std::log(fast * u.si / 0.5)); };
       unit =
           unusual(kVelocityUnits[0]) < unusual(kVelocityUnits[1]) ? &kVelocityUnits[0] : &kVelocityUnits[1];
       what = print("19 of 20 velocities are up to %.4g m/s, limits: speed_m_s of the vehicle file is %.4g",
@@ -83,7 +76,7 @@ class DvlCheck {
     if (unit == nullptr) return false;
     Finding& found =
         add(unit->name, by_limit ? likely : sure, what + (by_limit ? "; perhaps " : "; ") + unit->says);
-    found = correctable(found, print("up to %.4g m/s", fast * unit->m_s));
+    found = correctable(found, print("up to %.4g m/s", fast * unit->si));
     return true;
   }
 

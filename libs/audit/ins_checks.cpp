@@ -7,6 +7,7 @@
 #include "audit/checks.h"
 #include "audit/correction.h"
 #include "audit/regression.h"
+#include "audit/sensor_units.h"
 #include "audit/vertical_evidence.h"
 #include "core/median.h"
 #include "core/text.h"
@@ -14,17 +15,6 @@
 namespace fathom {
 namespace {
 using enum Finding::Certainty;
-
-/// A unit that accelerometers are read in by mistake.
-struct ForceUnit {
-  const char* name;
-  const char* says;
-  double m_s2;
-};
-constexpr std::array kForceUnits{
-    ForceUnit{"accelerometer-in-g", "it is in g", kStandardGravity_m_s2},
-    ForceUnit{"accelerometer-in-milli-g", "it is in thousandths of g", kStandardGravity_m_s2 / 1000},
-    ForceUnit{"accelerometer-in-cm-s2", "it is in cm/s²", 0.01}};
 
 /// Means over a second each: vibration and noise are gone, and the length is gravity's, however it is turned.
 std::vector<Vector3d> meanForces(const InsStream& stream) {
@@ -81,16 +71,16 @@ class InsCheck {
     const std::string what = print("the specific force is %.4g m/s² long, %.4g of gravity's %.5g", length,
                                    length / gravity, gravity);
     force_scale_ = 0;
-    const ForceUnit* unit = nullptr;
-    for (const ForceUnit& u : kForceUnits)
-      if (isNear(length * u.m_s2, gravity, 0.05) &&
-          (unit == nullptr || std::abs(length * u.m_s2 - gravity) < std::abs(length * unit->m_s2 - gravity)))
+    const SensorUnit* unit = nullptr;
+    for (const SensorUnit& u : kForceUnits)
+      if (isNear(length * u.si, gravity, 0.05) &&
+          (unit == nullptr || std::abs(length * u.si - gravity) < std::abs(length * unit->si - gravity)))
         unit = &u;
     const bool no_direction = length < 0.3 * gravity && pointsAnywhere();
     if (unit != nullptr && !no_direction) {
       Finding& found = add(unit->name, sure, what + "; " + unit->says);
-      found = correctable(found, print("%.4g m/s²", length * unit->m_s2));
-      force_scale_ = unit->m_s2;
+      found = correctable(found, print("%.4g m/s²", length * unit->si));
+      force_scale_ = unit->si;
     } else if (no_direction || length < 0.1 * gravity) {
       checkMissingGravity(what, length);
     } else if (!isNear(length, gravity, 0.05)) {

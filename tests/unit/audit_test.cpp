@@ -5,26 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "support/recordings.h"
+#include "support/streams.h"
 
 namespace fathom {
 namespace {
-
-class Samples : public SampleSource {
- public:
-  explicit Samples(std::vector<Sample> samples) : samples_(std::move(samples)) {}
-  const RecordingHeader& header() const override { return header_; }
-  std::optional<Sample> next() override {
-    return next_ < samples_.size() ? std::optional(samples_[next_++]) : std::nullopt;
-  }
-  std::filesystem::path imageFolder() const override { return {}; }
-  double fraction() const override { return 0; }
-
- private:
-  RecordingHeader header_;
-  std::vector<Sample> samples_;
-  std::size_t next_ = 0;
-};
 
 std::string whyNot(const std::string& correction) {
   try {
@@ -82,7 +66,7 @@ TEST(CorrectedSource, StretchedClocksComeInOrder) {
     samples.push_back({after(test::kStart, 0.1 * i), "DVL", DvlSample{}});
   }
   for (const double factor : {0.99, 1.01}) {
-    const auto source = corrected(std::make_unique<Samples>(samples),
+    const auto source = corrected(std::make_unique<test::ListSource>(samples),
                                   {{}, {"clock-rate:DVL:" + std::to_string(factor)}}, Vehicle{});
     Time before{};
     int count = 0, dvl = 0;
