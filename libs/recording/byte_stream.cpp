@@ -27,12 +27,7 @@ ByteStream::ByteStream(fs::path file) : file_(std::move(file)), in_(nullptr, &st
   if (file_bytes_ == 0) throw Error(name, "", "is empty");
 
   if (!refillInput()) throw Error(name, "", "cannot be read");
-  compressed_ = input_.size() >= 2 && input_[0] == 0x1f && input_[1] == 0x8b;
-  if (compressed_ && inflateInit2(&zlib_, kGzipWindow) != Z_OK) throw std::bad_alloc();
-}
-
-ByteStream::~ByteStream() {
-  if (compressed_) inflateEnd(&zlib_);
+  decompressor_ = decompressorFor(input_);
 }
 
 void ByteStream::skip(std::size_t size) {
@@ -42,7 +37,7 @@ void ByteStream::skip(std::size_t size) {
 }
 
 std::uint64_t ByteStream::filePosition() const {
-  if (!compressed_) return position_;
+  if (!compressed()) return position_;
   if (blocks_.empty()) return 0;
   // Damage is searched for within what was inflated last, so position_ is in the blocks kept.
   for (const Block& block : blocks_) {
@@ -58,7 +53,7 @@ std::uint64_t ByteStream::filePosition() const {
 void ByteStream::fill() {
   buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(begin_));
   begin_ = 0;
-  if (compressed_)
+  if (compressed())
     fillInflated();
   else
     fillPlain();
@@ -70,8 +65,7 @@ bool ByteStream::refillInput() {
   input_.resize(std::fread(input_.data(), 1, kInputBytes, in_.get()));
   if (std::ferror(in_.get())) damage_ = "the file cannot be read any further";
   file_read_ += input_.size();
-  zlib_.next_in = input_.data();
-  zlib_.avail_in = static_cast<uInt>(input_.size());
+  unread_ = input_;
   return !input_.empty();
 }
 
@@ -86,26 +80,28 @@ void ByteStream::fillInflated() {
   const std::uint64_t file_begin = fileConsumed();
   const bool from_member_start = at_member_start_;
   buffer_.resize(old_size + kBlockBytes);
-  zlib_.next_out = buffer_.data() + old_size;
-  zlib_.avail_out = kBlockBytes;
+  std::span<std::uint8_t> room = std::span(buffer_).subspan(old_size);
 
-  int status = Z_OK;
-  while (status == Z_OK && zlib_.avail_out > 0) {
-    if (zlib_.avail_in == 0 && !refillInput()) {
-      if (damage_.empty()) damage_ = "the gzip data are cut short";
+  auto status = Decompressor::Status::kMore;
+  while (status == Decompressor::Status::kMore && !room.empty()) {
+    status = decompressor_->inflate(unread_, room);
+    const bool wants_more = status == Decompressor::Status::kMore && !room.empty();
+    if (wants_more && unread_.empty() && !refillInput()) {
+      if (damage_.empty()) damage_ = std::string("the ") + decompressor_->format() + " data are cut short";
       ended_ = true;
       break;
     }
-    status = inflate(&zlib_, Z_NO_FLUSH);
   }
-  std::size_t produced = kBlockBytes - zlib_.avail_out;
+  std::size_t produced = kBlockBytes - room.size();
+  const bool nothing = from_member_start && produced == 0;
   at_member_start_ = false;
-  if (status == Z_STREAM_END) {
+  if (status == Decompressor::Status::kMemberEnd) {
     endAtMember();
-  } else if (status != Z_OK) {
-    const bool nothing = zlib_.total_out == 0 && !in_first_member_;
-    damage_ = nothing ? "bytes that are not gzip data follow"
-                      : std::string("the gzip data are damaged (") + (zlib_.msg ? zlib_.msg : "no end") + ")";
+  } else if (status == Decompressor::Status::kDamaged) {
+    const std::string format = decompressor_->format();
+    damage_ = nothing && !in_first_member_
+                  ? "bytes that are not " + format + " data follow"
+                  : "the " + format + " data are damaged (" + decompressor_->damage() + ")";
     ended_ = true;
     // The checksum was never right: what came out is not to be trusted.
     if (from_member_start && !in_first_member_) produced = 0;
@@ -119,11 +115,11 @@ void ByteStream::fillInflated() {
 void ByteStream::endAtMember() {
   at_member_start_ = true;
   in_first_member_ = false;
-  if (zlib_.avail_in == 0 && !refillInput()) {
+  if (unread_.empty() && !refillInput()) {
     ended_ = true;
     return;
   }
-  inflateReset(&zlib_);
+  decompressor_->beginMember();
 }
 
 }  // namespace fathom

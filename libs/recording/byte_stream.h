@@ -1,7 +1,5 @@
 #pragma once
 
-#include <zlib.h>
-
 #include <cstdint>
 #include <cstdio>
 #include <deque>
@@ -11,14 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "recording/decompressor.h"
+
 namespace fathom {
 
-/// zlib: the largest window, gzip header (without a time) and checksum.
-inline constexpr int kGzipWindow = 15 + 16;
-
-/// The bytes of a plain or gzip file, inflated, with a look ahead. Used by the rawlog reader only.
+/// The bytes of a plain, gzip or Zstandard file, inflated, with a look ahead. Used by the rawlog reader only.
 ///
-/// Damage ends the bytes, it is not an Error: damage() then says what was found. A gzip member (the file may
+/// Damage ends the bytes, it is not an Error: damage() then says what was found. A member (the file may
 /// be a chain of them) that fits into one block is handed on only once its checksum is right, except the
 /// first, whose bytes before the damage are all that can be had. In a longer member, wrong bytes may be
 /// handed on before its damage is noticed.
@@ -28,7 +25,6 @@ class ByteStream {
 
   /// Throws Error where the file is missing, no regular file, cannot be read or is empty.
   explicit ByteStream(std::filesystem::path file);
-  ~ByteStream();
   ByteStream(const ByteStream&) = delete;
   ByteStream& operator=(const ByteStream&) = delete;
 
@@ -46,7 +42,7 @@ class ByteStream {
   /// The same in the file: exact for a plain file, else interpolated within the block that was inflated last.
   std::uint64_t filePosition() const;
   std::uint64_t fileBytes() const { return file_bytes_; }
-  bool compressed() const { return compressed_; }
+  bool compressed() const { return decompressor_ != nullptr; }
   /// Why the bytes ended before the data did, one line; empty while there are more and at a clean end.
   const std::string& damage() const { return damage_; }
 
@@ -61,17 +57,18 @@ class ByteStream {
   void fillInflated();
   bool refillInput();
   void endAtMember();
-  std::uint64_t fileConsumed() const { return file_read_ - zlib_.avail_in; }
+  std::uint64_t fileConsumed() const { return file_read_ - unread_.size(); }
 
   std::filesystem::path file_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> in_;
   std::uint64_t file_bytes_ = 0, file_read_ = 0, position_ = 0;
-  bool compressed_ = false, ended_ = false, at_member_start_ = true, in_first_member_ = true;
+  bool ended_ = false, at_member_start_ = true, in_first_member_ = true;
   std::string damage_;
   std::vector<std::uint8_t> buffer_, input_;
+  std::span<const std::uint8_t> unread_;  ///< of input_
   std::size_t begin_ = 0;
   std::deque<Block> blocks_;
-  z_stream zlib_{};
+  std::unique_ptr<Decompressor> decompressor_;  ///< null: the file is plain
 };
 
 }  // namespace fathom

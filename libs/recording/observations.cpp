@@ -78,16 +78,6 @@ constexpr std::array<TIMUDataIndex, 4> kAttitude{IMU_ORI_QUAT_X, IMU_ORI_QUAT_Y,
 
 // ---- reading ----
 
-template <class Observation>
-Observation decode(std::span<const std::uint8_t> object) {
-  mrpt::io::CMemoryStream stream;
-  stream.assignMemoryNotOwn(object.data(), object.size());
-  auto archive = mrpt::serialization::archiveFrom(stream);
-  Observation observation;
-  archive.ReadObject(&observation);
-  return observation;
-}
-
 std::optional<Vector3d> readTriple(const CObservationIMU& imu, const FieldTriple& fields) {
   if (!std::all_of(fields.begin(), fields.end(), [&](auto field) { return imu.has(field); })) return {};
   return Vector3d(imu.get(fields[0]), imu.get(fields[1]), imu.get(fields[2]));
@@ -187,6 +177,30 @@ Reading readMarkers(const CObservationBearingRange& bearings) {
     sample.markers.push_back({mark.landmarkID, mark.range, mark.yaw, mark.pitch,
                               bearings.validCovariances ? Matrix3d(mark.covariance.asEigen()) : common});
   return sample;
+}
+
+Reading readPose(const CObservationRobotPose& pose) {
+  return PoseSample{fromMrpt(pose.pose), fromMrpt(pose.sensorPose)};
+}
+
+Reading readImage(const CObservationImage& image) {
+  return ImageSample{fromMrpt(image.cameraPose), fromMrpt(image.cameraParams),
+                     image.image.getExternalStorageFile()};
+}
+
+/// Whether an image lies in the entry itself, not in a file.
+bool hasPixels(const CObservation& observation) {
+  const auto inside = [](const mrpt::img::CImage& image) { return image.getExternalStorageFile().empty(); };
+  if (const auto* image = dynamic_cast<const CObservationImage*>(&observation)) return inside(image->image);
+  const auto* stereo = dynamic_cast<const CObservationStereoImages*>(&observation);
+  return stereo != nullptr &&
+         (inside(stereo->imageLeft) || (stereo->hasImageRight && inside(stereo->imageRight)) ||
+          (stereo->hasImageDisparity && inside(stereo->imageDisparity)));
+}
+
+template <class Observation>
+const Observation& as(const CObservation& observation) {
+  return dynamic_cast<const Observation&>(observation);
 }
 
 // ---- writing ----
@@ -364,31 +378,30 @@ struct Encoder {
 
 }  // namespace
 
-Reading decodeReading(const std::string& mrpt_class, const std::string& whole_label,
-                      std::span<const std::uint8_t> object) {
-  const std::string label(baseOf(whole_label));
+Reading decodeReading(const CObservation& observation) {
+  const std::string mrpt_class = observation.GetRuntimeClass()->className;
+  const std::string label(baseOf(observation.sensorLabel));
   const auto expected = classOf(label);
   if (!expected.empty() && expected != mrpt_class)
-    throw ConventionBreach{"an entry labelled " + whole_label + " is a " + mrpt_class + ", must be a " +
-                           std::string(expected)};
-  if (mrpt_class == kComment) return parseHeaderText(decode<CObservationComment>(object).text);
-  if (mrpt_class == kImu) return readImu(label, decode<CObservationIMU>(object));
-  if (mrpt_class == kRobotPose) {
-    const auto observation = decode<CObservationRobotPose>(object);
-    return PoseSample{fromMrpt(observation.pose), fromMrpt(observation.sensorPose)};
+    throw ConventionBreach{"an entry labelled " + observation.sensorLabel + " is a " + mrpt_class +
+                           ", must be a " + std::string(expected)};
+  if (hasPixels(observation)) {
+    if (expected.empty()) return UnknownSample{mrpt_class};
+    throw ConventionBreach{
+        "an image is stored in the rawlog, must be in a file of its own (rawlog-edit --externalize)"};
   }
+  if (mrpt_class == kComment) return parseHeaderText(as<CObservationComment>(observation).text);
+  if (mrpt_class == kImu) return readImu(label, as<CObservationIMU>(observation));
+  if (mrpt_class == kRobotPose) return readPose(as<CObservationRobotPose>(observation));
   if (label == labels::kPanel || label == labels::kHandles)
-    return readPanels(decode<CObservation6DFeatures>(object));
-  if (label == labels::kMarkerSights) return readMarkers(decode<CObservationBearingRange>(object));
-  if (label == labels::kDvlBeams) return readBeams(decode<CObservationRange>(object));
-  if (label == Altimeter::label) return readAltimeter(decode<CObservationRange>(object));
-  if (label == Gnss::label) return readGnss(decode<CObservationGPS>(object));
-  if (label == labels::kStereo) return readStereo(decode<CObservationStereoImages>(object));
-  if (label == labels::kCamera || label == labels::kSimulated) {
-    const auto observation = decode<CObservationImage>(object);
-    return ImageSample{fromMrpt(observation.cameraPose), fromMrpt(observation.cameraParams),
-                       observation.image.getExternalStorageFile()};
-  }
+    return readPanels(as<CObservation6DFeatures>(observation));
+  if (label == labels::kMarkerSights) return readMarkers(as<CObservationBearingRange>(observation));
+  if (label == labels::kDvlBeams) return readBeams(as<CObservationRange>(observation));
+  if (label == Altimeter::label) return readAltimeter(as<CObservationRange>(observation));
+  if (label == Gnss::label) return readGnss(as<CObservationGPS>(observation));
+  if (label == labels::kStereo) return readStereo(as<CObservationStereoImages>(observation));
+  if (label == labels::kCamera || label == labels::kSimulated)
+    return readImage(as<CObservationImage>(observation));
   return UnknownSample{mrpt_class};
 }
 

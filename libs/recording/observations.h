@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "recording/samples.h"
+
+namespace mrpt::obs {
+class CObservation;
+}
 
 /// Samples to and from MRPT's observations: the one place that knows which field holds what. Used by the
 /// rawlog reader and writer only.
@@ -16,10 +19,8 @@ struct ConventionBreach {
   std::string why;
 };
 
-/// The reading in a serialized observation of class `mrpt_class` whose layout was checked.
-/// Throws ConventionBreach, and std::exception where MRPT finds fault with the bytes.
-Reading decodeReading(const std::string& mrpt_class, const std::string& label,
-                      std::span<const std::uint8_t> object);
+/// Throws ConventionBreach.
+Reading decodeReading(const mrpt::obs::CObservation& observation);
 
 /// Appends the sample's serialized observation. Throws std::logic_error, see RawlogWriter::write.
 void encodeSample(const Sample& sample, std::vector<std::uint8_t>& bytes);

@@ -28,10 +28,10 @@ inline constexpr std::uint64_t kEntriesPerProgress = 4096;
 /// One line, without the file's name.
 std::string describe(const RecordingLoss& loss);
 
-/// Reads a rawlog, gzip or plain, entry by entry: memory does not depend on its length.
-/// Every object is checked for plausible lengths before MRPT decodes it, so damaged bytes cannot make it
-/// allocate gigabytes or crash. Only the classes of the recording convention are decoded, in the
-/// serialization versions of MRPT 2.5; other observations are UnknownSample.
+/// Reads a rawlog (plain, gzip or Zstandard; observations only, or actions and frames) entry by entry: memory
+/// does not depend on its length. MRPT takes each object apart, of whatever version it knows; what it may
+/// allocate for one is limited, so damaged bytes cannot make it take gigabytes. What the recording convention
+/// does not know, or MRPT cannot read since it is of a later one, is an UnknownSample.
 ///
 /// Reading ends at the first damage. What a plain file cannot show is a changed digit within a number, and no
 /// file a cut exactly between two entries (gzip: between two of RawlogWriter's blocks). Gzip data whose
@@ -51,7 +51,7 @@ class RawlogReader {
   const RecordingHeader& header() const;
   /// The next entry, or nothing at the end. Never throws on damage: reading ends there and loss() says so.
   /// Throws Error (file, byte, reason) where an entry breaks the convention: a label on another class than
-  /// its own, a DEPTH entry without pressure, an image in the rawlog itself, the actions-and-frames format.
+  /// its own, a DEPTH entry without pressure, an image in the rawlog itself.
   std::optional<Sample> next();
   /// Set once next() has returned nothing because of damage or truncation.
   const std::optional<RecordingLoss>& loss() const;

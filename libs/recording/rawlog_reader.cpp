@@ -1,13 +1,18 @@
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CObservation.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <deque>
 #include <limits>
 
 #include "core/error.h"
 #include "recording/byte_stream.h"
-#include "recording/object_layout.h"
+#include "recording/mrpt_types.h"
 #include "recording/observations.h"
 #include "recording/rawlog.h"
+#include "recording/rawlog_object.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -20,12 +25,15 @@ struct RawlogReader::Impl {
   RecordingHeader header;
   std::optional<Sample> first;  ///< read ahead by the constructor, not yet handed on
   std::optional<RecordingLoss> loss;
+  std::deque<Sample> pending;  ///< of the entries read, not yet handed on
   bool ended = false;
   bool any_read = false;
   Time first_time{}, last_time{};
 
-  std::optional<Sample> readEntry();
-  Reading decode(const ObjectExtent& extent);
+  std::optional<Sample> readSample();
+  void readEntry();
+  void decode(const RawlogObject& object);
+  Sample sampleOf(const mrpt::obs::CObservation& observation);
   void end(const std::string& reason);
   void noteLoss(const std::string& reason);
   Error error(const std::string& why) const;
@@ -37,50 +45,57 @@ Error RawlogReader::Impl::error(const std::string& why) const {
   return {file.string(), in.compressed() ? where + " of the inflated data" : where, why};
 }
 
-Reading RawlogReader::Impl::decode(const ObjectExtent& extent) {
-  if (extent.kind == ObjectExtent::Kind::kForeign)
-    throw error("holds a " + extent.mrpt_class + ": not in the observations-only format");
-  if (extent.kind == ObjectExtent::Kind::kSkipped) return UnknownSample{extent.mrpt_class};
-  const auto kind = baseOf(extent.label);
-  const bool of_convention = kind == labels::kCamera || kind == labels::kStereo || kind == labels::kSimulated;
-  if (extent.has_pixels && of_convention)
-    throw error("an image is stored in the rawlog, must be in a file of its own (rawlog-edit --externalize)");
-  if (extent.has_pixels) return UnknownSample{extent.mrpt_class};
-  const auto object = in.peek(0, extent.bytes).first(extent.bytes);
-  Reading reading = decodeReading(extent.mrpt_class, extent.label, object);
-  // Only the first comment is the header; others are remarks.
-  if (any_read && std::holds_alternative<RecordingHeader>(reading)) return UnknownSample{extent.mrpt_class};
-  return reading;
+/// The observations of an entry as samples, behind those that wait.
+void RawlogReader::Impl::decode(const RawlogObject& object) {
+  using mrpt::obs::CActionCollection;
+  if (object.kind == RawlogObject::Kind::kSkipped) {
+    pending.push_back({last_time, {}, UnknownSample{object.mrpt_class, object.reason}});
+  } else if (const auto* actions = dynamic_cast<const CActionCollection*>(object.object.get())) {
+    const Time time = actions->size() > 0 ? fromMrpt(actions->get(0).timestamp) : Time{};
+    pending.push_back({time, {}, UnknownSample{object.mrpt_class}});
+  } else {
+    forEachObservation(*object.object, [&](const auto& each) { pending.push_back(sampleOf(each)); });
+  }
 }
 
-std::optional<Sample> RawlogReader::Impl::readEntry() {
-  if (ended) return {};
-  if (in.peek(0, 1).empty()) {
-    end(in.damage());
-    return {};
-  }
-  const ObjectExtent extent = measureObject(in);
-  if (extent.kind == ObjectExtent::Kind::kDamaged) {
-    end(extent.reason + (in.damage().empty() ? "" : ": " + in.damage()));
-    return {};
-  }
-  const bool skipped = extent.kind == ObjectExtent::Kind::kSkipped;
-  Sample sample{skipped ? last_time : extent.time, extent.label, {}};
+Sample RawlogReader::Impl::sampleOf(const mrpt::obs::CObservation& observation) {
+  Sample sample{fromMrpt(observation.timestamp), observation.sensorLabel, {}};
   try {
-    sample.reading = decode(extent);
+    sample.reading = decodeReading(observation);
   } catch (const ConventionBreach& breach) {
     throw error(breach.why);
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception&) {
-    end("MRPT cannot decode a " + extent.mrpt_class);
-    return {};
   }
-  in.skip(extent.bytes);
+  // Only the first comment is the header; others are remarks.
+  if (any_read && std::holds_alternative<RecordingHeader>(sample.reading))
+    sample.reading = UnknownSample{observation.GetRuntimeClass()->className};
   any_read = true;
   if (first_time == Time{}) first_time = sample.time;
-  last_time = sample.time;
+  if (sample.time != Time{}) last_time = sample.time;
   return sample;
+}
+
+std::optional<Sample> RawlogReader::Impl::readSample() {
+  while (pending.empty() && !ended) readEntry();
+  if (pending.empty()) return {};
+  std::optional<Sample> sample = std::move(pending.front());
+  pending.pop_front();
+  return sample;
+}
+
+void RawlogReader::Impl::readEntry() {
+  if (in.peek(0, 1).empty()) {
+    end(in.damage());
+    return;
+  }
+  const RawlogObject object = readObject(in);
+  if (object.kind == RawlogObject::Kind::kDamaged) {
+    end(object.reason + (in.damage().empty() ? "" : ": " + in.damage()));
+    return;
+  }
+  if (object.kind == RawlogObject::Kind::kForeign)
+    throw error("holds a " + object.mrpt_class + ": is no rawlog");
+  decode(object);
+  in.skip(object.bytes);
 }
 
 /// Reading is over: at a clean end, where there is no reason, or for a reason.
@@ -110,7 +125,7 @@ void RawlogReader::Impl::noteLoss(const std::string& reason) {
 }
 
 RawlogReader::RawlogReader(fs::path file) : impl_(std::make_unique<Impl>(std::move(file))) {
-  impl_->first = impl_->readEntry();
+  impl_->first = impl_->readSample();
   if (!impl_->first) {
     const std::string reason = impl_->loss ? impl_->loss->reason : "no data";
     throw Error(impl_->file.string(), "", "is no rawlog, or damaged from the start: " + reason);
@@ -125,7 +140,7 @@ const RecordingHeader& RawlogReader::header() const { return impl_->header; }
 const std::optional<RecordingLoss>& RawlogReader::loss() const { return impl_->loss; }
 
 std::optional<Sample> RawlogReader::next() {
-  if (!impl_->first) return impl_->readEntry();
+  if (!impl_->first) return impl_->readSample();
   std::optional<Sample> sample;
   sample.swap(impl_->first);
   return sample;

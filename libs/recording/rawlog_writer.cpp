@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
-#include "recording/byte_stream.h"
+#include "recording/decompressor.h"
 #include "recording/observations.h"
 #include "recording/rawlog.h"
 

@@ -28,7 +28,9 @@ struct Kind {
   std::string operator()(const PanelSample&) const { return "panels"; }
   std::string operator()(const MarkersSample&) const { return "markers"; }
   std::string operator()(const RecordingHeader&) const { return "comment"; }
-  std::string operator()(const UnknownSample& unknown) const { return unknown.mrpt_class; }
+  std::string operator()(const UnknownSample& unknown) const {
+    return unknown.mrpt_class + (unknown.unreadable.empty() ? "" : " (" + unknown.unreadable + ")");
+  }
 };
 
 bool same(const std::vector<Pose>& a, const std::vector<Pose>& b) {

@@ -94,10 +94,11 @@ struct MarkersSample {
 };
 
 /// An entry the convention does not know. It is counted by `fathom info` and otherwise left alone. Where its
-/// fields cannot be read either (a class this program has no layout for), its label is empty and its time is
-/// that of the entry before it.
+/// fields cannot be read either (a class or version of a later MRPT), its label is empty and its time is that
+/// of the entry before it.
 struct UnknownSample {
   std::string mrpt_class;
+  std::string unreadable = {};  ///< why its fields cannot be read, one line; empty where they can
 };
 
 namespace detail {

@@ -1,6 +1,11 @@
 // Every kind of rawlog that fathom ships or writes, in MRPT's stock tools: rawlog-edit, and RawLogViewer and
 // SceneViewer3D on a screen of their own.
 #include <gtest/gtest.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CActionRobotMovement2D.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CRawlog.h>
+#include <mrpt/obs/CSensoryFrame.h>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -108,6 +113,40 @@ TEST_P(StockRawlog, RawlogEditListsAndExportsIt) {
   const auto kept = runFathom("info " + inOut("kept.rawlog"));
   EXPECT_EQ(kept.status, 0) << kept.err;
   EXPECT_NE(kept.out.find(label), std::string::npos) << kept.out;
+}
+
+/// A recording in MRPT's other format, by MRPT itself: what was done, then what was seen.
+TEST(ActionsAndFrames, AreCountedAsMrptCountsThem) {
+  using namespace mrpt::obs;
+  CRawlog log;
+  for (int i = 0; i < 50; ++i) {
+    CActionCollection actions;
+    actions.insert(CActionRobotMovement2D());
+    log.insert(actions);
+    CSensoryFrame frame;
+    for (int seen = i % 4; seen > 0; --seen) {
+      const auto odometry = std::make_shared<CObservationOdometry>();
+      odometry->sensorLabel = "WHEELS";
+      odometry->timestamp = mrpt::Clock::fromDouble(1.7e9 + i + 0.1 * seen);
+      frame.insert(odometry);
+    }
+    log.insert(frame);
+  }
+  const fs::path file = scratchFolder() / "frames.rawlog";
+  ASSERT_TRUE(log.saveToRawLogFile(file.string()));
+
+  CRawlog back;
+  ASSERT_TRUE(back.loadFromRawLogFile(file.string()));
+  std::size_t actions = 0, observations = 0;
+  for (std::size_t i = 0; i < back.size(); ++i) {
+    actions += back.getType(i) == CRawlog::etActionCollection;
+    if (back.getType(i) == CRawlog::etSensoryFrame) observations += back.getAsObservations(i)->size();
+  }
+  EXPECT_EQ(actions, 50U);
+  EXPECT_EQ(observations, 73U);
+  EXPECT_EQ(entriesOf(file), actions + observations);
+  const auto info = runFathom("info " + shellQuoted(file.string()));
+  EXPECT_NE(info.out.find("123 entries"), std::string::npos) << info.out;
 }
 
 constexpr int kLeastInk = 300;  // pixels of a few words

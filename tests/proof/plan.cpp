@@ -245,9 +245,9 @@ Extent quickProof() {
   quick.corner_dives = 2;
   quick.image_dives = 1;
   quick.strata = {16};
-  quick.every = 12;
+  quick.every = 24;
   quick.pairs = 1;
-  quick.nulls = 2;
+  quick.nulls = 1;
   quick.outside = 1;
   quick.intervals = 1;
   quick.decoy_dives = 1;

@@ -1,6 +1,8 @@
 // Rawlogs that others wrote: what the convention does not know, or forbids.
 #include <gtest/gtest.h>
 #include <mrpt/io/CMemoryStream.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CObservationBearingRange.h>
 #include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationIMU.h>
@@ -8,6 +10,7 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRange.h>
 #include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/poses/CPose3D.h>
 #include <mrpt/serialization/CArchive.h>
 
 #include <map>
@@ -97,10 +100,29 @@ TEST(Rawlog, ImagesMustBeFiles) {
   EXPECT_EQ(as<UnknownSample>(back.samples[0]).mrpt_class, "mrpt::obs::CObservationImage");
 }
 
-TEST(Rawlog, ActionsAndFramesAreRefused) {
-  const CSensoryFrame frame;
-  EXPECT_EQ(rawlogErrorOf(writePlain({&frame})),
-            "byte 0: holds a mrpt::obs::CSensoryFrame: not in the observations-only format");
+TEST(Rawlog, FramesAreTakenApart) {
+  const CObservationIMU ins = imuLabelled("INS", 1.0), dvl = imuLabelled("DVL", 1.5),
+                        next = imuLabelled("INS", 2.0);
+  CSensoryFrame first, second, none;
+  for (const CObservationIMU* entry : {&ins, &dvl}) first.insert(std::make_shared<CObservationIMU>(*entry));
+  second.insert(std::make_shared<CObservationIMU>(next));
+  CActionRobotMovement2D moved;
+  moved.timestamp = toMrpt(after(kStart, 1.7));
+  CActionCollection action;
+  action.insert(moved);
+  const ReadBack back = readRecording(writePlain({&action, &first, &none, &action, &second}));
+  EXPECT_FALSE(back.loss);
+  ASSERT_EQ(back.samples.size(), 5U);
+  EXPECT_EQ(as<UnknownSample>(back.samples[0]).mrpt_class, "mrpt::obs::CActionCollection");
+  EXPECT_TRUE(std::holds_alternative<InsSample>(back.samples[1].reading));
+  EXPECT_TRUE(std::holds_alternative<DvlSample>(back.samples[2].reading));
+  EXPECT_EQ(back.samples[3].time, after(kStart, 1.7));
+  EXPECT_EQ(back.samples[4].time, after(kStart, 2.0));
+}
+
+TEST(Rawlog, WhatIsNoneIsRefused) {
+  const mrpt::poses::CPose3D pose;
+  EXPECT_EQ(rawlogErrorOf(writePlain({&pose})), "byte 0: holds a mrpt::poses::CPose3D: is no rawlog");
 }
 
 TEST(Rawlog, UnknownEntriesArePassedOver) {
@@ -121,7 +143,7 @@ TEST(Rawlog, UnknownEntriesArePassedOver) {
   EXPECT_EQ(back.samples[1].label, "XSENS");
   EXPECT_EQ(as<UnknownSample>(back.samples[1]).mrpt_class, "mrpt::obs::CObservationIMU");
   EXPECT_EQ(as<UnknownSample>(back.samples[2]).mrpt_class, "mrpt::obs::CObservationOdometry");
-  EXPECT_EQ(back.samples[2].time, after(kStart, 2.0));
+  EXPECT_EQ(back.samples[2].label, "WHEELS");
   EXPECT_EQ(as<UnknownSample>(back.samples[3]).mrpt_class, "mrpt::obs::CObservationComment");
   EXPECT_EQ(back.samples[4].label, "MARKERS");
   EXPECT_TRUE(std::holds_alternative<DvlSample>(back.samples[5].reading));

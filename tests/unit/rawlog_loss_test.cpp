@@ -1,6 +1,7 @@
 // Rawlogs that are cut off or damaged: what is lost, and that nothing wrong is handed on.
 #include <gtest/gtest.h>
 #include <zlib.h>
+#include <zstd.h>
 
 #include "recording/rawlog.h"
 #include "support/recordings.h"
@@ -109,8 +110,43 @@ TEST_F(RawlogLoss, GzipChecksum) {
   EXPECT_GT(back.loss->lost_bytes, 0U);
 }
 
+/// As MRPT writes from 2.15.7 on, with a checksum.
+std::string zstandard(const std::string& bytes) {
+  const std::unique_ptr<ZSTD_CCtx, std::size_t (*)(ZSTD_CCtx*)> zstd(ZSTD_createCCtx(), &ZSTD_freeCCtx);
+  ZSTD_CCtx_setParameter(zstd.get(), ZSTD_c_checksumFlag, 1);
+  std::string out(ZSTD_compressBound(bytes.size()), '\0');
+  const std::size_t size = ZSTD_compress2(zstd.get(), out.data(), out.size(), bytes.data(), bytes.size());
+  EXPECT_FALSE(ZSTD_isError(size));
+  out.resize(size);
+  return out;
+}
+
+TEST_F(RawlogLoss, ZstandardIsTheSame) {
+  const ReadBack back = read(zstandard(plain));
+  EXPECT_FALSE(back.loss);
+  EXPECT_EQ(fingerprints(back.samples), all);
+  // Of several frames, as such files are appended to each other.
+  const std::size_t half = plain.size() / 2;
+  EXPECT_EQ(fingerprints(read(zstandard(plain.substr(0, half)) + zstandard(plain.substr(half))).samples),
+            all);
+}
+
+TEST_F(RawlogLoss, ZstandardCutAndDamaged) {
+  const std::string whole = zstandard(plain);
+  const ReadBack cut = read(whole.substr(0, whole.size() / 2));
+  expectPrefix(cut, 1000, 2000);
+  ASSERT_TRUE(cut.loss);
+  EXPECT_EQ(cut.loss->reason, "the data end inside an entry: the Zstandard data are cut short");
+  std::string bytes = whole;
+  bytes.back() = static_cast<char>(bytes.back() ^ 1);  // of the checksum
+  const ReadBack damaged = read(bytes);
+  ASSERT_TRUE(damaged.loss);
+  EXPECT_NE(damaged.loss->reason.find("the Zstandard data are damaged"), std::string::npos)
+      << damaged.loss->reason;
+}
+
 TEST_F(RawlogLoss, TrailingBytes) {
-  for (const std::string& whole : {gzip, plain}) {
+  for (const std::string& whole : {gzip, plain, zstandard(plain)}) {
     const ReadBack back = read(whole + "trailing");
     expectPrefix(back, 3000, 3000);
     ASSERT_TRUE(back.loss);
