@@ -132,7 +132,9 @@ void addCsv(CLI::App& parent, const RunContext& context) {
   command->add_option("--section", options->section, "Which section, the N of the tables' names")->required();
   addImportTarget(*command, options->target, "sectionN");
   command->add_flag("--undo-stamp-stretch", options->trial.undo_stamp_stretch,
-                    "Correct the stretch between the tables' clocks, where it is established");
+                    "Correct the stretch of the DVL's clock, where it is established");
+  command->add_flag("--reference-as-published", options->trial.reference_as_published,
+                    "Leave the reference on its own clock, at its own point, though both are established");
   command->callback([options, &context] { importCsv(*options, context); });
 }
 

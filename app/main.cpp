@@ -4,6 +4,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,7 @@ constexpr const char* kMoreHelp =
     "  eval \"$(fathom completion bash)\"\n"
     "\n"
     "Exit status: 0 done (whatever the verdict), 2 bad input, 1 a fault of the program, 130 interrupted.\n"
-    "Documentation: README.md in the source folder.";
+    "Documentation: README.md (installed: share/doc/fathom).";
 
 /// As typed, so that it can be pasted into a shell again.
 std::string commandLine(int argc, char** argv) {
@@ -75,13 +76,39 @@ void findShippedFiles(CLI::App& app) {
   }
 }
 
-/// CLI11 would only say that a command is needed.
-void rejectUnknownCommand(const CLI::App& app, const std::string& word) {
+std::vector<CLI::App*> commandsOf(CLI::App& app) {
+  return app.get_subcommands([](CLI::App*) { return true; });
+}
+
+/// CLI11 would only say that a command is needed. `words`: what follows the name of `app`.
+void rejectUnknownCommand(CLI::App& app, std::span<char* const> words) {
+  if (words.empty() || commandsOf(app).empty() || std::string_view(words[0]).starts_with("-")) return;
   std::vector<std::string> names;
-  for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; }))
+  for (CLI::App* command : commandsOf(app)) {
+    if (command->get_name() == words[0]) return rejectUnknownCommand(*command, words.subspan(1));
     names.push_back(command->get_name());
-  if (word.starts_with("-") || std::find(names.begin(), names.end(), word) != names.end()) return;
-  throw Error("command line", word, "no such command; there are " + CLI::detail::join(names, ", "));
+  }
+  throw Error("command line", words[0], "no such command; there are " + CLI::detail::join(names, ", "));
+}
+
+/// "fathom import csv": the command that the words begin with.
+std::string commandOf(CLI::App& app, std::span<char* const> words) {
+  for (CLI::App* command : commandsOf(app))
+    if (!words.empty() && command->get_name() == words[0])
+      return app.get_name() + " " + commandOf(*command, words.subspan(1));
+  return app.get_name();
+}
+
+/// What an option of a command that is not there stands for says more than that another is missing.
+std::string mistakeText(CLI::App& app, const CLI::ParseError& mistake) {
+  for (CLI::App* command : app.get_subcommands()) {
+    const auto unknown = command->remaining();
+    const auto option = std::find_if(unknown.begin(), unknown.end(),
+                                     [](const std::string& word) { return word.starts_with("-"); });
+    if (option != unknown.end()) return *option + ": no such option";
+    if (const std::string deeper = mistakeText(*command, mistake); deeper != mistake.what()) return deeper;
+  }
+  return mistake.what();
 }
 
 int run(int argc, char** argv) {
@@ -98,13 +125,15 @@ int run(int argc, char** argv) {
   Claims claims;
   claimFolders(app, claims);
   findShippedFiles(app);
-  if (argc > 1) rejectUnknownCommand(app, argv[1]);
+  const std::span<char* const> words(argv + 1, static_cast<std::size_t>(std::max(argc - 1, 0)));
+  rejectUnknownCommand(app, words);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked_for_help_or_version) {
     app.exit(asked_for_help_or_version);
   } catch (const CLI::ParseError& mistake) {
-    throw Error("command line", "", oneLine(mistake.what()) + "; see fathom --help");
+    throw Error("command line", "",
+                oneLine(mistakeText(app, mistake)) + "; see " + commandOf(app, words) + " --help");
   }
   std::cout.flush();
   if (!std::cout) throw Error("standard output", "", "cannot be written");

@@ -18,6 +18,7 @@ BatchRecording openRecording(const fs::path& rawlog, const RecordingOptions& opt
   reading.map = options.map;
   reading.start = options.start;
   reading.pixels = options.images;
+  reading.audit = options.audit;
   return readBatchRecording(reading, options.calibration.empty() ? EffectParameters<double>{}
                                                                  : readCalibration(options.calibration));
 }
@@ -34,7 +35,8 @@ LocalizedPath localize(const fs::path& rawlog, const LocalizationOptions& option
   const SampleChain chain({.rawlog = rawlog,
                            .vehicle = recording.vehicle,
                            .map = recording.map,
-                           .calibration = recording.calibration},
+                           .calibration = recording.calibration,
+                           .audit = recording.audit},
                           landmarks);
   LocalizationSetup setup = chain.setup();
   setup.options = options;
@@ -49,6 +51,8 @@ LocalizedPath localize(const fs::path& rawlog, const LocalizationOptions& option
   const auto samples = chain.open();
   path.summary = localize(
       setup, [&] { return samples->next(); }, sink);
+  path.loss = samples->loss();
+  if (path.loss) path.remarks.push_back("The recording is damaged: " + describe(*path.loss));
   return path;
 }
 

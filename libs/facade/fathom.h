@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "audit/audit.h"
 #include "diagnosis/diagnosis.h"
 #include "imaging/water.h"
 #include "inputs/batch_recording.h"
 #include "localization/localizer.h"
+#include "recording/rawlog.h"
 #include "simulation/simulate_recording.h"
 
 /// The program's main jobs as calls, for programs of one's own: files in, results as values, what is left
@@ -23,6 +25,7 @@ struct RecordingOptions {
   std::string calibration;     ///< file of the effects that are known; empty: none are
   std::string start = "auto";  ///< see tasks/start_pose.h
   bool images = true;          ///< compare their pixels too, where there are images and a panel map
+  AuditChoice audit{};         ///< what is wrong with the streams: accepted or corrected, by name
 };
 
 /// A recording ready to be diagnosed: its readings, the markers found in its images, patches of these.
@@ -37,7 +40,8 @@ struct LocalizedPath {
   std::vector<Estimate> filtered;  ///< in time order, options.output_rate_hz
   std::vector<Estimate> smoothed;  ///< with options.smooth; in time order
   std::vector<Event> events;
-  std::vector<std::string> remarks;  ///< what a user should know, one line each
+  std::vector<std::string> remarks;   ///< what a user should know, one line each
+  std::optional<RecordingLoss> loss;  ///< where the recording is damaged; a remark says so too
 };
 /// Where the robot was. The default options fuse INS and DVL; readTask() (tasks/task_spec.h) has others.
 LocalizedPath localize(const std::filesystem::path& rawlog, const LocalizationOptions& options = {},

@@ -45,21 +45,21 @@ struct LabelledClass {
   std::string_view label;
   std::string_view mrpt_class;
 };
-constexpr std::array<LabelledClass, 15> kConvention{{{labels::kIns, kImu},
-                                                     {labels::kDvl, kImu},
-                                                     {labels::kDvlBeams, kRange},
-                                                     {labels::kDepth, kImu},
-                                                     {labels::kUsbl, kRobotPose},
-                                                     {Compass::label, kImu},
-                                                     {Gnss::label, kGps},
-                                                     {Altimeter::label, kRange},
-                                                     {labels::kCamera, kImageClass},
-                                                     {labels::kStereo, kStereoImages},
-                                                     {labels::kSimulated, kImageClass},
-                                                     {labels::kTruth, kRobotPose},
-                                                     {labels::kPanel, kFeatures},
-                                                     {labels::kHandles, kFeatures},
-                                                     {labels::kMarkerSights, kBearingRange}}};
+constexpr auto kConvention = std::to_array<LabelledClass>({{labels::kIns, kImu},
+                                                           {labels::kDvl, kImu},
+                                                           {labels::kDvlBeams, kRange},
+                                                           {labels::kDepth, kImu},
+                                                           {labels::kUsbl, kRobotPose},
+                                                           {Compass::label, kImu},
+                                                           {Gnss::label, kGps},
+                                                           {Altimeter::label, kRange},
+                                                           {labels::kCamera, kImageClass},
+                                                           {labels::kStereo, kStereoImages},
+                                                           {labels::kSimulated, kImageClass},
+                                                           {labels::kTruth, kRobotPose},
+                                                           {labels::kPanel, kFeatures},
+                                                           {labels::kHandles, kFeatures},
+                                                           {labels::kMarkerSights, kBearingRange}});
 
 /// The class the convention gives a label, that of its kind ("DVL.2": DVL); empty where it knows no such
 /// label.

@@ -68,7 +68,7 @@ void settleClocks(const SeaTrialData& data, const SampledSignal& turned_imu, Sea
              "rad against %.3g rad",
              best.residual_rad, other.residual_rad)});
   c.conclusions.push_back({"time alignment of navigation solution and IMU",
-                           print("a row stamped t%s fits the IMU at t %+.3f s (not corrected)",
+                           print("a row stamped t%s fits the IMU at t %+.3f s",
                                  is_stretched ? " (stretch undone)" : "", best.offset_s),
                            "", 0.0, "the same comparison; angles do not depend on axes"});
 }

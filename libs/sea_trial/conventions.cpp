@@ -30,6 +30,7 @@ SeaTrialConventions establishConventions(const SeaTrialData& data) {
   concludeImuFrame(c);
   c.dvl = settleAxes("DVL axes", best.dvl, best.dvl_rows,
                      "velocity north, east, down turned into the body, against DVL", "m/s", c);
+  settleReferencePoint(streams, c);
   reportDvl(streams, c);
   reportEarthRate(streams, c);
   return c;

@@ -105,14 +105,24 @@ std::vector<Sample> samples(const SeaTrialData& data, const SeaTrialConventions&
   return all;
 }
 
-std::vector<StampedPose> reference(const SeaTrialData& data, const SeaTrialConventions& c, double stretch,
-                                   const SeaTrialOptions& options) {
+/// What the navigation solution needs to be the IMU's.
+struct ReferenceChange {
+  double stretch = 1.0, offset_s = 0.0;
+  Vector3d point_m = Vector3d::Zero();  ///< its own, from there
+};
+
+std::vector<StampedPose> reference(const SeaTrialData& data, const SeaTrialConventions& c,
+                                   const ReferenceChange& change, const SeaTrialOptions& options) {
   const auto position_odom = positionsEnu(data, c.position_columns_swapped, c.altitude_sign);
   const auto R_ned_frd = attitudesNed(data, c.attitude_sign);
   std::vector<StampedPose> poses;
-  for (std::size_t k = 0; k < position_odom.size(); ++k)
-    poses.push_back({stamp(data.gt_time_s, k, stretch, options),
-                     {swapNedEnu() * R_ned_frd[k] * flipFrdRobot(), position_odom[k]}});
+  for (std::size_t k = 0; k < position_odom.size(); ++k) {
+    const Matrix3d R_odom_robot = swapNedEnu() * R_ned_frd[k] * flipFrdRobot();
+    poses.push_back({after(stamp(data.gt_time_s, k, change.stretch, options), change.offset_s),
+                     {R_odom_robot, position_odom[k] - R_odom_robot * change.point_m}});
+  }
+  const Vector3d first = poses.front().T_odom_robot.position;
+  for (StampedPose& pose : poses) pose.T_odom_robot.position -= first;
   return poses;
 }
 
@@ -162,16 +172,25 @@ ImportedRecording importSeaTrial(const SeaTrialFiles& files, const SeaTrialOptio
                                  files.dvl.filename().string() + ", " + files.gt.filename().string();
   recording.samples = samples(data, conventions, stretch, options);
   recording.start = recording.samples.front().time;
-  recording.reference = reference(data, conventions, stretch, options);
+  const ReferenceChange change = options.reference_as_published
+                                     ? ReferenceChange{stretch, 0.0, Vector3d::Zero()}
+                                     : ReferenceChange{conventions.stamp_stretch, conventions.imu_offset_s,
+                                                       conventions.reference_point_m};
+  recording.reference = reference(data, conventions, change, options);
   recording.vehicle_yaml = vehicleYaml(data, conventions, stretch);
   recording.conclusions = std::move(conventions.conclusions);
+  recording.conclusions.push_back({"the reference",
+                                   options.reference_as_published
+                                       ? "as published: by its own clock, at its own point"
+                                       : "put on the IMU's clock, and where the IMU is: "
+                                         "--reference-as-published leaves it",
+                                   "", 0.0, ""});
   if (conventions.stamp_stretch != 1.0)
-    recording.conclusions.push_back(
-        {"the stretch of these stamps",
-         options.undo_stamp_stretch
-             ? "undone, of DVL and reference; the vehicle file has the rate that results"
-             : "kept as published; --undo-stamp-stretch undoes it",
-         "", 0.0, print("factor %.7g", conventions.stamp_stretch)});
+    recording.conclusions.push_back({"the stretch of the DVL's stamps",
+                                     options.undo_stamp_stretch
+                                         ? "undone; the vehicle file has the rate that results"
+                                         : "kept as published; --undo-stamp-stretch undoes it",
+                                     "", 0.0, print("factor %.7g", conventions.stamp_stretch)});
   return recording;
 }
 

@@ -18,17 +18,20 @@ struct SeaTrialOptions {
   /// The tables count seconds from an unpublished moment of June 2022: this stands for it, 2022-06-01 00:00
   /// UTC.
   Time start = fromUnixSeconds(1654041600.0);
-  /// Also undo the stretch of the DVL's and the solution's stamps, where it is established. Off: stamps are
-  /// kept as published.
+  /// Also undo the stretch of the DVL's stamps, where it is established. Off: they are kept as published.
   bool undo_stamp_stretch = false;
+  /// The reference as published: by its own clock, and where the navigation solution's point is. Off: on the
+  /// IMU's clock and where the IMU is, both as established, so that what is compared with it is where and
+  /// when it is.
+  bool reference_as_published = false;
 };
 
 /// The tables as they stand. Throws Error (see readCsv), also for fewer than 10 rows.
 SeaTrialData readSeaTrial(const SeaTrialFiles& files);
 
 /// Samples INS and DVL, nominal mounting (no lever arm, no rotation); axes as established, see
-/// establishConventions. odom: x east, y north, z up from the first position of the navigation solution,
-/// which is the reference. Throws Error.
+/// establishConventions. odom: x east, y north, z up from the first position of the reference, which is the
+/// navigation solution. Throws Error.
 ImportedRecording importSeaTrial(const SeaTrialFiles& files, const SeaTrialOptions& options = {});
 
 }  // namespace fathom

@@ -24,6 +24,12 @@ Vector3d median(const std::vector<Vector3d>& values) {
   return result;
 }
 
+/// At the middle of two rows' distance before and after, robot axes.
+Vector3d rateAt(const AlignedStreams& s, const SeaTrialConventions& c, double t, double half_s) {
+  return flipFrdRobot() * c.gyro.matrix() * (s.turned_imu.at(t + half_s) - s.turned_imu.at(t - half_s)) /
+         (2.0 * half_s);
+}
+
 /// What the DVL should read by its sensor's model, and that model's derivative by what the fit looks for,
 /// where there is nothing of it. Columns: scale, rotation (3), lever arm (3).
 class DvlModel {
@@ -58,21 +64,25 @@ class DvlModel {
   EffectParameters<Jet> effects_;
 };
 
-struct DvlFit {
-  Eigen::Matrix<double, 7, 1> parameters, sigmas;
-  Vector3d before, after;
+template <int size>
+struct Fit {
+  Eigen::Matrix<double, size, 1> parameters, sigmas;
+  Vector3d before, after;  ///< RMS of each axis
   double sum = 1e300;
 };
 
-DvlFit fitDvl(const std::vector<DvlModel::Design>& designs, const std::vector<Vector3d>& differences) {
-  Eigen::Matrix<double, 7, 7> normal = Eigen::Matrix<double, 7, 7>::Identity() * 1e-9;
-  Eigen::Matrix<double, 7, 1> right = Eigen::Matrix<double, 7, 1>::Zero();
+template <int size>
+Fit<size> leastSquares(const std::vector<Eigen::Matrix<double, 3, size>>& designs,
+                       const std::vector<Vector3d>& differences) {
+  using Square = Eigen::Matrix<double, size, size>;
+  Square normal = Square::Identity() * 1e-9;
+  Eigen::Matrix<double, size, 1> right = Eigen::Matrix<double, size, 1>::Zero();
   for (std::size_t k = 0; k < designs.size(); ++k) {
     normal += designs[k].transpose() * designs[k];
     right += designs[k].transpose() * differences[k];
   }
-  DvlFit fit;
-  const Eigen::Matrix<double, 7, 7> inverse = inverseOf(normal);
+  Fit<size> fit;
+  const Square inverse = inverseOf(normal);
   fit.parameters = inverse * right;
   Vector3d before = Vector3d::Zero(), after = Vector3d::Zero();
   for (std::size_t k = 0; k < designs.size(); ++k) {
@@ -87,6 +97,32 @@ DvlFit fitDvl(const std::vector<DvlModel::Design>& designs, const std::vector<Ve
   return fit;
 }
 
+using DvlFit = Fit<7>;
+
+/// What the IMU's velocity changes by between two times, and the derivative of that by a bias in robot axes.
+struct Pushed {
+  Vector3d velocity_ned = Vector3d::Zero();
+  Matrix3d by_bias_ned = Matrix3d::Zero();
+};
+
+/// From the attitude at the first one on, turned by the gyro.
+Pushed pushedBetween(const AlignedStreams& s, const SeaTrialConventions& c, const Matrix3d& R_ned_frd,
+                     double from, double to) {
+  constexpr int kSteps = 50;
+  const double step = (to - from) / kSteps;
+  Pushed pushed;
+  pushed.velocity_ned = -World<double>{}.gravity_odom * (to - from);
+  for (int i = 0; i < kSteps; ++i) {
+    const double begin = from + i * step;
+    const Vector3d turned = s.turned_imu.at(begin + 0.5 * step) - s.turned_imu.at(from);
+    const Matrix3d R = R_ned_frd * expSO3<double>(c.gyro.matrix() * turned);
+    pushed.velocity_ned +=
+        R * c.accelerometer.matrix() * (s.pushed_imu.at(begin + step) - s.pushed_imu.at(begin));
+    pushed.by_bias_ned -= R * flipFrdRobot() * step;
+  }
+  return pushed;
+}
+
 DvlFit fitDvlAtDelay(const AlignedStreams& s, const SeaTrialConventions& c, const SampledSignal& velocity_frd,
                      double delay_s) {
   const Matrix3d to_robot = flipFrdRobot();
@@ -97,14 +133,45 @@ DvlFit fitDvlAtDelay(const AlignedStreams& s, const SeaTrialConventions& c, cons
     const double t = s.dvl_time_s[k] + delay_s;
     if (!velocity_frd.covers(t, t) || !s.turned_imu.covers(t - 0.5, t + 0.5)) continue;
     const Vector3d velocity = to_robot * velocity_frd.at(t);
-    const Vector3d rate = to_robot * c.gyro.matrix() * (s.turned_imu.at(t + 0.5) - s.turned_imu.at(t - 0.5));
-    designs.push_back(model.design(velocity, rate));
+    designs.push_back(model.design(velocity, rateAt(s, c, t, 0.5)));
     differences.emplace_back(to_robot * c.dvl.matrix() * s.data.velocity_dvl[k] - velocity);
   }
-  return designs.size() * 2 < s.dvl_time_s.size() ? DvlFit{} : fitDvl(designs, differences);
+  return designs.size() * 2 < s.dvl_time_s.size() ? DvlFit{} : leastSquares(designs, differences);
 }
 
 }  // namespace
+
+void settleReferencePoint(const AlignedStreams& s, SeaTrialConventions& c) {
+  // A point on a lever arm r from the IMU moves by what a DVL there would read more: its model's derivative
+  // by r. So the solution's change of velocity is the IMU's, and the change of that.
+  const DvlModel model;
+  const auto R_ned_frd = attitudesNed(s.data, c.attitude_sign);
+  const auto lever_ned = [&](std::size_t k) -> Matrix3d {
+    const Vector3d rate = rateAt(s, c, s.gt_time_s[k], 0.1);
+    return R_ned_frd[k] * flipFrdRobot() * model.design(Vector3d::Zero(), rate).rightCols<3>();
+  };
+  std::vector<Eigen::Matrix<double, 3, 6>> designs;  // by the point and by the accelerometer's bias
+  std::vector<Vector3d> differences;
+  for (std::size_t k = 0; k + 1 < R_ned_frd.size(); ++k) {
+    if (!s.pushed_imu.covers(s.gt_time_s[k] - 0.1, s.gt_time_s[k + 1] + 0.1)) continue;
+    const Pushed pushed = pushedBetween(s, c, R_ned_frd[k], s.gt_time_s[k], s.gt_time_s[k + 1]);
+    designs.emplace_back();
+    designs.back() << lever_ned(k + 1) - lever_ned(k), pushed.by_bias_ned;
+    differences.push_back(s.data.velocity_ned[k + 1] - s.data.velocity_ned[k] - pushed.velocity_ned);
+  }
+  if (designs.size() < 10) return;
+  const auto fit = leastSquares(designs, differences);
+  c.reference_point_m = fit.parameters.head<3>();
+  c.reference_point_sigma_m = fit.sigmas.head<3>();
+  c.conclusions.push_back(
+      {"the navigation solution's point",
+       printVector("%+.2f", c.reference_point_m) + " +- " + printVector("%.3f", c.reference_point_sigma_m) +
+           " m from the IMU",
+       "", 0.0,
+       "its change of velocity against the IMU's, least squares, robot axes (x forward, y left, z up): RMS " +
+           printVector("%.3f", fit.before) + " m/s before, " + printVector("%.3f", fit.after) +
+           " m/s after"});
+}
 
 void reportDvl(const AlignedStreams& s, SeaTrialConventions& c) {
   const SampledSignal velocity_frd = velocityFrd(s, attitudesNed(s.data, c.attitude_sign));
@@ -130,8 +197,11 @@ void reportDvl(const AlignedStreams& s, SeaTrialConventions& c) {
        print("scale error %+.4f +- %.4f", r.scale_error, r.scale_error_sigma) + ", rotation " +
            printVector("%+.2f", r.rotation_rad * degrees(1.0)) + " +- " +
            printVector("%.2f", r.rotation_sigma_rad * degrees(1.0)) + " deg, lever arm " +
-           printVector("%+.2f", r.lever_arm_m) + " +- " + printVector("%.2f", r.lever_arm_sigma_m) + " m" +
-           print(", valid %+.2f s after its stamp on the IMU's clock (not corrected)", r.delay_s),
+           printVector("%+.2f", r.lever_arm_m) + " +- " + printVector("%.2f", r.lever_arm_sigma_m) +
+           " m from the solution's point, " + printVector("%+.2f", c.reference_point_m + r.lever_arm_m) +
+           print(" from the IMU; valid %+.2f s after its stamp on the IMU's clock (left as it is: `fathom "
+                 "diagnose` finds both)",
+                 r.delay_s),
        "", 0.0,
        "least squares, robot axes (x forward, y left, z up): RMS " +
            printVector("%.3f", r.residual_before_m_s) + " m/s before, " +

@@ -2,10 +2,12 @@
 
 #include "sea_trial/aligned_streams.h"
 
-/// What is said of a sea trial's streams, once axes and clocks are settled, and not corrected.
+/// What is said of a sea trial's streams, once axes and clocks are settled.
 namespace fathom {
 
 /// Fits DvlRegression, at the delay that suits it best.
+/// `c.reference_point_m`, by the IMU.
+void settleReferencePoint(const AlignedStreams& s, SeaTrialConventions& c);
 void reportDvl(const AlignedStreams& s, SeaTrialConventions& c);
 
 /// Whether Earth's rotation is in the gyro's rate.

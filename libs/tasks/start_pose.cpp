@@ -30,11 +30,25 @@ Time firstReading(const fs::path& rawlog) {
   throw Error(rawlog.string(), "", "holds no reading");
 }
 
+/// Just before the reference begins: as its first two poses go on, backwards, at most by what lies between
+/// them.
+std::optional<Pose> poseBefore(const std::vector<StampedPose>& reference, const Time& time) {
+  if (reference.size() < 2) return std::nullopt;
+  const double share =
+      secondsBetween(time, reference[0].time) / secondsBetween(reference[0].time, reference[1].time);
+  if (share < 0.0 || share > 1.0) return std::nullopt;
+  const Pose &a = reference[0].T_odom_robot, &b = reference[1].T_odom_robot;
+  const Vector3d turn = logSO3<double>(a.rotation.transpose() * b.rotation);
+  return Pose{a.rotation * expSO3<double>(-share * turn), a.position - share * (b.position - a.position)};
+}
+
 StartPose startFromReference(const fs::path& rawlog, const std::vector<StampedPose>& reference) {
   const Time begin = firstReading(rawlog);
   if (!reference.empty()) {
     if (const auto pose = poseAt(reference, begin))
       return StartPose{.T_odom_robot = *pose, .source = "first pose of the reference"};
+    if (const auto pose = poseBefore(reference, begin))
+      return StartPose{.T_odom_robot = *pose, .source = "just before the first pose of the reference"};
     throw Error("--start", "reference", "the reference has no pose at the recording's first reading");
   }
   const auto truth = firstTruth(rawlog);

@@ -72,6 +72,12 @@ int main(int argc, char** argv) {
       return 2;
     }
   }
-  for (const char* name : {"syn_inputs.csv", "syn_inputs_split.csv"}) compare(folder / name);
+  for (const char* name : {"syn_inputs.csv", "syn_inputs_split.csv"}) {
+    if (!std::filesystem::exists(folder / name)) {
+      std::fprintf(stderr, "%s: no such file\n", (folder / name).c_str());
+      return 2;
+    }
+    compare(folder / name);
+  }
   return 0;
 }
