@@ -64,6 +64,13 @@ class DvlModel {
   EffectParameters<Jet> effects_;
 };
 
+/// How a point moves against the IMU, by where it is from there (robot axes).
+Matrix3d byLeverArmNed(const AlignedStreams& s, const SeaTrialConventions& c, const Matrix3d& R_ned_frd,
+                       double t) {
+  static const DvlModel model;
+  return R_ned_frd * flipFrdRobot() * model.design(Vector3d::Zero(), rateAt(s, c, t, 0.1)).rightCols<3>();
+}
+
 template <int size>
 struct Fit {
   Eigen::Matrix<double, size, 1> parameters, sigmas;
@@ -108,11 +115,12 @@ struct Pushed {
 /// From the attitude at the first one on, turned by the gyro.
 Pushed pushedBetween(const AlignedStreams& s, const SeaTrialConventions& c, const Matrix3d& R_ned_frd,
                      double from, double to) {
-  constexpr int kSteps = 50;
-  const double step = (to - from) / kSteps;
+  constexpr double kLongestStep_s = 0.03;
+  const int steps = std::max(1, static_cast<int>(std::ceil((to - from) / kLongestStep_s)));
+  const double step = (to - from) / steps;
   Pushed pushed;
   pushed.velocity_ned = -World<double>{}.gravity_odom * (to - from);
-  for (int i = 0; i < kSteps; ++i) {
+  for (int i = 0; i < steps; ++i) {
     const double begin = from + i * step;
     const Vector3d turned = s.turned_imu.at(begin + 0.5 * step) - s.turned_imu.at(from);
     const Matrix3d R = R_ned_frd * expSO3<double>(c.gyro.matrix() * turned);
@@ -123,17 +131,33 @@ Pushed pushedBetween(const AlignedStreams& s, const SeaTrialConventions& c, cons
   return pushed;
 }
 
-DvlFit fitDvlAtDelay(const AlignedStreams& s, const SeaTrialConventions& c, const SampledSignal& velocity_frd,
-                     double delay_s) {
+/// The IMU's velocity in FRD at a time: the solution's of the row before, less what its point moves by, and
+/// from there by the IMU. (Straight lines between rows a second apart would be off by centimetres a second.)
+Vector3d imuVelocityFrd(const AlignedStreams& s, const SeaTrialConventions& c,
+                        const std::vector<Matrix3d>& R_ned_frd, double t) {
+  const auto next = std::upper_bound(s.gt_time_s.begin(), s.gt_time_s.end(), t);
+  const auto k = static_cast<std::size_t>(std::max<std::ptrdiff_t>(next - s.gt_time_s.begin() - 1, 0));
+  const double from = s.gt_time_s[k];
+  const Pushed pushed = pushedBetween(s, c, R_ned_frd[k], from, t);
+  const Vector3d velocity_ned = s.data.velocity_ned[k] -
+                                byLeverArmNed(s, c, R_ned_frd[k], from) * c.reference_point_m +
+                                pushed.velocity_ned + pushed.by_bias_ned * c.accelerometer_bias_m_s2;
+  const Matrix3d R =
+      R_ned_frd[k] * expSO3<double>(c.gyro.matrix() * (s.turned_imu.at(t) - s.turned_imu.at(from)));
+  return R.transpose() * velocity_ned;
+}
+
+DvlFit fitDvlAtDelay(const AlignedStreams& s, const SeaTrialConventions& c,
+                     const std::vector<Matrix3d>& R_ned_frd, double delay_s) {
   const Matrix3d to_robot = flipFrdRobot();
   const DvlModel model;
   std::vector<DvlModel::Design> designs;
   std::vector<Vector3d> differences;
   for (std::size_t k = 0; k < s.dvl_time_s.size(); ++k) {
     const double t = s.dvl_time_s[k] + delay_s;
-    if (!velocity_frd.covers(t, t) || !s.turned_imu.covers(t - 0.5, t + 0.5)) continue;
-    const Vector3d velocity = to_robot * velocity_frd.at(t);
-    designs.push_back(model.design(velocity, rateAt(s, c, t, 0.5)));
+    if (t < s.gt_time_s.front() || t > s.gt_time_s.back() || !s.turned_imu.covers(t - 0.5, t + 0.5)) continue;
+    const Vector3d velocity = to_robot * imuVelocityFrd(s, c, R_ned_frd, t);
+    designs.push_back(model.design(velocity, rateAt(s, c, t, 0.1)));
     differences.emplace_back(to_robot * c.dvl.matrix() * s.data.velocity_dvl[k] - velocity);
   }
   return designs.size() * 2 < s.dvl_time_s.size() ? DvlFit{} : leastSquares(designs, differences);
@@ -144,12 +168,8 @@ DvlFit fitDvlAtDelay(const AlignedStreams& s, const SeaTrialConventions& c, cons
 void settleReferencePoint(const AlignedStreams& s, SeaTrialConventions& c) {
   // A point on a lever arm r from the IMU moves by what a DVL there would read more: its model's derivative
   // by r. So the solution's change of velocity is the IMU's, and the change of that.
-  const DvlModel model;
   const auto R_ned_frd = attitudesNed(s.data, c.attitude_sign);
-  const auto lever_ned = [&](std::size_t k) -> Matrix3d {
-    const Vector3d rate = rateAt(s, c, s.gt_time_s[k], 0.1);
-    return R_ned_frd[k] * flipFrdRobot() * model.design(Vector3d::Zero(), rate).rightCols<3>();
-  };
+  const auto lever_ned = [&](std::size_t k) { return byLeverArmNed(s, c, R_ned_frd[k], s.gt_time_s[k]); };
   std::vector<Eigen::Matrix<double, 3, 6>> designs;  // by the point and by the accelerometer's bias
   std::vector<Vector3d> differences;
   for (std::size_t k = 0; k + 1 < R_ned_frd.size(); ++k) {
@@ -163,6 +183,7 @@ void settleReferencePoint(const AlignedStreams& s, SeaTrialConventions& c) {
   const auto fit = leastSquares(designs, differences);
   c.reference_point_m = fit.parameters.head<3>();
   c.reference_point_sigma_m = fit.sigmas.head<3>();
+  c.accelerometer_bias_m_s2 = fit.parameters.tail<3>();
   c.conclusions.push_back(
       {"the navigation solution's point",
        printVector("%+.2f", c.reference_point_m) + " +- " + printVector("%.3f", c.reference_point_sigma_m) +
@@ -174,16 +195,20 @@ void settleReferencePoint(const AlignedStreams& s, SeaTrialConventions& c) {
 }
 
 void reportDvl(const AlignedStreams& s, SeaTrialConventions& c) {
-  const SampledSignal velocity_frd = velocityFrd(s, attitudesNed(s.data, c.attitude_sign));
+  const auto R_ned_frd = attitudesNed(s.data, c.attitude_sign);
   DvlFit best;
   DvlRegression& r = c.dvl_regression;
-  const int steps = static_cast<int>(kLongestDelay_s / 0.02);
-  for (int step = -steps; step <= steps; ++step) {
-    const DvlFit fit = fitDvlAtDelay(s, c, velocity_frd, 0.02 * step);
-    if (fit.sum >= best.sum) continue;
-    best = fit;
-    r.delay_s = 0.02 * step;
-  }
+  const auto search = [&](double centre_s, double reach_s, double step_s) {
+    const int steps = static_cast<int>(std::lround(reach_s / step_s));
+    for (int step = -steps; step <= steps; ++step) {
+      const DvlFit fit = fitDvlAtDelay(s, c, R_ned_frd, centre_s + step_s * step);
+      if (fit.sum >= best.sum) continue;
+      best = fit;
+      r.delay_s = centre_s + step_s * step;
+    }
+  };
+  search(0.0, kLongestDelay_s, 0.2);
+  search(r.delay_s, 0.2, 0.02);
   r.scale_error = best.parameters[0];
   r.scale_error_sigma = best.sigmas[0];
   r.rotation_rad = best.parameters.segment<3>(1);
@@ -198,8 +223,7 @@ void reportDvl(const AlignedStreams& s, SeaTrialConventions& c) {
            printVector("%+.2f", r.rotation_rad * degrees(1.0)) + " +- " +
            printVector("%.2f", r.rotation_sigma_rad * degrees(1.0)) + " deg, lever arm " +
            printVector("%+.2f", r.lever_arm_m) + " +- " + printVector("%.2f", r.lever_arm_sigma_m) +
-           " m from the solution's point, " + printVector("%+.2f", c.reference_point_m + r.lever_arm_m) +
-           print(" from the IMU; valid %+.2f s after its stamp on the IMU's clock (left as it is: `fathom "
+           print(" m from the IMU, valid %+.2f s after its stamp on the IMU's clock (left as it is: `fathom "
                  "diagnose` finds both)",
                  r.delay_s),
        "", 0.0,

@@ -28,7 +28,7 @@ struct DvlRegression {
   double delay_s = 0.0;  ///< a reading stamped t is valid at t + delay on the IMU's clock
   double scale_error = 0.0, scale_error_sigma = 0.0;
   Vector3d rotation_rad = Vector3d::Zero(), rotation_sigma_rad = Vector3d::Zero();
-  /// From the navigation solution's point.
+  /// From the IMU.
   Vector3d lever_arm_m = Vector3d::Zero(), lever_arm_sigma_m = Vector3d::Zero();
   Vector3d residual_before_m_s = Vector3d::Zero();  ///< RMS of each axis, delay only
   Vector3d residual_m_s = Vector3d::Zero();
@@ -47,6 +47,7 @@ struct SeaTrialConventions {
   double imu_offset_s = 0.0;
   /// Where the point is whose position and velocity the navigation solution states: from the IMU, robot axes.
   Vector3d reference_point_m = Vector3d::Zero(), reference_point_sigma_m = Vector3d::Zero();
+  Vector3d accelerometer_bias_m_s2 = Vector3d::Zero();  ///< found beside it, robot axes
   DvlRegression dvl_regression;
   /// Gyro minus the navigation solution's rate, NED, rad/s: Earth's rotation, where the gyro is not
   /// compensated for it. Median over the section.
