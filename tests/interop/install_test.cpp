@@ -95,5 +95,18 @@ TEST_F(Install, SaysWhichComponentsThereAre) {
       << result.err;  // CMake breaks lines where it likes
 }
 
+/// Of what is asked for if it can be had, what lacks a package is left out alone.
+TEST_F(Install, LeavesOutAnOptionalComponentWithoutItsPackages) {
+  std::ofstream(at("CMakeLists.txt"))
+      << "cmake_minimum_required(VERSION 3.23)\nproject(sparing LANGUAGES CXX)\n"
+         "find_package(fathom REQUIRED COMPONENTS core OPTIONAL_COMPONENTS imaging nonsense)\n"
+         "if(NOT TARGET fathom::core OR TARGET fathom::imaging OR fathom_imaging_FOUND)\n"
+         "  message(FATAL_ERROR \"not as asked\")\nendif()\n";
+  const auto result =
+      run("cmake -S . -B build -D CMAKE_DISABLE_FIND_PACKAGE_OpenCV=ON -D CMAKE_PREFIX_PATH=" +
+          shellQuoted(prefix().string()));
+  EXPECT_EQ(result.status, 0) << result.err;
+}
+
 }  // namespace
 }  // namespace fathom
