@@ -5,6 +5,7 @@
 #include <fstream>
 #include <regex>
 
+#include "core/files.h"
 #include "support/run_program.h"
 #include "support/shipped.h"
 
@@ -93,6 +94,23 @@ TEST_F(Install, SaysWhichComponentsThereAre) {
   EXPECT_NE(result.status, 0);
   EXPECT_TRUE(std::regex_search(result.err, std::regex("no component localisation;\\s+there\\s+are:")))
       << result.err;  // CMake breaks lines where it likes
+}
+
+/// What the installed pages refer to is installed.
+TEST_F(Install, PagesLinkToWhatIsThere) {
+  const std::regex link(R"(\]\(([^)#]+)[^)]*\))");
+  std::size_t links = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(prefix() / "share/doc")) {
+    if (entry.path().extension() != ".md") continue;
+    const std::string text = readTextFile(entry.path());
+    for (std::sregex_iterator it(text.begin(), text.end(), link), end; it != end; ++it) {
+      const std::string target = (*it)[1];
+      if (target.starts_with("http")) continue;
+      ++links;
+      EXPECT_TRUE(fs::exists(entry.path().parent_path() / target)) << entry.path() << ": " << target;
+    }
+  }
+  EXPECT_GT(links, 10U);
 }
 
 /// Of what is asked for if it can be had, what lacks a package is left out alone.
