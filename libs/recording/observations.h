@@ -1,14 +1,12 @@
 #pragma once
 
+#include <mrpt/obs/CObservation.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "recording/samples.h"
-
-namespace mrpt::obs {
-class CObservation;
-}
 
 /// Samples to and from MRPT's observations: the one place that knows which field holds what. Used by the
 /// rawlog reader and writer only.

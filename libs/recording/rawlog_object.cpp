@@ -82,7 +82,6 @@ class ObjectStream : public mrpt::io::CStream {
 struct Header {
   std::string class_name;
   int version = 0;
-  std::size_t bytes = 0;
 };
 
 /// Nothing where no object begins there.
@@ -95,7 +94,7 @@ std::optional<Header> readHeader(ByteStream& in, std::size_t offset) {
   const auto name = ahead.subspan(1, size);
   const auto is_name = [](std::uint8_t c) { return std::isalnum(c) || c == ':' || c == '_'; };
   if (!std::all_of(name.begin(), name.end(), is_name)) return {};
-  return Header{{name.begin(), name.end()}, ahead[size + 1], size + 2};
+  return Header{{name.begin(), name.end()}, ahead[size + 1]};
 }
 
 /// What the names of all of MRPT's observations begin with, behind their namespace, which MRPT before 2.0

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <mrpt/obs/CObservation.h>
+#include <mrpt/serialization/CSerializable.h>
+
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -7,13 +10,6 @@
 
 #include "core/time.h"
 #include "recording/byte_stream.h"
-
-namespace mrpt::serialization {
-class CSerializable;
-}
-namespace mrpt::obs {
-class CObservation;
-}
 
 /// The objects of a rawlog, taken apart by MRPT's own serialization. Used by the rawlog reader only.
 ///

@@ -13,6 +13,9 @@
 namespace fathom {
 namespace {
 
+/// A point that is known less well is not worth moving anything by.
+constexpr double kPointIsTold_m = 0.1;
+
 Vector3d median(const std::vector<Vector3d>& values) {
   Vector3d result = Vector3d::Zero();
   for (int i = 0; i < 3; ++i) {
@@ -24,7 +27,7 @@ Vector3d median(const std::vector<Vector3d>& values) {
   return result;
 }
 
-/// At the middle of two rows' distance before and after, robot axes.
+/// The mean turning rate from so long before a time to as long after, robot axes.
 Vector3d rateAt(const AlignedStreams& s, const SeaTrialConventions& c, double t, double half_s) {
   return flipFrdRobot() * c.gyro.matrix() * (s.turned_imu.at(t + half_s) - s.turned_imu.at(t - half_s)) /
          (2.0 * half_s);
@@ -181,13 +184,17 @@ void settleReferencePoint(const AlignedStreams& s, SeaTrialConventions& c) {
   }
   if (designs.size() < 10) return;
   const auto fit = leastSquares(designs, differences);
-  c.reference_point_m = fit.parameters.head<3>();
-  c.reference_point_sigma_m = fit.sigmas.head<3>();
-  c.accelerometer_bias_m_s2 = fit.parameters.tail<3>();
+  const Vector3d point = fit.parameters.head<3>(), sigma = fit.sigmas.head<3>();
+  const bool is_told = sigma.maxCoeff() < kPointIsTold_m;
+  if (is_told) {
+    c.reference_point_m = point;
+    c.reference_point_sigma_m = sigma;
+    c.accelerometer_bias_m_s2 = fit.parameters.tail<3>();
+  }
   c.conclusions.push_back(
       {"the navigation solution's point",
-       printVector("%+.2f", c.reference_point_m) + " +- " + printVector("%.3f", c.reference_point_sigma_m) +
-           " m from the IMU",
+       (is_told ? std::string() : "taken for the IMU: the vehicle turns too little to tell, ") +
+           printVector("%+.2f", point) + " +- " + printVector("%.3f", sigma) + " m from the IMU",
        "", 0.0,
        "its change of velocity against the IMU's, least squares, robot axes (x forward, y left, z up): RMS " +
            printVector("%.3f", fit.before) + " m/s before, " + printVector("%.3f", fit.after) +

@@ -46,6 +46,7 @@ struct SeaTrialConventions {
   /// A row of the navigation solution stamped t (after the stretch is undone) fits the IMU at t + offset.
   double imu_offset_s = 0.0;
   /// Where the point is whose position and velocity the navigation solution states: from the IMU, robot axes.
+  /// Zero where the vehicle turns too little to tell.
   Vector3d reference_point_m = Vector3d::Zero(), reference_point_sigma_m = Vector3d::Zero();
   Vector3d accelerometer_bias_m_s2 = Vector3d::Zero();  ///< found beside it, robot axes
   DvlRegression dvl_regression;

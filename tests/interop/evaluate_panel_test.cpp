@@ -115,7 +115,10 @@ TEST(EvaluatePanelCommand, RefusesInOneLine) {
   writeTextFile(folder / "damaged.yaml", "effects:\n  - {id: gamma, exponent_error");
   test::expectBadInput(runFathom(good + " --calibration " + shellQuoted((folder / "damaged.yaml").string())),
                        "damaged.yaml");
-  test::expectBadInput(runFathom("evaluate"), "fathom --help");
+  test::expectBadInput(runFathom("evaluate"), "fathom evaluate --help");
+  test::expectBadInput(runFathom("evaluate bogus"), "bogus: no such command; there are panel, handles");
+  test::expectBadInput(runFathom("evaluate panel --bogus"),
+                       "--bogus: no such option; see fathom evaluate panel --help");
 }
 
 }  // namespace

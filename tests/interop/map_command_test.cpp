@@ -40,7 +40,7 @@ TEST(MapCommand, CheckRefusesInOneLine) {
   test::expectBadInput(runFathom("map check " + kMaps + "panel.yaml " + bad.string()),
                        "board.yaml: markers[1].id (line 7): tag36h11 has ids 0 to 586, not 600");
   test::expectBadInput(runFathom("map check /no/such.yaml"), "/no/such.yaml");
-  test::expectBadInput(runFathom("map"), "fathom --help");
+  test::expectBadInput(runFathom("map"), "fathom map --help");
 }
 
 TEST(MapCommand, ShowRefusesInOneLineAndLeavesNothing) {

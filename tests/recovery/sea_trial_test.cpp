@@ -8,6 +8,7 @@
 #include "core/random.h"
 #include "sea_trial/conventions.h"
 #include "sea_trial/import_sea_trial.h"
+#include "sea_trial/remarks.h"
 #include "sensors/vehicle.h"
 #include "support/shared_data.h"
 
@@ -232,6 +233,26 @@ TEST(SeaTrial, ReferenceIsWhereAndWhenTheImuIs) {
   }
   const auto as_published = importSeaTrial(files, {.reference_as_published = true});
   EXPECT_NEAR(secondsBetween(as_published.start, as_published.reference.back().time), 400.0, 1e-6);
+}
+
+/// Straight ahead nothing tells where the solution's point is, and nothing is moved.
+TEST(SeaTrial, LeavesThePointWhereNothingTellsIt) {
+  const SeaTrialData turning = makeSeaTrial({}, 61);
+  SeaTrialData data = turning;
+  Random random(62);
+  for (std::size_t k = 0; k < data.imu_time_s.size(); ++k) {
+    data.rate_imu[k] = 5e-4 * random.normal3();
+    data.acceleration_imu[k] = Vector3d(0, 0, -9.7955) + 0.02 * random.normal3();
+  }
+  for (std::size_t k = 0; k < data.gt_time_s.size(); ++k) {
+    data.velocity_ned[k] = Vector3d(2, 0, 0);
+    data.roll_pitch_yaw[k].setZero();
+  }
+  SeaTrialConventions c;
+  settleReferencePoint(AlignedStreams(data, c), c);
+  EXPECT_TRUE(c.reference_point_m.isZero());
+  EXPECT_TRUE(c.conclusions.back().concluded.starts_with("taken for the IMU"))
+      << toText(c.conclusions.back());
 }
 
 TEST(SeaTrial, RecognisesAnyCombination) {
