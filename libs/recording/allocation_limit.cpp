@@ -47,19 +47,54 @@ void* allocate(std::size_t bytes, std::size_t alignment) {
   return allocate(bytes, [&] { return std::aligned_alloc(alignment, whole); });
 }
 
+template <class Allocate>
+void* orNull(Allocate allocate) noexcept {
+  try {
+    return allocate();
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
+using Bytes = std::size_t;
+using Aligned = std::align_val_t;
+using Nothrow = const std::nothrow_t&;
+
 }  // namespace
 
-// The array forms and those that do not throw are the standard library's, which call these.
-FATHOM_REPLACED void* operator new(std::size_t bytes) { return allocate(bytes); }
-FATHOM_REPLACED void* operator new(std::size_t bytes, std::align_val_t alignment) {
+// All forms, so that none is left to another allocator, whose memory ours would free.
+FATHOM_REPLACED void* operator new(Bytes bytes) { return allocate(bytes); }
+FATHOM_REPLACED void* operator new[](Bytes bytes) { return allocate(bytes); }
+FATHOM_REPLACED void* operator new(Bytes bytes, Aligned alignment) {
   return allocate(bytes, static_cast<std::size_t>(alignment));
 }
-FATHOM_REPLACED void operator delete(void* memory) noexcept { std::free(memory); }
-FATHOM_REPLACED void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-FATHOM_REPLACED void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-FATHOM_REPLACED void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-  std::free(memory);
+FATHOM_REPLACED void* operator new[](Bytes bytes, Aligned alignment) {
+  return allocate(bytes, static_cast<std::size_t>(alignment));
 }
+FATHOM_REPLACED void* operator new(Bytes bytes, Nothrow) noexcept {
+  return orNull([&] { return allocate(bytes); });
+}
+FATHOM_REPLACED void* operator new[](Bytes bytes, Nothrow) noexcept {
+  return orNull([&] { return allocate(bytes); });
+}
+FATHOM_REPLACED void* operator new(Bytes bytes, Aligned alignment, Nothrow) noexcept {
+  return orNull([&] { return allocate(bytes, static_cast<std::size_t>(alignment)); });
+}
+FATHOM_REPLACED void* operator new[](Bytes bytes, Aligned alignment, Nothrow) noexcept {
+  return orNull([&] { return allocate(bytes, static_cast<std::size_t>(alignment)); });
+}
+FATHOM_REPLACED void operator delete(void* memory) noexcept { std::free(memory); }
+FATHOM_REPLACED void operator delete[](void* memory) noexcept { std::free(memory); }
+FATHOM_REPLACED void operator delete(void* memory, Bytes) noexcept { std::free(memory); }
+FATHOM_REPLACED void operator delete[](void* memory, Bytes) noexcept { std::free(memory); }
+FATHOM_REPLACED void operator delete(void* memory, Aligned) noexcept { std::free(memory); }
+FATHOM_REPLACED void operator delete[](void* memory, Aligned) noexcept { std::free(memory); }
+FATHOM_REPLACED void operator delete(void* memory, Bytes, Aligned) noexcept { std::free(memory); }
+FATHOM_REPLACED void operator delete[](void* memory, Bytes, Aligned) noexcept { std::free(memory); }
+FATHOM_REPLACED void operator delete(void* memory, Nothrow) noexcept { std::free(memory); }
+FATHOM_REPLACED void operator delete[](void* memory, Nothrow) noexcept { std::free(memory); }
+FATHOM_REPLACED void operator delete(void* memory, Aligned, Nothrow) noexcept { std::free(memory); }
+FATHOM_REPLACED void operator delete[](void* memory, Aligned, Nothrow) noexcept { std::free(memory); }
 
 // MRPT's matrices and vectors of floats take their memory here, and write to it even where there was none.
 FATHOM_REPLACED void* mrpt::aligned_malloc(std::size_t bytes, std::size_t alignment) {

@@ -180,7 +180,7 @@ void settleReferencePoint(const AlignedStreams& s, SeaTrialConventions& c) {
     const Pushed pushed = pushedBetween(s, c, R_ned_frd[k], s.gt_time_s[k], s.gt_time_s[k + 1]);
     designs.emplace_back();
     designs.back() << lever_ned(k + 1) - lever_ned(k), pushed.by_bias_ned;
-    differences.push_back(s.data.velocity_ned[k + 1] - s.data.velocity_ned[k] - pushed.velocity_ned);
+    differences.emplace_back(s.data.velocity_ned[k + 1] - s.data.velocity_ned[k] - pushed.velocity_ned);
   }
   if (designs.size() < 10) return;
   const auto fit = leastSquares(designs, differences);
