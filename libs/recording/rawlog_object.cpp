@@ -34,7 +34,7 @@ using mrpt::rtti::TRuntimeClassId;
 
 constexpr std::uint8_t kEndFlag = 0x88;
 constexpr std::size_t kMaxObjectBytes = std::size_t{64} << 20;  // a raw colour image of 20 megapixels
-constexpr std::size_t kMaxAllocatedBytes = 2 * kMaxObjectBytes;
+constexpr std::size_t kMaxAllocatedBytes = kMaxObjectBytes;
 /// Of a class or one of its parts: a version number that is further above those known was never written.
 constexpr int kNewerVersions = 4, kHighestVersion = 16;
 // MRPT counts 100 ns ticks from 1601. Observations are from 1970 to 2500, or have no time at all: 0.
