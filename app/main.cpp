@@ -4,6 +4,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -54,9 +55,13 @@ bool sharesItsFolder(const CLI::App& command) {
   return command.get_option_no_throw("--name") != nullptr || name == "show" || name == "batch";
 }
 
+std::vector<CLI::App*> commandsOf(CLI::App& app) {
+  return app.get_subcommands([](CLI::App*) { return true; });
+}
+
 /// Of every command whose results have names of their own, as soon as it is given.
 void claimFolders(CLI::App& app, Claims& claims) {
-  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
+  for (CLI::App* command : commandsOf(app)) {
     claimFolders(*command, claims);
     CLI::Option* out = command->get_option_no_throw("--out");
     if (out == nullptr || out->get_type_name() != values::kFolder || sharesItsFolder(*command)) continue;
@@ -68,16 +73,12 @@ void claimFolders(CLI::App& app, Claims& claims) {
 
 /// YAML files that are not where they are said to be may ship with the program.
 void findShippedFiles(CLI::App& app) {
-  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
+  for (CLI::App* command : commandsOf(app)) {
     findShippedFiles(*command);
     for (CLI::Option* option : command->get_options())
       if (option->get_type_name() == values::kYaml)
         option->transform([](const std::string& file) { return shippedFile(file).string(); }, "");
   }
-}
-
-std::vector<CLI::App*> commandsOf(CLI::App& app) {
-  return app.get_subcommands([](CLI::App*) { return true; });
 }
 
 /// CLI11 would only say that a command is needed. `words`: what follows the name of `app`.
@@ -99,16 +100,12 @@ std::string commandOf(CLI::App& app, std::span<char* const> words) {
   return app.get_name();
 }
 
-/// What an option of a command that is not there stands for says more than that another is missing.
-std::string mistakeText(CLI::App& app, const CLI::ParseError& mistake) {
-  for (CLI::App* command : app.get_subcommands()) {
-    const auto unknown = command->remaining();
-    const auto option = std::find_if(unknown.begin(), unknown.end(),
-                                     [](const std::string& word) { return word.starts_with("-"); });
-    if (option != unknown.end()) return *option + ": no such option";
-    if (const std::string deeper = mistakeText(*command, mistake); deeper != mistake.what()) return deeper;
-  }
-  return mistake.what();
+/// The first option that no command has; it says more than that another one is missing.
+std::optional<std::string> unknownOption(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands())
+    for (const std::string& word : command->remaining(true))
+      if (word.starts_with("-")) return word;
+  return std::nullopt;
 }
 
 int run(int argc, char** argv) {
@@ -132,8 +129,9 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& asked_for_help_or_version) {
     app.exit(asked_for_help_or_version);
   } catch (const CLI::ParseError& mistake) {
-    throw Error("command line", "",
-                oneLine(mistakeText(app, mistake)) + "; see " + commandOf(app, words) + " --help");
+    const auto unknown = unknownOption(app);
+    const std::string what = unknown ? *unknown + ": no such option" : oneLine(mistake.what());
+    throw Error("command line", "", what + "; see " + commandOf(app, words) + " --help");
   }
   std::cout.flush();
   if (!std::cout) throw Error("standard output", "", "cannot be written");

@@ -30,16 +30,15 @@ Time firstReading(const fs::path& rawlog) {
   throw Error(rawlog.string(), "", "holds no reading");
 }
 
-/// Just before the reference begins: as its first two poses go on, backwards, at most by what lies between
-/// them.
+/// Just before the reference begins: what it does as long after, backwards; at most its first step.
 std::optional<Pose> poseBefore(const std::vector<StampedPose>& reference, const Time& time) {
-  if (reference.size() < 2) return std::nullopt;
-  const double share =
-      secondsBetween(time, reference[0].time) / secondsBetween(reference[0].time, reference[1].time);
-  if (share < 0.0 || share > 1.0) return std::nullopt;
-  const Pose &a = reference[0].T_odom_robot, &b = reference[1].T_odom_robot;
-  const Vector3d turn = logSO3<double>(a.rotation.transpose() * b.rotation);
-  return Pose{a.rotation * expSO3<double>(-share * turn), a.position - share * (b.position - a.position)};
+  const StampedPose& first = reference.front();
+  const Time as_long_after = first.time + (first.time - time);
+  if (reference.size() < 2 || time > first.time || as_long_after > reference[1].time) return std::nullopt;
+  const Pose& at_first = first.T_odom_robot;
+  const Pose later = *poseAt(reference, as_long_after);
+  return Pose{at_first.rotation * later.rotation.transpose() * at_first.rotation,
+              2.0 * at_first.position - later.position};
 }
 
 StartPose startFromReference(const fs::path& rawlog, const std::vector<StampedPose>& reference) {
