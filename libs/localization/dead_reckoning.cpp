@@ -1,6 +1,6 @@
 #include "localization/dead_reckoning.h"
 
-#include "localization/evaluation.h"
+#include "recording/tum.h"
 
 namespace fathom {
 namespace {

@@ -24,19 +24,6 @@ MeanAndSigma meanAndSigma(const std::vector<double>& values) {
   return {sum / n, values.size() > 1 ? std::sqrt(squares / (n - 1.0)) : 0.0};
 }
 
-std::optional<Pose> poseAt(const std::vector<StampedPose>& reference, const Time& time) {
-  const auto next = std::lower_bound(reference.begin(), reference.end(), time,
-                                     [](const StampedPose& pose, const Time& t) { return pose.time < t; });
-  if (next == reference.end()) return std::nullopt;
-  if (next->time == time) return next->T_odom_robot;
-  if (next == reference.begin()) return std::nullopt;
-  const StampedPose& before = *std::prev(next);
-  const double share = secondsBetween(before.time, time) / secondsBetween(before.time, next->time);
-  const Pose &a = before.T_odom_robot, &b = next->T_odom_robot;
-  const Vector3d turn = logSO3<double>(a.rotation.transpose() * b.rotation);
-  return Pose{a.rotation * expSO3<double>(share * turn), a.position + share * (b.position - a.position)};
-}
-
 bool Evaluator::add(const Estimate& estimate) {
   const auto truth = poseAt(reference_, estimate.time);
   if (!truth) return false;

@@ -8,9 +8,6 @@
 
 namespace fathom {
 
-/// The reference at a time between two of its poses (linear; geodesic for the rotation); nothing outside it.
-std::optional<Pose> poseAt(const std::vector<StampedPose>& reference, const Time& time);
-
 /// One estimate against the reference.
 struct PoseError {
   double t_s = 0.0;

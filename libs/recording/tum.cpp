@@ -1,5 +1,6 @@
 #include "recording/tum.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -11,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "core/kinematics.h"
 #include "recording/time_text.h"
 
 namespace fathom {
@@ -61,6 +63,19 @@ StampedPose parsePose(const std::vector<std::string_view>& words) {
 }
 
 }  // namespace
+
+std::optional<Pose> poseAt(const std::vector<StampedPose>& path, const Time& time) {
+  const auto next = std::lower_bound(path.begin(), path.end(), time,
+                                     [](const StampedPose& pose, const Time& t) { return pose.time < t; });
+  if (next == path.end()) return std::nullopt;
+  if (next->time == time) return next->T_odom_robot;
+  if (next == path.begin()) return std::nullopt;
+  const StampedPose& before = *std::prev(next);
+  const double share = secondsBetween(before.time, time) / secondsBetween(before.time, next->time);
+  const Pose &a = before.T_odom_robot, &b = next->T_odom_robot;
+  const Vector3d turn = logSO3<double>(a.rotation.transpose() * b.rotation);
+  return Pose{a.rotation * expSO3<double>(share * turn), a.position + share * (b.position - a.position)};
+}
 
 std::vector<StampedPose> readTum(const fs::path& file) {
   std::ifstream in(file);

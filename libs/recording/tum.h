@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <iosfwd>
+#include <optional>
 #include <vector>
 
 #include "core/geometry.h"
@@ -13,6 +14,9 @@ struct StampedPose {
   Time time;
   Pose T_odom_robot;
 };
+
+/// A path at a time between two of its poses (linear; geodesic for the rotation); nothing outside it.
+std::optional<Pose> poseAt(const std::vector<StampedPose>& path, const Time& time);
 
 /// Reads TUM text (`timestamp tx ty tz qx qy qz qw`, seconds since the epoch; # starts a comment).
 /// Throws Error (file, line, reason): wrong number of fields, not a number, not finite, quaternion not of

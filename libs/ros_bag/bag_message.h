@@ -38,9 +38,15 @@ class BagMessage {
   /// Throws Error where its definition is not M's, and where it has no time stamp.
   template <class M>
   boost::shared_ptr<M> as() const {
+    auto message = asUnstamped<M>();
+    if (message->header.stamp.isZero()) throw error("has no time stamp");
+    return message;
+  }
+  /// Of those that have no header.
+  template <class M>
+  boost::shared_ptr<M> asUnstamped() const {
     auto message = instance_.instantiate<M>();
     if (!message) throw error("its definition is not that of " + instance_.getDataType());
-    if (message->header.stamp.isZero()) throw error("has no time stamp");
     return message;
   }
   /// type: as ROS names it, "nav_msgs/Odometry".

@@ -15,13 +15,6 @@ BagPose poseOf(const BagMessage& message) {
   if (message.is("nav_msgs/Odometry")) return withCovariance(*message.as<ros1::Odometry>());
   if (message.is("geometry_msgs/PoseWithCovarianceStamped"))
     return withCovariance(*message.as<ros1::PoseWithCovarianceStamped>());
-  if (message.is("geometry_msgs/TransformStamped")) {
-    const auto transform = message.as<ros1::TransformStamped>();
-    return {toTime(transform->header.stamp),
-            transform->transform.rotation,
-            toVector(transform->transform.translation),
-            {}};
-  }
   const auto stamped = message.as<ros1::PoseStamped>();
   return of(*stamped, stamped->pose);
 }

@@ -17,7 +17,7 @@ struct BagPose {
   std::optional<Eigen::Matrix<double, 6, 6>> covariance;
 };
 
-/// Of nav_msgs/Odometry, geometry_msgs/PoseWithCovarianceStamped, PoseStamped or TransformStamped, unchecked.
+/// Of nav_msgs/Odometry, geometry_msgs/PoseWithCovarianceStamped or PoseStamped, unchecked.
 /// Throws BadMessage as BagMessage::as().
 BagPose poseOf(const BagMessage& message);
 

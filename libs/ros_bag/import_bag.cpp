@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <map>
 #include <new>
 #include <sstream>
@@ -21,6 +22,7 @@
 #include "ros_bag/bag_vehicle.h"
 #include "ros_bag/mounting_checks.h"
 #include "ros_bag/reorder_buffer.h"
+#include "ros_bag/transform_tree.h"
 
 namespace fathom {
 namespace {
@@ -38,7 +40,7 @@ const std::vector<std::string>& typesOf(TopicRole role) {
       {TopicRole::camera, {"sensor_msgs/Image", "sensor_msgs/CompressedImage"}},
       {TopicRole::reference,
        {"nav_msgs/Odometry", "geometry_msgs/PoseWithCovarianceStamped", "geometry_msgs/PoseStamped",
-        "geometry_msgs/TransformStamped"}}};
+        "geometry_msgs/TransformStamped", "tf2_msgs/TFMessage", "tf/tfMessage"}}};
   return kTypes.at(role);
 }
 
@@ -65,6 +67,12 @@ bool isWithoutLock(const Vector3d& velocity, double first_variance) {
          isBad(velocity.x()) || isBad(velocity.y()) || isBad(velocity.z());
 }
 
+constexpr const char* kStaticTransforms = "/tf_static";  // by REP 105's convention, beside /tf
+
+bool isTransforms(const BagMessage& message) {
+  return message.is("tf2_msgs/TFMessage") || message.is("tf/tfMessage");
+}
+
 class BagImporter {
  public:
   BagImporter(const std::filesystem::path& bag, const TopicMap& map, SampleSink sink,
@@ -83,7 +91,7 @@ class BagImporter {
  private:
   void checkTopics(const rosbag::Bag& bag) const;
   void take(const BagTopic& topic, const BagMessage& message);
-  void takeOrLeaveOut(const BagTopic& topic, const BagMessage& message);
+  void takeOrLeaveOut(const std::string& topic, const std::function<void()>& take);
   void refuseUnusableTopics() const;
   std::vector<std::string> remarks() const;
   void takeIns(const BagTopic& topic, const BagMessage& message);
@@ -98,7 +106,9 @@ class BagImporter {
     paces_[topic.as].add(time);
     order_.push({time, roleName(topic.as), std::move(reading)}, message);
   }
-  void sortReference();
+  void takeTransform(const ros1::TransformStamped& transform, const BagMessage& message, bool for_good);
+  void takeTransforms(const BagMessage& message, bool for_good);
+  void finishReference();
 
   std::string bag_;
   const TopicMap& map_;
@@ -109,6 +119,7 @@ class BagImporter {
   std::map<TopicRole, MessagePace> paces_;
   MessageSigmas sigmas_;
   std::vector<StampedPose> reference_;
+  TransformTree transforms_;
   std::map<std::string, std::size_t> without_lock_;       ///< by topic
   std::map<std::string, std::vector<BadMessage>> bad_;    ///< by topic, the first ones
   std::map<std::string, std::size_t> bad_count_, count_;  ///< by topic
@@ -156,14 +167,14 @@ void BagImporter::take(const BagTopic& topic, const BagMessage& message) {
 }
 
 /// One bad message does not refuse a bag.
-void BagImporter::takeOrLeaveOut(const BagTopic& topic, const BagMessage& message) {
+void BagImporter::takeOrLeaveOut(const std::string& topic, const std::function<void()>& take) {
   constexpr std::size_t kQuoted = 3;
   try {
-    take(topic, message);
+    take();
   } catch (const BadMessage& bad) {
     if (options_.strict) throw;
-    ++bad_count_[topic.topic];
-    if (bad_[topic.topic].size() < kQuoted) bad_[topic.topic].push_back(bad);
+    ++bad_count_[topic];
+    if (bad_[topic].size() < kQuoted) bad_[topic].push_back(bad);
   }
 }
 
@@ -330,13 +341,34 @@ void BagImporter::takeImage(const BagTopic& topic, const BagMessage& message) {
   push(topic, toTime(stamp), ImageSample{topic.T_robot_sensor, *topic.intrinsics, name + extension}, message);
 }
 
+void BagImporter::takeTransform(const ros1::TransformStamped& transform, const BagMessage& message,
+                                bool for_good) {
+  if (!for_good && transform.header.stamp.isZero()) throw message.error("has no time stamp");
+  const Pose T_parent_child{message.rotation(transform.transform.rotation),
+                            message.finite(toVector(transform.transform.translation), "translation")};
+  transforms_.add(transform.header.frame_id, transform.child_frame_id,
+                  {toTime(transform.header.stamp), T_parent_child}, for_good);
+}
+
+void BagImporter::takeTransforms(const BagMessage& message, bool for_good) {
+  const auto all = message.asUnstamped<ros1::TFMessage>();
+  for (const auto& transform : all->transforms) takeTransform(transform, message, for_good);
+}
+
 void BagImporter::takeReference(const BagTopic& topic, const BagMessage& message) {
+  if (message.is("geometry_msgs/TransformStamped"))
+    return takeTransform(*message.as<ros1::TransformStamped>(), message, false);
+  if (isTransforms(message)) return takeTransforms(message, false);
   const BagPose pose = poseOf(message);
   const Pose T_odom_sensor{message.rotation(pose.orientation), message.finite(pose.position, "position")};
   reference_.push_back({pose.time, T_odom_sensor * topic.T_robot_sensor.inverse()});
 }
 
-void BagImporter::sortReference() {
+void BagImporter::finishReference() {
+  for (const BagTopic& topic : map_.topics)
+    if (topic.as == TopicRole::reference && !transforms_.empty())
+      for (const StampedPose& at : transforms_.path(topic.frame, topic.child_frame, bag_, topic.topic))
+        reference_.push_back({at.time, at.T_odom_robot * topic.T_robot_sensor.inverse()});
   stableSort(reference_, [](const StampedPose& a, const StampedPose& b) { return a.time < b.time; });
   const auto repeated =
       std::unique(reference_.begin(), reference_.end(),
@@ -355,17 +387,22 @@ ImportedRecording BagImporter::run() {
   checkTopics(bag);
   std::vector<std::string> topics;
   for (const BagTopic& topic : map_.topics) topics.push_back(topic.topic);
+  const bool compares = std::any_of(map_.topics.begin(), map_.topics.end(),
+                                    [](const BagTopic& t) { return t.as == TopicRole::reference; });
+  if (compares) topics.emplace_back(kStaticTransforms);
   rosbag::View view(bag, rosbag::TopicQuery(topics));
   for (const rosbag::MessageInstance& instance : view) {
     const BagMessage message(instance, bag_, ++count_[instance.getTopic()]);
     for (const BagTopic& topic : map_.topics)
-      if (topic.topic == instance.getTopic()) takeOrLeaveOut(topic, message);
+      if (topic.topic == instance.getTopic()) takeOrLeaveOut(topic.topic, [&] { take(topic, message); });
+    if (instance.getTopic() == kStaticTransforms && isTransforms(message))
+      takeOrLeaveOut(kStaticTransforms, [&] { takeTransforms(message, true); });
   }
   order_.flush();
   refuseUnusableTopics();
   if (!order_.first()) throw Error(bag_, "", "has no message of a sensor in " + map_.file);
 
-  sortReference();
+  finishReference();
   ImportedRecording recording;
   recording.header.description = map_.description.empty()
                                      ? "ROS bag " + std::filesystem::path(bag_).filename().string()

@@ -11,6 +11,7 @@
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/Range.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <cstddef>
 #include <memory>
@@ -51,6 +52,7 @@ using PoseStamped = geometry_msgs::PoseStamped_<Allocator<void>>;
 using PoseWithCovarianceStamped = geometry_msgs::PoseWithCovarianceStamped_<Allocator<void>>;
 using Quaternion = geometry_msgs::Quaternion_<Allocator<void>>;
 using Range = sensor_msgs::Range_<Allocator<void>>;
+using TFMessage = tf2_msgs::TFMessage_<Allocator<void>>;
 using TransformStamped = geometry_msgs::TransformStamped_<Allocator<void>>;
 using TwistStamped = geometry_msgs::TwistStamped_<Allocator<void>>;
 using TwistWithCovariance = geometry_msgs::TwistWithCovariance_<Allocator<void>>;

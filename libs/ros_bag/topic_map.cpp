@@ -61,6 +61,8 @@ BagTopic readTopic(const YamlMap& y) {
   topic.as = readRole(y);
   topic.T_robot_sensor = y.pose("pose");
   if (topic.as == TopicRole::ins) readInsFields(y, topic);
+  if (topic.as == TopicRole::reference && y.has("child_frame"))
+    topic.child_frame = y.text("child_frame"), topic.frame = y.text("frame");
   if (topic.as == TopicRole::camera) topic.intrinsics = readIntrinsics(y.map("intrinsics"));
   return topic;
 }

@@ -20,7 +20,7 @@ namespace fathom {
 ///   USBL       geometry_msgs/PoseWithCovarianceStamped (its position), PoseStamped
 ///   CAMERA     sensor_msgs/Image, sensor_msgs/CompressedImage
 ///   REFERENCE  nav_msgs/Odometry (its pose), geometry_msgs/PoseWithCovarianceStamped, PoseStamped,
-///              TransformStamped
+///              TransformStamped, tf2_msgs/TFMessage (with the bag's /tf_static)
 enum class TopicRole { ins, dvl, dvl_beams, depth, usbl, camera, reference };
 
 struct BagTopic {
@@ -31,6 +31,9 @@ struct BagTopic {
   bool use_orientation = true, use_rate = true, use_acceleration = true;
   bool orientation_is_robot = false;         ///< else the sensor's own, as ROS defines it
   std::optional<RecordedCamera> intrinsics;  ///< CAMERA only
+  /// REFERENCE from transforms: the frame whose path it is (where the pose says the sensor's is), and in
+  /// which. Empty: of the only transform that moves.
+  std::string child_frame, frame;
 };
 
 /// Which topics of a bag become what, see config/husky_topics.yaml.

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "core/error.h"
-#include "localization/evaluation.h"
+#include "recording/tum.h"
 #include "recording/rawlog.h"
 
 namespace fathom {

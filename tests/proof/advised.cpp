@@ -22,7 +22,7 @@ const Manoeuvre& manoeuvreCalled(const std::string& text) {
 }
 
 /// The pose nearest in time.
-Pose poseAt(const std::vector<StampedPose>& path, Time time) {
+Pose poseNearest(const std::vector<StampedPose>& path, Time time) {
   const auto off_s = [&](const StampedPose& pose) { return std::abs(secondsBetween(pose.time, time)); };
   return std::min_element(path.begin(), path.end(),
                           [&](const StampedPose& a, const StampedPose& b) { return off_s(a) < off_s(b); })
@@ -47,7 +47,8 @@ nlohmann::json advisedCase(const ProofCase& proof_case, const Advised& advised, 
                            const fs::path& answer, const fs::path& path) {
   const Manoeuvre& manoeuvre = manoeuvreCalled(advised.manoeuvre);
   const Time start = RawlogReader(recording / "recording.rawlog").next()->time;
-  const Pose station = stationAt(poseAt(readTum(answer / "trajectory.tum"), after(start, advised.from_s)));
+  const Pose station =
+      stationAt(poseNearest(readTum(answer / "trajectory.tum"), after(start, advised.from_s)));
   std::vector<StampedPose> poses;
   const double manoeuvre_s = advised.minutes * Manoeuvre::kDuration_s, duration_s = kRest_s + manoeuvre_s;
   for (int i = 0; i <= (duration_s + kAfterwards_s) * kPathRate_hz; ++i) {

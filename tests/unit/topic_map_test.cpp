@@ -52,6 +52,16 @@ TEST(TopicMap, ReadsIntrinsicsOfACamera) {
   EXPECT_EQ(camera.k3, 0.5);
 }
 
+TEST(TopicMap, ReadsTheFramesOfTransforms) {
+  const std::string tf = "topics:\n  - {topic: /tf, as: REFERENCE, " + kPose;
+  EXPECT_EQ(readTopics(tf + "}\n").topics[0].child_frame, "");
+  const TopicMap map = readTopics(tf + ", frame: odom, child_frame: base_link}\n");
+  EXPECT_EQ(map.topics[0].frame, "odom");
+  EXPECT_EQ(map.topics[0].child_frame, "base_link");
+  expectError(tf + ", child_frame: base_link}\n", "frame");
+  expectError(tf + ", frame: odom}\n", "unknown key");
+}
+
 TEST(TopicMap, RefusesWhatItDoesNotKnow) {
   const std::string imu = "topics:\n  - {topic: /imu, as: INS, " + kPose;
   expectError("topics: []\n", "must not be empty");
