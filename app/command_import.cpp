@@ -161,6 +161,12 @@ void addBag(CLI::App& parent, const RunContext& context) {
   auto* command = parent.add_subcommand("bag", "From a ROS 1 bag");
   command->footer(
       "TOPICS.yaml says which topic becomes what, and where each sensor sits; see config/husky_topics.yaml.\n"
+      "A topic becomes one of these, from messages of these types:\n" +
+      topicMapHelp() +
+      "Keys of a topic: topic, as, pose; of INS use, orientation_of; of CAMERA intrinsics; of a REFERENCE "
+      "from\n"
+      "transforms frame, child_frame; `stamps: arrival` where the stamps in the messages' headers are of no "
+      "use.\n"
       "\n"
       "Examples:\n"
       "  fathom import bag dive.bag --topics config/husky_topics.yaml --out out/dive\n"

@@ -10,6 +10,7 @@
 #include "core/geometry.h"
 #include "core/time.h"
 #include "ros_bag/ros_messages.h"
+#include "ros_bag/topic_map.h"
 
 /// A message of a ROS 1 bag, and its fields as this program has them.
 namespace fathom {
@@ -22,6 +23,9 @@ inline Time toTime(const ros::Time& stamp) {
   return fromUnixSeconds(stamp.sec) + Time::duration((stamp.nsec + 50) / 100);
 }
 
+inline constexpr const char* kNoStamp =
+    "has no time stamp; `stamps: arrival` in the topic map takes the bag's own";
+
 /// A message that cannot be used. Others of its topic can.
 class BadMessage : public Error {
  public:
@@ -32,15 +36,23 @@ class BadMessage : public Error {
 class BagMessage {
  public:
   /// Instance and bag are referred to and must outlive it. number: among its topic's messages, from 1 on.
-  BagMessage(const rosbag::MessageInstance& instance, const std::string& bag, std::size_t number)
-      : instance_(instance), bag_(bag), number_(number) {}
+  BagMessage(const rosbag::MessageInstance& instance, const std::string& bag, std::size_t number,
+             TopicStamps stamps)
+      : instance_(instance), bag_(bag), number_(number), stamps_(stamps) {}
 
-  /// Throws Error where its definition is not M's, and where it has no time stamp.
+  /// With the stamp that is asked for in its header. Throws Error where its definition is not M's, and where
+  /// it has no time stamp.
   template <class M>
   boost::shared_ptr<M> as() const {
     auto message = asUnstamped<M>();
-    if (message->header.stamp.isZero()) throw error("has no time stamp");
+    message->header.stamp = stampOf(message->header);
+    if (message->header.stamp.isZero()) throw error(kNoStamp);
     return message;
+  }
+  /// The one that is asked for: the header's, or the bag's.
+  template <class Header>
+  ros::Time stampOf(const Header& header) const {
+    return stamps_ == TopicStamps::arrival ? instance_.getTime() : header.stamp;
   }
   /// Of those that have no header.
   template <class M>
@@ -67,6 +79,7 @@ class BagMessage {
   const rosbag::MessageInstance& instance_;
   const std::string& bag_;
   std::size_t number_;
+  TopicStamps stamps_;
 };
 
 /// Sigma from the largest variance on a part of a covariance's diagonal; 0 where it is not given.

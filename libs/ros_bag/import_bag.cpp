@@ -27,23 +27,6 @@
 namespace fathom {
 namespace {
 
-const std::vector<std::string>& typesOf(TopicRole role) {
-  static const std::map<TopicRole, std::vector<std::string>> kTypes{
-      {TopicRole::ins, {"sensor_msgs/Imu"}},
-      {TopicRole::dvl,
-       {"nav_msgs/Odometry", "geometry_msgs/TwistWithCovarianceStamped", "geometry_msgs/TwistStamped"}},
-      {TopicRole::dvl_beams, {"sensor_msgs/Range"}},
-      {TopicRole::depth,
-       {"sensor_msgs/FluidPressure", "geometry_msgs/PoseWithCovarianceStamped", "geometry_msgs/PoseStamped",
-        "nav_msgs/Odometry"}},
-      {TopicRole::usbl, {"geometry_msgs/PoseWithCovarianceStamped", "geometry_msgs/PoseStamped"}},
-      {TopicRole::camera, {"sensor_msgs/Image", "sensor_msgs/CompressedImage"}},
-      {TopicRole::reference,
-       {"nav_msgs/Odometry", "geometry_msgs/PoseWithCovarianceStamped", "geometry_msgs/PoseStamped",
-        "geometry_msgs/TransformStamped", "tf2_msgs/TFMessage", "tf/tfMessage"}}};
-  return kTypes.at(role);
-}
-
 void writeBytes(const std::filesystem::path& file, const std::vector<unsigned char>& bytes) {
   writeTextFile(file, std::string(bytes.begin(), bytes.end()));
 }
@@ -138,7 +121,7 @@ void BagImporter::checkTopics(const rosbag::Bag& bag) const {
     if (found == types.end())
       throw Error(bag_, topic.topic,
                   "no such topic (" + map_.file + " asks for it); the bag has " + present.str());
-    const auto& suitable = typesOf(topic.as);
+    const auto& suitable = messageTypesOf(topic.as);
     if (std::find(suitable.begin(), suitable.end(), found->second) != suitable.end()) continue;
     std::string wanted;
     for (const std::string& type : suitable) wanted += (wanted.empty() ? "" : " or ") + type;
@@ -343,11 +326,12 @@ void BagImporter::takeImage(const BagTopic& topic, const BagMessage& message) {
 
 void BagImporter::takeTransform(const ros1::TransformStamped& transform, const BagMessage& message,
                                 bool for_good) {
-  if (!for_good && transform.header.stamp.isZero()) throw message.error("has no time stamp");
+  const ros::Time stamp = message.stampOf(transform.header);
+  if (!for_good && stamp.isZero()) throw message.error(kNoStamp);
   const Pose T_parent_child{message.rotation(transform.transform.rotation),
                             message.finite(toVector(transform.transform.translation), "translation")};
-  transforms_.add(transform.header.frame_id, transform.child_frame_id,
-                  {toTime(transform.header.stamp), T_parent_child}, for_good);
+  transforms_.add(transform.header.frame_id, transform.child_frame_id, {toTime(stamp), T_parent_child},
+                  for_good);
 }
 
 void BagImporter::takeTransforms(const BagMessage& message, bool for_good) {
@@ -392,10 +376,12 @@ ImportedRecording BagImporter::run() {
   if (compares) topics.emplace_back(kStaticTransforms);
   rosbag::View view(bag, rosbag::TopicQuery(topics));
   for (const rosbag::MessageInstance& instance : view) {
-    const BagMessage message(instance, bag_, ++count_[instance.getTopic()]);
+    const std::size_t number = ++count_[instance.getTopic()];
     for (const BagTopic& topic : map_.topics)
-      if (topic.topic == instance.getTopic()) takeOrLeaveOut(topic.topic, [&] { take(topic, message); });
-    if (instance.getTopic() == kStaticTransforms && isTransforms(message))
+      if (topic.topic == instance.getTopic())
+        takeOrLeaveOut(topic.topic, [&] { take(topic, {instance, bag_, number, topic.stamps}); });
+    if (const BagMessage message(instance, bag_, number, TopicStamps::header);
+        instance.getTopic() == kStaticTransforms && isTransforms(message))
       takeOrLeaveOut(kStaticTransforms, [&] { takeTransforms(message, true); });
   }
   order_.flush();

@@ -24,7 +24,8 @@ class ReorderBuffer {
     if (secondsBetween(sample.time, *newest_) > window_s_ || (last_ && sample.time < *last_))
       throw Error(message.bag(), message.where(),
                   "its stamp is older than its predecessors' by more than the reorder window of " +
-                      std::to_string(window_s_) + " s");
+                      std::to_string(window_s_) +
+                      " s; `stamps: arrival` in the topic map takes the bag's own, of arrival");
     newest_ = std::max(*newest_, sample.time);
     waiting_.emplace(sample.time, std::move(sample));
     while (secondsBetween(waiting_.begin()->first, waiting_.rbegin()->first) > window_s_) release();

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <utility>
 
+#include "core/text.h"
 #include "core/yaml.h"
 #include "sensors/vehicle.h"
 
@@ -59,6 +61,11 @@ BagTopic readTopic(const YamlMap& y) {
   BagTopic topic;
   topic.topic = y.text("topic");
   topic.as = readRole(y);
+  if (y.has("stamps")) {
+    const std::string whose = y.text("stamps");
+    if (whose != "header" && whose != "arrival") throw y.error("stamps", "must be header or arrival");
+    topic.stamps = whose == "header" ? TopicStamps::header : TopicStamps::arrival;
+  }
   topic.T_robot_sensor = y.pose("pose");
   if (topic.as == TopicRole::ins) readInsFields(y, topic);
   if (topic.as == TopicRole::reference && y.has("child_frame"))
@@ -68,6 +75,33 @@ BagTopic readTopic(const YamlMap& y) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& messageTypesOf(TopicRole role) {
+  static const std::map<TopicRole, std::vector<std::string>> kTypes{
+      {TopicRole::ins, {"sensor_msgs/Imu"}},
+      {TopicRole::dvl,
+       {"nav_msgs/Odometry", "geometry_msgs/TwistWithCovarianceStamped", "geometry_msgs/TwistStamped"}},
+      {TopicRole::dvl_beams, {"sensor_msgs/Range"}},
+      {TopicRole::depth,
+       {"sensor_msgs/FluidPressure", "geometry_msgs/PoseWithCovarianceStamped", "geometry_msgs/PoseStamped",
+        "nav_msgs/Odometry"}},
+      {TopicRole::usbl, {"geometry_msgs/PoseWithCovarianceStamped", "geometry_msgs/PoseStamped"}},
+      {TopicRole::camera, {"sensor_msgs/Image", "sensor_msgs/CompressedImage"}},
+      {TopicRole::reference,
+       {"nav_msgs/Odometry", "geometry_msgs/PoseWithCovarianceStamped", "geometry_msgs/PoseStamped",
+        "geometry_msgs/TransformStamped", "tf2_msgs/TFMessage", "tf/tfMessage"}}};
+  return kTypes.at(role);
+}
+
+std::string topicMapHelp() {
+  std::string text;
+  for (const auto& [name, role] : kRoles) {
+    std::string types;
+    for (const std::string& type : messageTypesOf(role)) types += (types.empty() ? "" : ", ") + type;
+    text += print("  %-10s ", name) + types + "\n";
+  }
+  return text;
+}
 
 const char* roleName(TopicRole role) {
   return std::find_if(kRoles.begin(), kRoles.end(), [&](const auto& r) { return role == r.second; })->first;

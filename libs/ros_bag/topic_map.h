@@ -11,21 +11,20 @@
 
 namespace fathom {
 
-/// What a topic of a bag becomes. Message types (ROS 1) that suit each:
-///   INS        sensor_msgs/Imu
-///   DVL        nav_msgs/Odometry (its twist), geometry_msgs/TwistWithCovarianceStamped, TwistStamped
-///   DVL_BEAMS  sensor_msgs/Range, one topic a beam, in the order of the map
-///   DEPTH      sensor_msgs/FluidPressure; geometry_msgs/PoseWithCovarianceStamped, PoseStamped (depth: minus
-///              its z), nav_msgs/Odometry likewise
-///   USBL       geometry_msgs/PoseWithCovarianceStamped (its position), PoseStamped
-///   CAMERA     sensor_msgs/Image, sensor_msgs/CompressedImage
-///   REFERENCE  nav_msgs/Odometry (its pose), geometry_msgs/PoseWithCovarianceStamped, PoseStamped,
-///              TransformStamped, tf2_msgs/TFMessage (with the bag's /tf_static)
+/// What a topic of a bag becomes; messageTypesOf() has the ROS 1 messages that suit each. Of
+/// nav_msgs/Odometry a DVL takes the twist, a reference the pose; of a pose a depth sensor takes minus z, a
+/// USBL the position; DVL_BEAMS are one topic a beam, in the order of the map; a reference of transforms
+/// takes the bag's /tf_static, too.
 enum class TopicRole { ins, dvl, dvl_beams, depth, usbl, camera, reference };
+
+/// Whose time a topic's messages have: their header's, of measurement by right; or the bag's, of arrival,
+/// where a driver writes no stamps or those of a clock that steps.
+enum class TopicStamps { header, arrival };
 
 struct BagTopic {
   std::string topic;
   TopicRole as = TopicRole::ins;
+  TopicStamps stamps = TopicStamps::header;
   Pose T_robot_sensor;
   // INS: which fields are used, and whose attitude `orientation` is.
   bool use_orientation = true, use_rate = true, use_acceleration = true;
@@ -46,6 +45,11 @@ struct TopicMap {
 
 /// Strict, see core/yaml.h. Every role at most once, except DVL_BEAMS. Throws Error.
 TopicMap readTopicMap(const std::filesystem::path& file);
+
+/// As ROS names them.
+const std::vector<std::string>& messageTypesOf(TopicRole role);
+/// A line a role, with its message types.
+std::string topicMapHelp();
 
 /// "INS", "DVL", …
 const char* roleName(TopicRole role);

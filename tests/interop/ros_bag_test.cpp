@@ -424,6 +424,20 @@ TEST(RosBag, AClockThatStepsBackIsRefusedWhereverItDoes) {
   }
 }
 
+// Where a driver's own stamps are of no use: that they step back, or are none.
+TEST(RosBag, StampsOfArrivalAreTakenWhereTheMapSaysSo) {
+  const auto file = makeBag([&](rosbag::Bag& bag) {
+    for (std::uint32_t second = 0; second < 60; ++second)
+      bag.write("/imu", rosTime(1000 + second), test::imuMessage(rosTime(second < 30 ? 500 + second : 0)));
+  });
+  auto topic = bagTopic("/imu", TopicRole::ins);
+  expectError(file, topicMap({topic}), "`stamps: arrival`");
+  topic.stamps = TopicStamps::arrival;
+  const auto recording = importBag(file, topicMap({topic}));
+  ASSERT_EQ(recording.samples.size(), 60U);
+  EXPECT_EQ(recording.samples[45].time, fromUnixSeconds(1045));
+}
+
 TEST(RosBag, PosesAndTwistsWithoutCovarianceAreTaken) {
   auto twist = stamped<ros1::TwistStamped>(rosTime(100));
   twist.twist.linear.x = 0.5;

@@ -67,6 +67,7 @@ TEST(TopicMap, RefusesWhatItDoesNotKnow) {
   expectError("topics: []\n", "must not be empty");
   expectError("description: x\n", "topics");
   expectError(imu + ", colour: red}\n", "unknown key");
+  expectError(imu + ", stamps: mine}\n", "header or arrival");
   expectError(imu + ", use: [speed]}\n", "not `speed`");
   expectError(imu + ", orientation_of: panel}\n", "sensor or robot");
   expectError(imu + "}\n  - {topic: /b, as: INS, " + kPose + "}\n", "taken by another topic");
