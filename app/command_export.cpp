@@ -53,8 +53,7 @@ void exportKml(const ExportOptions& options) {
 void exportImagePoses(const ExportOptions& options) {
   const fs::path map = neededPanelMapFile(options.map, options.from, RawlogReader(options.from).header());
   const std::vector<PanelMap> panels = readPanelMaps(map);
-  DetectionSettings detection;
-  detection.families = familiesOf(panels);
+  const DetectionSettings detection = settingsFor(panels);
   if (detection.families.empty()) throw Error(map.string(), "markers", "there are none");
   const PosedImages images = posedImages(options.from, panels, detection);
   for (const std::string& remark : images.remarks) std::cout << remark << "\n";

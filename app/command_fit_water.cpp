@@ -63,9 +63,7 @@ void fitWaterTo(const FitWaterOptions& options, const RunContext& context) {
   KnownWorld world{readVehicle(story.vehicle), readPanelMaps(story.map), defaultWater(options.water),
                    story.known.effects, seaFloorOf(options.recording)};
   if (!world.vehicle.camera) throw Error(story.vehicle, "camera", "the vehicle has none");
-  DetectionSettings detection;
-  detection.families = familiesOf(world.panels);
-  detection.backend = backendNamed(options.backend);
+  const DetectionSettings detection = settingsFor(world.panels, backendNamed(options.backend));
   if (detection.families.empty()) throw Error(story.map, "markers", "there are none");
 
   WaterStudyOptions how = options.study;

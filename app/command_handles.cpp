@@ -151,8 +151,7 @@ void readHandles(const HandlesOptions& options, const RunContext& context) {
   story.map = neededPanelMapFile(options.map, options.recording, header);
   KnownWorld world = readWorld(story, options);
   if (!options.truth.empty()) story.true_panels = readTruth(options.truth, world.panels);
-  DetectionSettings detection;
-  detection.families = familiesOf(world.panels);
+  const DetectionSettings detection = settingsFor(world.panels);
   if (detection.families.empty()) throw Error(story.map, "markers", "there are none");
   story.images = posedImages(options.recording, world.panels, detection);
   story.remarks = story.images.remarks;

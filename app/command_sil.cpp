@@ -68,9 +68,8 @@ void sil(const SilCommandOptions& options, const RunContext& context) {
                    story.sea_floor};
   if (!world.vehicle.camera) throw Error(story.vehicle, "camera", "the vehicle has none");
   if (!options.calibration.empty()) world.effects = readCalibration(options.calibration);
-  story.options.detection.families = familiesOf(world.panels);
+  story.options.detection = settingsFor(world.panels, backendNamed(options.backend));
   if (story.options.detection.families.empty()) throw Error(story.map, "markers", "there are none");
-  story.options.detection.backend = backendNamed(options.backend);
   const PairMeasurer known(options.sil.measures);  // complains of others before anything takes long
 
   const fs::path folder = options.folder;

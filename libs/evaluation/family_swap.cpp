@@ -15,6 +15,7 @@ void giveIds(std::vector<Marker>& markers, const std::string& family) {
   const auto count = static_cast<std::size_t>(markerCount(family));
   for (std::size_t i = 0; i < markers.size(); ++i) {
     markers[i].family = family;
+    markers[i].look = {};
     const auto isTaken = [&](int id) {
       markers[i].id = id;
       return std::any_of(markers.begin(), markers.begin() + static_cast<std::ptrdiff_t>(i),

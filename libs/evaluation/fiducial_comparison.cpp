@@ -130,7 +130,7 @@ class FamilyStudio {
   Detectors makeDetectors() const {
     Detectors detectors;
     for (const FiducialReader& reader : readers_)
-      detectors.push_back(makeDetector(reader, {grid_.families[family_]}, sheet_.model));
+      detectors.push_back(makeDetector(reader, {grid_.families[family_]}, map_.look(), sheet_.model));
     return detectors;
   }
 

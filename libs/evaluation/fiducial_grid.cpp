@@ -99,8 +99,9 @@ std::vector<FiducialReader> readersOf(const std::vector<Backend>& backends,
 }
 
 std::unique_ptr<Detector> makeDetector(const FiducialReader& reader, const std::vector<std::string>& families,
-                                       const CameraModel& camera) {
+                                       const MarkerLook& look, const CameraModel& camera) {
   DetectorOptions options;
+  options.look = look;
   options.preprocess = reader.preprocess;
   options.refine = hasRoughCorners(reader.backend);
   options.camera = camera;

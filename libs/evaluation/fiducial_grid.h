@@ -26,7 +26,7 @@ std::vector<FiducialReader> readersOf(const std::vector<Backend>& backends,
 /// A detector as `fathom detect` has it by default: ArUco's corners, which are whole pixels of a contour, are
 /// fitted to the edges' pixels; AprilTag's own are good to a tenth of a pixel.
 std::unique_ptr<Detector> makeDetector(const FiducialReader& reader, const std::vector<std::string>& families,
-                                       const CameraModel& camera);
+                                       const MarkerLook& look, const CameraModel& camera);
 
 /// Water and daylight; lamps are off but for effects.
 struct NamedWater {

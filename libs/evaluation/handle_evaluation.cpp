@@ -92,9 +92,9 @@ std::vector<HandleViewResult> evaluateHandles(const PanelMap& map, const Vehicle
   };
   const CameraSheet& sheet = cameraOf(vehicle);
   tbb::enumerable_thread_specific<std::unique_ptr<Worker>> workers([&] {
-    return std::make_unique<Worker>(Worker{HandleViews(map, vehicle, environment, options),
-                                           HandleReader({atOrigin(map), sheet, environment}),
-                                           makeDetector({Backend::apriltag}, familiesOn(map), sheet.model)});
+    return std::make_unique<Worker>(Worker{
+        HandleViews(map, vehicle, environment, options), HandleReader({atOrigin(map), sheet, environment}),
+        makeDetector({Backend::apriltag}, familiesOn(map), map.look(), sheet.model)});
   });
   std::vector<HandleViewResult> results(options.views);
   forEachIndex(results.size(), name, [&](std::size_t number) {

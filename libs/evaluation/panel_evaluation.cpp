@@ -27,11 +27,12 @@ std::unique_ptr<Detector> detectorFor(const PanelMap& map, const CameraModel& ca
   std::vector<std::string> families, readable;
   for (const Marker& marker : map.markers) {
     families.push_back(marker.family);
-    if (canRead(fallbackOf(options.backend), marker.family)) readable.push_back(marker.family);
+    if (canRead(fallbackOf(options.backend), marker.family, marker.look)) readable.push_back(marker.family);
   }
   DetectorOptions detector;
   detector.camera = camera;
   detector.preprocess = options.preprocess;
+  detector.look = map.look();
   auto first = makeDetector(options.backend, families, detector);
   if (!options.fallback || readable.empty()) return first;
   return std::make_unique<FallbackDetector>(

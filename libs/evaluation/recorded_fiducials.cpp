@@ -49,8 +49,9 @@ using ToolsByCamera = std::map<std::string, Tools>;
 Tools& toolsFor(const CameraModel& camera, const RecordedFiducialsOptions& options, ToolsByCamera& tools) {
   const auto [entry, is_new] = tools.try_emplace(fingerprintOf(camera));
   if (is_new) {
+    const MarkerLook look = options.map ? options.map->look() : MarkerLook{};
     for (const FiducialReader& reader : options.readers)
-      entry->second.detectors.push_back(makeDetector(reader, options.families, camera));
+      entry->second.detectors.push_back(makeDetector(reader, options.families, look, camera));
     if (options.map) entry->second.renderer.emplace(camera).setScene(surfaceOf(*options.map));
   }
   return entry->second;

@@ -109,11 +109,6 @@ std::unique_ptr<MarkerReader> makeArucoReader(const std::vector<std::string>& fa
   return std::make_unique<ArucoReader>(families, largest_corrected_bits, border_width);
 }
 
-bool hasPlainBorder(const std::string& family) {
-  return family.starts_with("DICT_") || family == "tag16h5" || family == "tag25h9" || family == "tag36h10" ||
-         family == "tag36h11";
-}
-
 int hammingDistance(const std::string& family) {
   if (!family.starts_with("DICT_")) return std::stoi(family.substr(family.find('h') + 1));
   if (family.starts_with("DICT_APRILTAG_")) return std::stoi(family.substr(family.find('h') + 1));

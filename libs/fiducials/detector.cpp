@@ -86,9 +86,9 @@ class ReaderDetector : public Detector {
       border_cells_.emplace_back(family, borderCells(family, options.look.border_width));
   }
 
-  std::optional<Detection> confirm(const cv::Mat& gray, const ExpectedMarker& expected) override {
-    if (options_.look.border_width != 1 || options_.look.white_on_black) return std::nullopt;
+  std::optional<Detection> confirm(const cv::Mat& image, const ExpectedMarker& expected) override {
     if (!options_.refine || !isRead(expected.family) || !hasPlainBorder(expected.family)) return std::nullopt;
+    const cv::Mat gray = options_.look.white_on_black ? cv::Mat(255 - image) : image;
     const MarkerPattern& pattern = patternOf(expected.family, expected.id);
     Detection detection;
     detection.family = expected.family;
@@ -145,7 +145,8 @@ class ReaderDetector : public Detector {
 
   const MarkerPattern& patternOf(const std::string& family, int id) {
     const auto [entry, is_new] = patterns_.try_emplace({family, id});
-    if (is_new) entry->second = markerPattern(family, id);
+    // Reversed images are searched for what is black on white.
+    if (is_new) entry->second = markerPattern(family, id, {options_.look.border_width, false});
     return entry->second;
   }
 

@@ -11,6 +11,7 @@
 #include "fiducials/detection.h"
 #include "fiducials/expected_marker.h"
 #include "fiducials/preprocess.h"
+#include "panel/marker_family.h"
 
 /// Finding markers. A Detector is used by one thread at a time: run one a thread, over images.
 namespace fathom {
@@ -26,12 +27,6 @@ Backend backendNamed(const std::string& name);
 Backend fallbackOf(Backend backend);
 /// Whether its own corners are whole pixels, so that they should be refined; else they are good to a tenth.
 bool hasRoughCorners(Backend backend);
-
-/// How markers are printed, where not black on white with a border one cell wide.
-struct MarkerLook {
-  int border_width = 1;  ///< of the border, cells: 1 or 2; 2 (Kalibr's grids) for plain families only
-  bool white_on_black = false;
-};
 
 /// Whether a backend can read a family. All read all of OpenCV's dictionaries and AprilTag's classic
 /// families (tag16h5 … tag36h11); the newer ones (tagStandard41h12 …) only AprilTag.

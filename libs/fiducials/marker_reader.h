@@ -25,9 +25,6 @@ std::unique_ptr<MarkerReader> makeArucoReader(const std::vector<std::string>& fa
 std::unique_ptr<MarkerReader> makeAprilTagReader(const std::vector<std::string>& families,
                                                  int largest_corrected_bits, int border_width);
 
-/// Whether a family is a plain one: data cells inside a black border one cell wide, nothing but white
-/// outside. Only those are known to OpenCV.
-bool hasPlainBorder(const std::string& family);
 /// The smallest Hamming distance of two codes, as the family's library states it: 11 for tag36h11.
 int hammingDistance(const std::string& family);
 /// How many wrong bits may be forgiven: without taking one code for another, times OpenCV's caution of 0.6;

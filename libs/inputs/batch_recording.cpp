@@ -39,7 +39,8 @@ FoundMarkers findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& pa
     detections = readGivenCorners(*given, source.imageFolder());
     return found;
   }
-  detections = detectImages(imagesOf(found.entries), detectionSettings(panels), keepBeside(rawlog));
+  detections =
+      detectImages(imagesOf(found.entries), settingsFor(panels, Backend::apriltag), keepBeside(rawlog));
   if (!detections.not_kept_why.empty())
     remarks.push_back("detections are not kept: " + detections.not_kept_why);
   for (const UnreadableImage& image : detections.unreadable)
@@ -94,13 +95,6 @@ std::vector<InputFile> filesOf(const BatchRecordingOptions& options, const Batch
 }
 
 }  // namespace
-
-DetectionSettings detectionSettings(const std::vector<PanelMap>& panels) {
-  DetectionSettings settings;
-  settings.families = familiesOf(panels);
-  settings.backend = Backend::apriltag;
-  return settings;
-}
 
 InputFile inputFile(const fs::path& file) { return {file, Fingerprint().add(readTextFile(file)).hex()}; }
 

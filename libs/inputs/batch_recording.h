@@ -35,8 +35,6 @@ struct FoundMarkers {
   std::vector<ImageEntry> entries;
   Detections detections;
 };
-/// With which images are searched for the markers of panels.
-DetectionSettings detectionSettings(const std::vector<PanelMap>& panels);
 
 struct BatchRecording {
   BatchInput input;

@@ -27,6 +27,8 @@ std::string inputsOf(const DetectionSettings& s) {
   text += "\npreprocess " + std::string(nameOf(s.preprocess)) + (s.refine ? ", refined" : ", not refined") +
           ", corrected bits " + std::to_string(s.largest_corrected_bits) + "\nfamilies";
   for (const std::string& family : s.families) text += " " + family;
+  text +=
+      "\nborder " + std::to_string(s.look.border_width) + (s.look.white_on_black ? ", white on black" : "");
   return text + "\n";
 }
 
@@ -120,6 +122,7 @@ std::unique_ptr<Detector> detectorFor(const CameraModel& camera, const Detection
   options.preprocess = settings.preprocess;
   options.refine = settings.refine;
   options.camera = camera;
+  options.look = settings.look;
   options.largest_corrected_bits = settings.largest_corrected_bits;
   auto first = makeDetector(settings.backend, settings.families, options);
   if (!settings.fallback) return first;
@@ -128,11 +131,17 @@ std::unique_ptr<Detector> detectorFor(const CameraModel& camera, const Detection
                                             static_cast<std::size_t>(settings.expected_markers));
 }
 
-std::vector<std::string> familiesOf(const std::vector<PanelMap>& panels) {
+DetectionSettings settingsFor(const std::vector<PanelMap>& panels, Backend backend) {
   std::set<std::string> families;
+  DetectionSettings settings;
+  settings.backend = backend;
   for (const PanelMap& panel : panels)
-    for (const Marker& marker : panel.markers) families.insert(marker.family);
-  return {families.begin(), families.end()};
+    for (const Marker& marker : panel.markers) {
+      families.insert(marker.family);
+      settings.look = marker.look;  // alike on all
+    }
+  settings.families = {families.begin(), families.end()};
+  return settings;
 }
 
 const std::vector<Detection>* Detections::find(const fs::path& file) const {

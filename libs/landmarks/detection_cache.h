@@ -16,6 +16,7 @@ namespace fathom {
 /// How images are searched.
 struct DetectionSettings {
   std::vector<std::string> families;
+  MarkerLook look{};
   Backend backend = Backend::aruco;
   /// Asked too where the first finds fewer than `expected_markers`.
   std::optional<Backend> fallback;
@@ -28,8 +29,8 @@ struct DetectionSettings {
 /// A detector for one camera's images, for one thread. Throws std::invalid_argument as makeDetector().
 std::unique_ptr<Detector> detectorFor(const CameraModel& camera, const DetectionSettings& settings);
 
-/// The families of all markers of these panels, sorted.
-std::vector<std::string> familiesOf(const std::vector<PanelMap>& panels);
+/// The families of all markers of these panels, sorted, and how they are printed; by this backend.
+DetectionSettings settingsFor(const std::vector<PanelMap>& panels, Backend backend = Backend::aruco);
 
 struct UnreadableImage {
   std::filesystem::path file;

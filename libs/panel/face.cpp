@@ -63,7 +63,7 @@ std::vector<bool> borderSquare(const MarkerPattern& pattern, int quarter_turns) 
 }  // namespace
 
 std::array<Vector3d, 4> patternCorners_panel(const Marker& marker) {
-  const MarkerPattern pattern = markerPattern(marker.family, marker.id);
+  const MarkerPattern pattern = markerPattern(marker.family, marker.id, marker.look);
   Marker whole = marker;
   whole.size_m *= static_cast<double>(pattern.cells) / pattern.border_cells;
   return whole.corners_panel();

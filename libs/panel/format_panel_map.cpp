@@ -68,6 +68,11 @@ std::string formatPanelMap(const PanelMap& map) {
   out << YAML::Key << "mesh" << YAML::Value << map.mesh_file;
   out << YAML::Key << "white_albedo" << YAML::Value << shortest(map.white_albedo);
   out << YAML::Key << "black_albedo" << YAML::Value << shortest(map.black_albedo);
+  if (const MarkerLook look = map.look(); look != MarkerLook{}) {
+    out << YAML::Key << "marker_look" << YAML::Value;
+    writeFlow(out, {{"border_cells", std::to_string(look.border_width)},
+                    {"white_on_black", look.white_on_black ? "true" : "false"}});
+  }
   out << YAML::Key << "markers" << YAML::Value << YAML::BeginSeq;
   for (const Marker& marker : map.markers) writeMarker(out, marker);
   out << YAML::EndSeq << YAML::Key << "handles" << YAML::Value << YAML::BeginSeq;

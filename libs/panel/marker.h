@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/geometry.h"
+#include "panel/marker_family.h"
 
 namespace fathom {
 
@@ -18,6 +19,7 @@ struct Marker {
   int id = 0;
   double size_m = 0;    ///< side of the border square
   Pose T_panel_marker;  ///< turned about the panel's z axis, counter-clockwise seen from in front
+  MarkerLook look{};    ///< how it is printed
 
   /// In the order of kMarkerCorners; panel frame, m.
   std::array<Vector3d, 4> corners_panel() const;

@@ -11,6 +11,7 @@
 #include <apriltag/tagStandard41h12.h>
 #include <apriltag/tagStandard52h13.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <opencv2/aruco/dictionary.hpp>
@@ -116,6 +117,34 @@ MarkerPattern tagPattern(const apriltag_family_t& tag, int id) {
   return pattern;
 }
 
+/// The border square alone, inside as many cells of `white` as there are to be more around it.
+MarkerPattern borderSquareInside(const MarkerPattern& pattern, int more_cells, bool white) {
+  const int n = pattern.border_cells, from = (pattern.cells - n) / 2;
+  MarkerPattern wider = blackPattern(n + 2 * more_cells, n);
+  if (white) std::fill(wider.white.begin(), wider.white.end(), std::uint8_t{1});
+  for (int row = 0; row < n; ++row)
+    for (int column = 0; column < n; ++column)
+      wider.white[wider.index(row + more_cells, column + more_cells)] =
+          pattern.white[pattern.index(row + from, column + from)];
+  return wider;
+}
+
+MarkerPattern withWiderBorder(const MarkerPattern& pattern, const std::string& family, int border_width) {
+  if (!hasPlainBorder(family) || border_width != 2)
+    throw std::invalid_argument(family + " has no border " + std::to_string(border_width) + " cells wide");
+  MarkerPattern wider = borderSquareInside(pattern, border_width - 1, false);
+  wider.border_cells = wider.cells;
+  const bool has_ring = pattern.cells > pattern.border_cells;
+  return has_ring ? borderSquareInside(wider, 1, true) : wider;
+}
+
+MarkerPattern reversed(const MarkerPattern& pattern) {
+  const bool has_ring = pattern.cells > pattern.border_cells;
+  MarkerPattern reversed = has_ring ? pattern : borderSquareInside(pattern, 1, true);
+  for (std::uint8_t& white : reversed.white) white = white == 0 ? 1 : 0;
+  return reversed;
+}
+
 void requireFamily(const std::string& family) {
   if (!isMarkerFamily(family)) throw std::invalid_argument("no such marker family: `" + family + "`");
 }
@@ -143,10 +172,20 @@ int markerCount(const std::string& family) {
   return cv::aruco::getPredefinedDictionary(kDictionaries.at(family))->bytesList.rows;
 }
 
-MarkerPattern markerPattern(const std::string& family, int id) {
+bool hasPlainBorder(const std::string& family) {
+  return family.starts_with("DICT_") || family == "tag16h5" || family == "tag25h9" || family == "tag36h10" ||
+         family == "tag36h11";
+}
+
+MarkerPattern markerPattern(const std::string& family, int id, const MarkerLook& look) {
   requireId(family, id, markerCount(family));
-  if (kTags.contains(family)) return tagPattern(*createTagFamily(family), id);
-  return arucoPattern(*cv::aruco::getPredefinedDictionary(kDictionaries.at(family)), id);
+  MarkerPattern pattern =
+      kTags.contains(family)
+          ? tagPattern(*createTagFamily(family), id)
+          : arucoPattern(*cv::aruco::getPredefinedDictionary(kDictionaries.at(family)), id);
+  if (look.border_width != 1) pattern = withWiderBorder(pattern, family, look.border_width);
+  if (look.white_on_black) pattern = reversed(pattern);
+  return pattern;
 }
 
 }  // namespace fathom

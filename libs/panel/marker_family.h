@@ -26,13 +26,25 @@ struct MarkerPattern {
   }
 };
 
+/// How markers are printed, where not black on white with a border one cell wide.
+struct MarkerLook {
+  int border_width = 1;  ///< of the border, cells: 1 or 2; 2 (Kalibr's grids) for plain families only
+  bool white_on_black = false;
+
+  friend bool operator==(const MarkerLook&, const MarkerLook&) = default;
+};
+
 /// All families: OpenCV's dictionaries (DICT_ARUCO_ORIGINAL, DICT_4X4_50 …) and AprilTag's (tag36h11,
 /// tagStandard41h12 …), sorted.
 const std::vector<std::string>& markerFamilies();
 bool isMarkerFamily(const std::string& family);
 /// Number of ids; ids count from 0. Throws std::invalid_argument for an unknown family.
 int markerCount(const std::string& family);
-/// Throws std::invalid_argument: unknown family, or no such id in it.
-MarkerPattern markerPattern(const std::string& family, int id);
+/// Whether a family is a plain one: data cells inside a black border one cell wide, nothing but white
+/// outside. Only those are known to OpenCV.
+bool hasPlainBorder(const std::string& family);
+/// White on black, with one black cell around it at least. Throws std::invalid_argument: unknown family, no
+/// such id in it, or a border of two cells that is not plain.
+MarkerPattern markerPattern(const std::string& family, int id, const MarkerLook& look = {});
 
 }  // namespace fathom

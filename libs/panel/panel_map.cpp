@@ -31,12 +31,26 @@ std::string rangeText(const Handle& handle) {
 
 // ---- reading
 
-Marker readMarker(const YamlMap& y) {
+/// Of all markers of the panel.
+MarkerLook readLook(const YamlMap& y) {
+  MarkerLook look;
+  if (!y.has("marker_look")) return look;
+  const YamlMap given = y.map("marker_look");
+  if (given.has("border_cells")) look.border_width = given.integer("border_cells");
+  if (look.border_width != 1 && look.border_width != 2) throw given.error("border_cells", "must be 1 or 2");
+  if (given.has("white_on_black")) look.white_on_black = given.flag("white_on_black");
+  return look;
+}
+
+Marker readMarker(const YamlMap& y, const MarkerLook& look) {
   Marker m;
   m.family = y.text("family");
   if (!isMarkerFamily(m.family))
     throw y.error("family",
                   "no such marker family: `" + m.family + "`; there are DICT_ARUCO_ORIGINAL, tag36h11, …");
+  m.look = look;
+  if (look.border_width != 1 && !hasPlainBorder(m.family))
+    throw y.error("family", m.family + " has no plain border that could be two cells wide (marker_look)");
   m.id = y.integer("id");
   const int count = markerCount(m.family);
   if (m.id < 0 || m.id >= count)
@@ -162,8 +176,9 @@ PanelMap readPanelMap(const fs::path& file) {
   map.position_sigma_m = sigma.notNegative("position_m");
   map.angle_sigma_rad = radians(sigma.notNegative("angle_deg"));
   readAlbedos(y, map);
+  const MarkerLook look = readLook(y);
   const auto markers = entries(y, "markers"), handles = entries(y, "handles");
-  for (const YamlMap& marker : markers) map.markers.push_back(readMarker(marker));
+  for (const YamlMap& marker : markers) map.markers.push_back(readMarker(marker, look));
   for (const YamlMap& handle : handles) map.handles.push_back(readHandle(handle));
   checkHandles(handles, map.handles);
   y.text("mesh");

@@ -28,6 +28,9 @@ struct PanelMap {
 
   /// Sets a handle's state. Throws std::invalid_argument: no such handle, or the angle is outside its range.
   void turnHandle(std::string_view id, double angle_rad);
+
+  /// How its markers are printed, all alike.
+  MarkerLook look() const { return markers.empty() ? MarkerLook{} : markers.front().look; }
 };
 
 /// Strict, see core/yaml.h; reads and checks the mesh too (mesh.h). Where the mesh has an object named

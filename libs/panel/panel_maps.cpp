@@ -11,6 +11,8 @@ constexpr const char* kPanels = "panels";
 
 void checkApart(const YamlMap& list, const PanelMap& panel, const PanelMap& other) {
   if (panel.name == other.name) throw list.error(kPanels, "two panels are called `" + panel.name + "`");
+  if (!panel.markers.empty() && !other.markers.empty() && panel.look() != other.look())
+    throw list.error(kPanels, other.name + " and " + panel.name + " have another marker_look each");
   const std::string both = other.name + " and " + panel.name + " both have ";
   for (const Marker& marker : panel.markers)
     for (const Marker& twin : other.markers) {

@@ -16,7 +16,8 @@ namespace fathom {
 std::vector<std::filesystem::path> panelMapFiles(const std::filesystem::path& file);
 
 /// All panels of a map file; one where it is a panel's own. Throws Error as readPanelMap() does, and where
-/// two panels have the same name, or markers of the same family and id or of the same looks.
+/// two panels have the same name, markers of the same family and id or of the same looks,
+/// or another marker_look each: images are searched for one.
 std::vector<PanelMap> readPanelMaps(const std::filesystem::path& file);
 
 }  // namespace fathom

@@ -39,7 +39,7 @@ Surface surfaceOf(const PanelMap& map) {
     Pose T_panel_cells = marker.T_panel_marker;
     if (const auto face_z = faceHeight_m(map.body, T_panel_cells.position))
       T_panel_cells.position.z() = std::max(T_panel_cells.position.z(), *face_z + kInk_m);
-    surface.add(cellsOf(markerPattern(marker.family, marker.id), marker.size_m,
+    surface.add(cellsOf(markerPattern(marker.family, marker.id, marker.look), marker.size_m,
                         static_cast<float>(map.white_albedo), static_cast<float>(map.black_albedo)),
                 T_panel_cells);
   }

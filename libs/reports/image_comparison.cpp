@@ -80,7 +80,7 @@ class Simulated {
                 environmentOf(estimate.state.water),
                 effects,
                 {}},
-               {}, detectionSettings(recording.input.data.panels)) {
+               {}, settingsFor(recording.input.data.panels, Backend::apriltag)) {
     const BatchData& data = recording.input.data;
     const LandmarkCalibration calibration{effects, data.time_zero};
     const FoundMarkers& found = recording.found;

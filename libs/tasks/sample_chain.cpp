@@ -20,13 +20,6 @@ std::vector<PanelPrior> priorsOf(const std::vector<PanelMap>& panels, bool unkno
   return priors;
 }
 
-DetectionSettings settingsFor(const std::vector<PanelMap>& panels, const std::string& backend) {
-  DetectionSettings settings;
-  settings.families = familiesOf(panels);
-  settings.backend = backendNamed(backend);
-  return settings;
-}
-
 }  // namespace
 
 SampleChain::SampleChain(const ChainOptions& options, bool landmarks) : options_(options) {
@@ -58,8 +51,8 @@ std::vector<std::string> SampleChain::findLandmarks(const RecordingHeader& heade
   setup_.panels = priorsOf(panels_, options_.panel_unknown);
   const std::vector<ImageEntry> entries = imageEntries(*openBare());
   if (entries.empty()) lacking.emplace_back("no landmarks: there are no images");
-  const Detections detections =
-      detectImages(imagesOf(entries), settingsFor(panels_, options_.backend), keepBeside(options_.rawlog));
+  const Detections detections = detectImages(
+      imagesOf(entries), settingsFor(panels_, backendNamed(options_.backend)), keepBeside(options_.rawlog));
   if (!detections.not_kept_why.empty())
     lacking.push_back("detections are not kept: " + detections.not_kept_why);
   for (const UnreadableImage& image : detections.unreadable)

@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "core/error.h"
-#include "recording/tum.h"
 #include "recording/rawlog.h"
+#include "recording/tum.h"
 
 namespace fathom {
 namespace fs = std::filesystem;

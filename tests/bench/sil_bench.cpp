@@ -65,8 +65,7 @@ int bench(const fs::path& rawlog) {
                    {},
                    KnownSeaFloor{-6, 3}};
   SilOptions options;
-  options.detection.families = familiesOf(world.panels);
-  options.detection.backend = Backend::apriltag;
+  options.detection = settingsFor(world.panels, Backend::apriltag);
   PosedImages images = posedImages(rawlog, world.panels, options.detection);
   if (images.posed.size() > kImages) images.posed.resize(kImages);
   const PairMaker maker(world, options.pairs, options.detection);

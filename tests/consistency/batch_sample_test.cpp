@@ -26,9 +26,7 @@ struct SampleRun {
     };
     const Vehicle vehicle = readVehicle(folder / "vehicle.yaml");
     const auto panels = readPanelMaps(folder / "panel/panel.yaml");
-    DetectionSettings settings;
-    settings.families = familiesOf(panels);
-    settings.backend = Backend::apriltag;
+    DetectionSettings settings = settingsFor(panels, Backend::apriltag);
     settings.expected_markers = 4;
     const auto entries = imageEntries(*open());
     const auto keep = std::filesystem::temp_directory_path() / "fathom-tests" / ("detections_" + name);

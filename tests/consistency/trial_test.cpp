@@ -62,8 +62,7 @@ TEST(Trial, PanelsAreSeenWhereTheyShouldBeAndAsWellAsTheySay) {
   std::vector<CameraImage> images;
   for (std::size_t i = 0; i < views.size(); i += 5)
     images.push_back({kTrial / "trial_Images" / views[i].image.file, views[i].image.intrinsics.model});
-  DetectionSettings settings;
-  settings.families = familiesOf(panels);
+  const DetectionSettings settings = settingsFor(panels);
   const auto found = detectImages(images, settings, "");
   ASSERT_TRUE(found.unreadable.empty());
 

@@ -59,7 +59,7 @@ class EffectImages : public testing::Test {
     Detections detections;
     DetectorOptions with_lens;
     with_lens.camera = sheet.model;
-    const auto detector = makeDetector(Backend::aruco, familiesOf(world_.panels), with_lens);
+    const auto detector = makeDetector(Backend::aruco, settingsFor(world_.panels).families, with_lens);
     for (const auto& name : imageFiles(sheet, options_.image_format, 0)) {
       const fs::path file = folder_ / "images" / name;
       entry.eyes.push_back({{file, sheet.model}, entry.eyes.empty() ? Pose{} : *sheet.T_left_right});

@@ -80,11 +80,7 @@ inline KnownWorld silWorld() {
       readVehicle(kRov), readPanelMaps(kDexrovMap), readEnvironment(kSilWater), {}, KnownSeaFloor{-6.0, 1}};
 }
 
-inline DetectionSettings silDetection() {
-  DetectionSettings settings;
-  settings.families = familiesOf(readPanelMaps(kDexrovMap));
-  return settings;
-}
+inline DetectionSettings silDetection() { return settingsFor(readPanelMaps(kDexrovMap)); }
 
 /// With each image's pose and motion, of a recording by simulateForSil(), replaced by the truth.
 inline PosedImages atTruth(PosedImages images, const std::filesystem::path& rawlog) {

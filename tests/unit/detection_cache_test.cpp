@@ -57,7 +57,7 @@ fs::path keptFile(const fs::path& folder) {
 class DetectionCache : public testing::Test {
  protected:
   DetectionCache() {
-    settings.families = familiesOf({map});
+    settings = settingsFor({map});
     for (int i = 0; i < kImages; ++i) draw(i, 2.0 + 0.1 * i);
   }
   void draw(int number, double distance_m) {
@@ -136,8 +136,7 @@ TEST_F(DetectionCache, OtherSettingsAreKeptApart) {
   EXPECT_EQ(found().kept_before, 0U);
   settings.fallback = Backend::aruco;
   EXPECT_EQ(found().kept_before, 0U);
-  settings = {};
-  settings.families = familiesOf({map});
+  settings = settingsFor({map});
   EXPECT_EQ(found().kept_before, 5U);
 }
 

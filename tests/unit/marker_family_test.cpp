@@ -54,6 +54,39 @@ const Dictionary kDictionaries[] = {{"DICT_4X4_50", cv::aruco::DICT_4X4_50},
                                     {"DICT_APRILTAG_36h10", cv::aruco::DICT_APRILTAG_36h10},
                                     {"DICT_APRILTAG_36h11", cv::aruco::DICT_APRILTAG_36h11}};
 
+TEST(MarkerFamily, BordersOfTwoCellsLookAsOpenCvDrawsThem) {
+  for (const auto& [family, name] : kDictionaries) {
+    const auto dictionary = cv::aruco::getPredefinedDictionary(name);
+    const MarkerPattern pattern = markerPattern(family, 3, {2, false});
+    ASSERT_EQ(pattern.cells, dictionary->markerSize + 4);
+    ASSERT_EQ(pattern.border_cells, pattern.cells);
+    constexpr int kCellPx = 5;
+    cv::Mat image;
+    cv::aruco::drawMarker(dictionary, 3, pattern.cells * kCellPx, image, 2);
+    for (int row = 0; row < pattern.cells; ++row)
+      for (int column = 0; column < pattern.cells; ++column)
+        ASSERT_EQ(pattern.whiteAt(row, column),
+                  image.at<std::uint8_t>(row * kCellPx + 2, column * kCellPx + 2) > 127)
+            << family << " row " << row << " column " << column;
+  }
+  EXPECT_THROW(markerPattern("tagStandard41h12", 3, {2, false}), std::invalid_argument);
+}
+
+TEST(MarkerFamily, WhiteOnBlackIsTheReverseWithItsQuietZone) {
+  for (const std::string family : {"DICT_4X4_50", "tag36h11"}) {
+    const MarkerPattern usual = markerPattern(family, 3), reverse = markerPattern(family, 3, {1, true});
+    EXPECT_EQ(reverse.border_cells, usual.border_cells);
+    ASSERT_EQ(reverse.cells, usual.border_cells + 2) << "one cell around";
+    const int ring = (usual.cells - usual.border_cells) / 2;
+    for (int row = 0; row < reverse.cells; ++row)
+      for (int column = 0; column < reverse.cells; ++column) {
+        const bool inside = std::min(row, column) >= 1 && std::max(row, column) < reverse.cells - 1;
+        EXPECT_EQ(reverse.whiteAt(row, column),
+                  inside && !usual.whiteAt(row - 1 + ring, column - 1 + ring));
+      }
+  }
+}
+
 TEST(MarkerFamily, DictionariesLookAsOpenCvDrawsThem) {
   for (const auto& [family, name] : kDictionaries) {
     const auto dictionary = cv::aruco::getPredefinedDictionary(name);

@@ -41,6 +41,17 @@ TEST(PanelMap, IsReadAsWritten) {
   EXPECT_DOUBLE_EQ(map.handles[1].angle_rad, radians(-45));
 }
 
+TEST(PanelMap, HasTheLookOfItsMarkers) {
+  BoardFiles files;
+  EXPECT_EQ(files.read().look(), MarkerLook{});
+  files.yaml = "marker_look: {border_cells: 2, white_on_black: true}\n" + files.yaml;
+  const PanelMap map = files.read();
+  EXPECT_EQ(map.look(), (MarkerLook{2, true}));
+  EXPECT_EQ(map.markers.at(1).look, map.look());
+  files.yaml = formatPanelMap(map);
+  EXPECT_EQ(files.read().look(), map.look());
+}
+
 TEST(PanelMap, StandsUprightAndFacesTheRobot) {
   // The contract's example: the face looks towards -x of odom, y of the panel is up, x is to the right of who
   // looks.
@@ -111,6 +122,11 @@ const Bad kBadYamls[] = {
     {"Misspelt", "panel: board", "panel: board\npose_sigmas: 0", "pose_sigmas (line 2)", "unknown key"},
     {"NoUnit", "size_m: 0.16", "size: 0.16", "markers[0].size (line 6)", "did you mean `size_m`"},
     {"MarkersNoList", "markers:\n", "markers: {}\nextra:\n", "markers (line 5)", "list"},
+    {"ThickBorder", "mesh: b", "marker_look: {border_cells: 3}\nmesh: b", "marker_look.border_cells (line 4)",
+     "1 or 2"},
+    {"NoPlainBorder", "mesh: board.obj\nmarkers:\n  - {family: DICT_ARUCO_ORIGINAL",
+     "mesh: board.obj\nmarker_look: {border_cells: 2}\nmarkers:\n  - {family: tagStandard41h12",
+     "markers[0].family (line 7)", "no plain border"},
     {"UnknownFamily", "tag36h11", "tag36h12", "markers[1].family (line 7)", "`tag36h12`"},
     {"IdTooLarge", "tag36h11, id: 3", "tag36h11, id: 587", "markers[1].id (line 7)", "0 to 586"},
     {"IdNegative", "tag36h11, id: 3", "tag36h11, id: -1", "markers[1].id (line 7)", "-1"},
