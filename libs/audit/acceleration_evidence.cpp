@@ -1,6 +1,8 @@
 #include "audit/acceleration_evidence.h"
 
 #include <Eigen/QR>
+#include <algorithm>
+#include <limits>
 
 namespace fathom {
 namespace {
@@ -20,9 +22,10 @@ class Segment {
     turned_ *= expSO3<double>(2 * half);
     t_s_ = to_s;
   }
-  void read(double t_s, const Vector3d& velocity_robot) {
+  /// `swing_robot`: of the DVL about the INS, as the robot turns.
+  void read(double t_s, const Vector3d& velocity_robot, const Vector3d& swing_robot) {
     times_.push_back(t_s);
-    by_ins_.push_back(velocity_);
+    by_ins_.emplace_back(velocity_ + turned_ * swing_robot);
     by_dvl_.emplace_back(turned_ * velocity_robot);
   }
 
@@ -69,9 +72,14 @@ double AccelerationEvidence::left() const {
 AccelerationEvidence accelerationEvidence(const DvlStream& dvl, const InsStream& ins,
                                           const AssumedAxes& axes) {
   AccelerationEvidence evidence;
-  const Matrix3d gyro = axes.gyro_scale * ins.T_robot_ins.rotation * axes.gyro.matrix(),
-                 force = ins.T_robot_ins.rotation * axes.accelerometer.matrix(),
-                 R_dvl = dvl.T_robot_dvl.rotation * axes.dvl.matrix();
+  if (ins.windows.empty()) return evidence;
+  const Matrix3d gyro = ins.T_robot_ins.rotation * axes.gyro,
+                 force = ins.T_robot_ins.rotation * axes.accelerometer,
+                 R_dvl = dvl.T_robot_dvl.rotation * axes.dvl;
+  const double later_s = axes.dvl_later_s, whole_s = ins.windows.back().t_s - ins.windows.front().t_s;
+  const double stride_s = std::max(kSegment_s, whole_s / static_cast<double>(kMostSegments));
+  double skip_to_s = -std::numeric_limits<double>::infinity();
+  const Vector3d lever = dvl.T_robot_dvl.position - ins.T_robot_ins.position;
   std::size_t next = 0;
   std::optional<Segment> segment;
   double from_s = 0, before_s = 0;
@@ -83,14 +91,20 @@ AccelerationEvidence accelerationEvidence(const DvlStream& dvl, const InsStream&
       segment.reset();
     }
     if (!segment) {
+      if (w.t_s < skip_to_s) {
+        before_s = to_s;
+        continue;
+      }
+      skip_to_s = w.t_s + stride_s;
       from_s = w.t_s - kInsWindow_s / 2;
       segment.emplace(from_s);
-      while (next < dvl.velocities.size() && dvl.velocities[next].t_s < from_s) ++next;
+      while (next < dvl.velocities.size() && dvl.velocities[next].t_s + later_s < from_s) ++next;
     }
-    for (; next < dvl.velocities.size() && dvl.velocities[next].t_s < to_s; ++next) {
-      const auto& [t_s, velocity] = dvl.velocities[next];
+    for (; next < dvl.velocities.size() && dvl.velocities[next].t_s + later_s < to_s; ++next) {
+      const double t_s = dvl.velocities[next].t_s + later_s;
+      const Vector3d& velocity = dvl.velocities[next].value;
       segment->integrate(t_s, gyro * w.rate, force * w.force);
-      segment->read(t_s, R_dvl * velocity);
+      segment->read(t_s, R_dvl * velocity, (gyro * w.rate).cross(lever));
     }
     segment->integrate(to_s, gyro * w.rate, force * w.force);
     before_s = to_s;

@@ -32,6 +32,11 @@ bool hasFinding(const std::vector<Finding>& findings, std::string_view label, co
                      [&](const Finding& f) { return f.label == instance.label(label); });
 }
 
+bool isFound(const std::vector<Finding>& findings, std::string_view name, const Instance& instance) {
+  return std::any_of(findings.begin(), findings.end(),
+                     [&](const Finding& f) { return f.name == instance.label(name); });
+}
+
 std::vector<Finding> audit(const Streams& streams, const Vehicle& vehicle,
                            const std::filesystem::path& image_folder) {
   std::vector<Finding> findings;
@@ -41,9 +46,11 @@ std::vector<Finding> audit(const Streams& streams, const Vehicle& vehicle,
   });
   if (clocks_agree) {  // else nothing can be compared
     std::vector<Finding> compared;
+    checkFrozen(streams, compared);
     checkIns(streams, vehicle, compared);
     checkDepth(streams, vehicle, compared);
-    checkDvl(streams, vehicle, compared);
+    checkAgreement(streams, vehicle, findings.empty(), compared);
+    checkLimits(streams, vehicle, compared);
     findings.insert(findings.begin(), compared.begin(), compared.end());
   }
   if (!image_folder.empty()) checkImages(streams, image_folder, findings);

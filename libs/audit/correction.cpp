@@ -1,6 +1,7 @@
 #include "audit/correction.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 #include "audit/attitude_evidence.h"
@@ -25,6 +26,12 @@ SignedAxes axesOf(const std::string& text, const std::string& whole) {
   }
   if (at != text.size() + 1) throw fail();
   return axes;
+}
+
+std::optional<double> numberOf(const std::string& text) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  return text.empty() || *end != '\0' || !std::isfinite(number) ? std::nullopt : std::optional(number);
 }
 
 template <class Entry>
@@ -61,6 +68,7 @@ struct Correction::Kind {
   double factor = 1;
   const AttitudeReading* reading{};
   const PressureUnit* unit{};
+  bool has_angle = false;  ///< behind the colon, degrees
 };
 
 std::vector<Correction::Kind> Correction::makeKinds() {
@@ -83,11 +91,20 @@ std::vector<Correction::Kind> Correction::makeKinds() {
   addAxes("accelerometer-axes", Ins::label, [](const Correction& c, Sample& s, const Vehicle&) {
     turn(c.axes_, entryOf<InsSample>(s).specific_force_ins);
   });
-  add("gyro-in-degrees", Ins::label, [](const Correction&, Sample& s, const Vehicle&) {
-    if (auto& rate = entryOf<InsSample>(s).angular_velocity_ins) *rate *= radians(1.0);
-  });
+  for (const SensorUnit& unit : kRateUnits)
+    add(unit.name, Ins::label, [](const Correction& c, Sample& s, const Vehicle&) {
+      if (auto& rate = entryOf<InsSample>(s).angular_velocity_ins) *rate *= c.factor_;
+    })->factor = unit.si;
   addAxes("gyro-axes", Ins::label, [](const Correction& c, Sample& s, const Vehicle&) {
     turn(c.axes_, entryOf<InsSample>(s).angular_velocity_ins);
+  });
+  add("accelerometer-in-world", Ins::label, [](const Correction&, Sample& s, const Vehicle&) {
+    auto& entry = entryOf<InsSample>(s);
+    if (entry.R_odom_ins) turn(entry.R_odom_ins->transpose(), entry.specific_force_ins);
+  });
+  add("gyro-in-world", Ins::label, [](const Correction&, Sample& s, const Vehicle&) {
+    auto& entry = entryOf<InsSample>(s);
+    if (entry.R_odom_ins) turn(entry.R_odom_ins->transpose(), entry.angular_velocity_ins);
   });
   addAxes("ins-axes", Ins::label, [](const Correction& c, Sample& s, const Vehicle&) {
     auto& entry = entryOf<InsSample>(s);
@@ -110,6 +127,9 @@ std::vector<Correction::Kind> Correction::makeKinds() {
   addAxes("dvl-axes", Dvl::label, [](const Correction& c, Sample& s, const Vehicle&) {
     turn(c.axes_, entryOf<DvlSample>(s).velocity_dvl);
   });
+  add("dvl-turned", Dvl::label, [](const Correction& c, Sample& s, const Vehicle&) {
+    turn(c.axes_, entryOf<DvlSample>(s).velocity_dvl);
+  })->has_angle = true;
   for (const PressureUnit& unit : pressureUnits())
     add(unit.name, Depth::label, [](const Correction& c, Sample& s, const Vehicle& vehicle) {
       auto& p = entryOf<DepthSample>(s).pressure_pa;
@@ -125,8 +145,10 @@ const std::vector<Correction::Kind>& Correction::kinds() {
 
 std::vector<std::string> Correction::names() {
   std::vector<std::string> names;
-  for (const Kind& kind : kinds()) names.push_back(std::string(kind.name) + (kind.has_axes ? ":AXES" : ""));
+  for (const Kind& kind : kinds())
+    names.push_back(std::string(kind.name) + (kind.has_axes ? ":AXES" : kind.has_angle ? ":DEGREES" : ""));
   names.emplace_back("clock-rate:LABEL:FACTOR");
+  names.emplace_back("clock-offset:LABEL:SECONDS");
   return names;
 }
 
@@ -135,20 +157,30 @@ Correction Correction::named(const std::string& text) {
   const std::string name = text.substr(0, colon),
                     more = colon == std::string::npos ? "" : text.substr(colon + 1);
   Correction correction;
-  if (name == "clock-rate") {
+  if (name == "clock-rate" || name == "clock-offset") {
     const std::size_t second = more.rfind(':');
     correction.label_ = more.substr(0, second);
-    const std::string factor = second == std::string::npos ? "" : more.substr(second + 1);
-    char* end = nullptr;
-    correction.clock_factor_ = std::strtod(factor.c_str(), &end);
-    if (factor.empty() || *end != '\0' || !(correction.clock_factor_ > 0.5 && correction.clock_factor_ < 2))
+    const auto number = numberOf(second == std::string::npos ? "" : more.substr(second + 1));
+    if (name == "clock-offset") {
+      if (!number || std::abs(*number) > 1e6)
+        throw Error("--correct", text, "must be clock-offset:LABEL:SECONDS, as clock-offset:DVL:-1.5");
+      correction.clock_offset_s_ = *number;
+      return correction;
+    }
+    if (!number || !(*number > 0.5 && *number < 2))
       throw Error("--correct", text, "must be clock-rate:LABEL:FACTOR, as clock-rate:INS:1.0025");
+    correction.clock_factor_ = *number;
     return correction;
   }
   for (const Kind& kind : kinds()) {
     const auto instance = Instance::of(name, kind.name);
     if (!instance) continue;
-    if (!kind.has_axes && !more.empty()) throw Error("--correct", text, "takes nothing behind a colon");
+    if (kind.has_angle) {
+      const auto angle_deg = numberOf(more);
+      if (!angle_deg) throw Error("--correct", text, "must be dvl-turned:DEGREES, as dvl-turned:45");
+      correction.axes_ = rotationFromYawPitchRoll(radians(*angle_deg), 0, 0);
+    } else if (!kind.has_axes && !more.empty())
+      throw Error("--correct", text, "takes nothing behind a colon");
     if (kind.has_axes) correction.axes_ = axesOf(more, text).matrix();
     correction.apply_ = kind.apply;
     correction.factor_ = kind.factor;
@@ -174,8 +206,8 @@ std::vector<Correction> correctionsNamed(const std::vector<std::string>& texts) 
 void Correction::apply(Sample& sample, const Vehicle& vehicle, Time time_zero) const {
   if (sample.label != label_) return;
   if (apply_ != nullptr) apply_(*this, sample, vehicle);
-  if (clock_factor_ != 1 && sample.time != Time{})
-    sample.time = after(time_zero, clock_factor_ * secondsBetween(time_zero, sample.time));
+  if (reorders() && sample.time != Time{})
+    sample.time = after(time_zero, clock_factor_ * secondsBetween(time_zero, sample.time) + clock_offset_s_);
 }
 
 struct CorrectedSource::Held {
@@ -192,6 +224,7 @@ CorrectedSource::CorrectedSource(std::unique_ptr<SampleSource> source, std::vect
     : source_(std::move(source)), corrections_(std::move(corrections)), vehicle_(std::move(vehicle)) {
   for (const Correction& correction : corrections_) {
     slowest_ = std::min(slowest_, correction.slowest());
+    earlier_s_ = std::max(earlier_s_, correction.earlier_s());
     reorders_ = reorders_ || correction.reorders();
   }
 }
@@ -203,7 +236,7 @@ std::optional<Sample> CorrectedSource::nextCorrected() {
   if (!time_zero_ && sample->time != Time{}) time_zero_ = sample->time;
   if (!time_zero_) return sample;
   // A stamp yet to come is no earlier than this one, and its correction no more than the slowest clock's.
-  safe_ = after(*time_zero_, slowest_ * secondsBetween(*time_zero_, sample->time));
+  safe_ = after(*time_zero_, slowest_ * secondsBetween(*time_zero_, sample->time) - earlier_s_);
   for (const Correction& correction : corrections_) correction.apply(*sample, vehicle_, *time_zero_);
   return sample;
 }

@@ -17,7 +17,8 @@ struct AttitudeReading;
 struct PressureUnit;
 
 /// One way to correct entries, as --correct names it: "NAME", of an instrument that is not the first
-/// "NAME.2", where it needs more "NAME:x,-y,-z" or "clock-rate:LABEL:FACTOR".
+/// "NAME.2", where it needs more "NAME:x,-y,-z", "dvl-turned:DEGREES", "clock-rate:LABEL:FACTOR" or
+/// "clock-offset:LABEL:SECONDS".
 class Correction {
  public:
   /// Throws Error, about --correct, where there is no such correction; it lists those there are.
@@ -29,8 +30,10 @@ class Correction {
   void apply(Sample& sample, const Vehicle& vehicle, Time time_zero) const;
   /// How fast the corrected clock of some entries runs, at the slowest: 1 but for clock-rate.
   double slowest() const { return clock_factor_ < 1 ? clock_factor_ : 1; }
+  /// By how much earlier it makes some entries, at most; s.
+  double earlier_s() const { return clock_offset_s_ < 0 ? -clock_offset_s_ : 0; }
   const std::string& label() const { return label_; }
-  bool reorders() const { return clock_factor_ != 1; }
+  bool reorders() const { return clock_factor_ != 1 || clock_offset_s_ != 0; }
 
  private:
   using Apply = void (*)(const Correction&, Sample&, const Vehicle&);
@@ -44,7 +47,8 @@ class Correction {
   const PressureUnit* unit_ = nullptr;
   std::string label_;  ///< of entries that it concerns
   Matrix3d axes_ = Matrix3d::Identity();
-  double clock_factor_ = 1;  ///< of stamps, about the first of the recording
+  double clock_factor_ = 1;    ///< of stamps, about the first of the recording
+  double clock_offset_s_ = 0;  ///< added to stamps
 };
 
 /// Throws Error as named(), and where one is given twice.
@@ -69,7 +73,7 @@ class CorrectedSource : public SampleSource {
   std::unique_ptr<SampleSource> source_;
   const std::vector<Correction> corrections_;
   const Vehicle vehicle_;
-  double slowest_ = 1;
+  double slowest_ = 1, earlier_s_ = 0;
   bool reorders_ = false, ended_ = false;
   std::optional<Time> time_zero_;
   Time safe_{};  ///< no entry still to come is earlier, corrected

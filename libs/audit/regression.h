@@ -14,6 +14,9 @@ class Regression {
     xx_ += x.squaredNorm(), xy_ += x.dot(y), yy_ += y.squaredNorm(), ++count_;
   }
 
+  /// Sum of squares of y - slope x.
+  double squareOff(double slope) const { return yy_ - 2 * slope * xy_ + slope * slope * xx_; }
+
   std::size_t count() const { return count_; }
   double slope() const { return xx_ > 0 ? xy_ / xx_ : 0; }
   /// From -1 to 1.

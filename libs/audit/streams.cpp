@@ -23,12 +23,53 @@ void Streams::add(const Sample& sample) {
         if constexpr (requires { add(t_s, instance, entry); }) add(t_s, instance, entry);
       },
       sample.reading);
+  addRepeats(t_s, sample);
   const auto addImage = [&](const RecordedCamera& intrinsics, const std::string& file) {
     images.try_emplace(sample.label, ImageStream{intrinsics, {}}).first->second.files.push_back(file);
   };
   if (const auto* image = std::get_if<ImageSample>(&sample.reading)) addImage(image->intrinsics, image->file);
   if (const auto* pair = std::get_if<StereoSample>(&sample.reading))
     addImage(pair->left_intrinsics, pair->left_file);
+}
+
+void Repeats::add(double t_s, std::span<const double> reading) {
+  const bool same = std::equal(reading.begin(), reading.end(), last_.begin(), last_.end());
+  ++readings;
+  if (!same) {
+    last_.assign(reading.begin(), reading.end());
+    run_ = {t_s, t_s, 0};
+    return;
+  }
+  ++repeated;
+  if (std::all_of(reading.begin(), reading.end(), [](double x) { return x == 0; })) never_zero = false;
+  run_.to_s = t_s;
+  ++run_.repeated;
+  if (run_.repeated > longest.repeated) longest = run_;
+}
+
+/// Of every instrument that has numbers of its own.
+void Streams::addRepeats(double t_s, const Sample& sample) {
+  const auto add = [&](const char* what, const auto& value) {
+    repeats[{sample.label, what}].add(t_s, {value.data(), static_cast<std::size_t>(value.size())});
+  };
+  const auto addNumber = [&](const char* what, double value) {
+    repeats[{sample.label, what}].add(t_s, {&value, 1});
+  };
+  if (const auto* imu = std::get_if<InsSample>(&sample.reading)) {
+    if (imu->angular_velocity_ins) add("gyro", *imu->angular_velocity_ins);
+    if (imu->specific_force_ins) add("accelerometer", *imu->specific_force_ins);
+    if (imu->R_odom_ins) add("attitude", *imu->R_odom_ins);
+  } else if (const auto* twist = std::get_if<DvlSample>(&sample.reading)) {
+    if (twist->velocity_dvl) add("velocity", *twist->velocity_dvl);
+  } else if (const auto* water = std::get_if<DepthSample>(&sample.reading)) {
+    addNumber("pressure", water->pressure_pa);
+  } else if (const auto* altimeter = std::get_if<AltimeterSample>(&sample.reading)) {
+    if (altimeter->range_m) addNumber("range", *altimeter->range_m);
+  } else if (const auto* compass = std::get_if<CompassSample>(&sample.reading)) {
+    addNumber("heading", compass->heading_rad);
+  } else if (const auto* gnss = std::get_if<GnssSample>(&sample.reading)) {
+    if (gnss->geodetic) add("position", *gnss->geodetic);
+  }
 }
 
 void Streams::add(double t_s, const Instance& instance, const InsSample& sample) {
@@ -55,8 +96,6 @@ void Streams::add(double t_s, const Instance& instance, const DvlSample& sample)
   if (!sample.velocity_dvl || !sample.velocity_dvl->allFinite()) return;
   auto& all = stream.velocities;
   if (!all.empty() && t_s <= all.back().t_s) return;
-  const bool moves = !sample.velocity_dvl->isZero(0.0);
-  if (moves && !all.empty() && all.back().value == *sample.velocity_dvl) ++stream.repeated;
   all.push_back({t_s, *sample.velocity_dvl});
 }
 

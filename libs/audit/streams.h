@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,6 @@ struct Timed {
 struct DvlStream {
   Pose T_robot_dvl;
   std::vector<Timed<Vector3d>> velocities;  ///< m/s, its own axes; with bottom lock only
-  std::size_t repeated = 0;                 ///< of them, exactly as the one before and not zero
 };
 
 struct DepthStream {
@@ -52,6 +52,23 @@ struct StampStream {
   std::vector<double> behind_s;
 };
 
+/// How often what is measured is exactly as it was, to the last bit: noise does not allow that for long.
+struct Repeats {
+  struct Run {
+    double from_s = 0, to_s = 0;
+    std::size_t repeated = 0;  ///< readings, without the first
+  };
+  std::size_t readings = 0, repeated = 0;
+  Run longest;
+  bool never_zero = true;  ///< of what was repeated: absence is written as zero
+
+  void add(double t_s, std::span<const double> reading);
+
+ private:
+  std::vector<double> last_;
+  Run run_;
+};
+
 struct ImageStream {
   RecordedCamera intrinsics;       ///< of the first
   std::vector<std::string> files;  ///< of left images, of a pair
@@ -64,9 +81,10 @@ class Streams {
   std::map<Instance, InsStream> ins;
   std::map<Instance, DvlStream> dvl;
   std::map<Instance, DepthStream> depth;
-  std::map<std::string, StampStream> stamps;  ///< by label
-  std::map<std::string, ImageStream> images;  ///< by label
-  std::optional<Time> time_zero;              ///< of the first entry that has a stamp
+  std::map<std::string, StampStream> stamps;                       ///< by label
+  std::map<std::pair<std::string, std::string>, Repeats> repeats;  ///< by label and what of it
+  std::map<std::string, ImageStream> images;                       ///< by label
+  std::optional<Time> time_zero;                                   ///< of the first entry that has a stamp
 
  private:
   double newest_s_ = 0;
@@ -74,6 +92,7 @@ class Streams {
   void add(double t_s, const Instance& instance, const InsSample& sample);
   void add(double t_s, const Instance& instance, const DvlSample& sample);
   void add(double t_s, const Instance& instance, const DepthSample& sample);
+  void addRepeats(double t_s, const Sample& sample);
 };
 
 }  // namespace fathom

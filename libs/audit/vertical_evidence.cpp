@@ -11,8 +11,8 @@ namespace {
 /// Up in robot axes at one time: the mean specific force over a second or so about it.
 class UpAt {
  public:
-  UpAt(const InsStream& ins, const SignedAxes& axes)
-      : ins_(ins), R_robot_ins_(ins.T_robot_ins.rotation * axes.matrix()) {}
+  UpAt(const InsStream& ins, const Matrix3d& axes)
+      : ins_(ins), R_robot_ins_(ins.T_robot_ins.rotation * axes) {}
 
   /// Times must not decrease.
   Vector3d operator()(double t_s) {
@@ -37,9 +37,9 @@ struct WayUp {
   int gaps = 0;
 };
 
-std::vector<Timed<WayUp>> wayUpByDvl(const DvlStream& dvl, const InsStream& ins, const SignedAxes& dvl_axes,
-                                     const SignedAxes& ins_axes) {
-  const Matrix3d R_robot_dvl = dvl.T_robot_dvl.rotation * dvl_axes.matrix();
+std::vector<Timed<WayUp>> wayUpByDvl(const DvlStream& dvl, const InsStream& ins, const Matrix3d& dvl_axes,
+                                     const Matrix3d& ins_axes) {
+  const Matrix3d R_robot_dvl = dvl.T_robot_dvl.rotation * dvl_axes;
   constexpr double kGap_s = 1;
   std::vector<Timed<WayUp>> way;
   UpAt up(ins, ins_axes);
@@ -58,19 +58,19 @@ std::vector<Timed<WayUp>> wayUpByDvl(const DvlStream& dvl, const InsStream& ins,
 }  // namespace
 
 Regression verticalEvidence(const Streams& streams, const DepthStream& depth, const Vehicle& vehicle,
-                            const std::vector<Finding>& findings, const SignedAxes& dvl_axes) {
+                            const std::vector<Finding>& findings) {
   if (streams.dvl.empty() || streams.ins.empty() ||
       hasFinding(findings, Ins::label, streams.ins.begin()->first) ||
       hasFinding(findings, Dvl::label, streams.dvl.begin()->first))
     return {};
-  return verticalEvidence(streams, streams.ins.begin()->second, depth, vehicle, dvl_axes);
+  return verticalEvidence(streams.dvl.begin()->second, streams.ins.begin()->second, depth, vehicle);
 }
 
-Regression verticalEvidence(const Streams& streams, const InsStream& ins, const DepthStream& depth,
-                            const Vehicle& vehicle, const SignedAxes& dvl_axes, const SignedAxes& ins_axes) {
+Regression verticalEvidence(const DvlStream& dvl, const InsStream& ins, const DepthStream& depth,
+                            const Vehicle& vehicle, const Matrix3d& dvl_axes, const Matrix3d& ins_axes) {
   Regression evidence;
-  if (streams.dvl.empty() || ins.windows.empty()) return evidence;
-  const auto way = wayUpByDvl(streams.dvl.begin()->second, ins, dvl_axes, ins_axes);
+  if (ins.windows.empty()) return evidence;
+  const auto way = wayUpByDvl(dvl, ins, dvl_axes, ins_axes);
   const auto firstFrom = [&](double t_s) {
     return std::lower_bound(way.begin(), way.end(), t_s, [](const auto& a, double t) { return a.t_s < t; });
   };

@@ -143,7 +143,7 @@ TEST(PublicCases, UnitsThatDriversGetWrong) {
   };
   for (const Case& c :
        {Case{"bag_accelerometer_in_g", "accelerometer-in-g", "0.102 of gravity's 9.8066; it is in g"},
-        Case{"bag_gyro_in_degrees", "gyro-in-degrees", "by 0.01748 of what the gyro says (164 deg/s"},
+        Case{"bag_gyro_in_degrees", "gyro-in-degrees", "if it is in degrees a second"},
         Case{"bag_pressure_in_kilopascal", "pressure-in-kilopascal", "it is in kPa"}}) {
     const auto bag = [&](const std::string& arguments) {
       return import("bag", inputOf(c.folder, "dive.bag"),

@@ -39,7 +39,7 @@ Trajectory randomMotion(std::uint64_t seed, double duration_s) {
   return {times_s, poses};
 }
 
-const Matrix3d kFrd = Vector3d(1, -1, -1).asDiagonal();
+const Matrix3d kFrd = Vector3d(1, -1, -1).asDiagonal(), kHalfTurn = Vector3d(-1, -1, 1).asDiagonal();
 
 Matrix3d nedFromEnu() {
   Matrix3d m;
@@ -64,7 +64,11 @@ void spoil(const std::string& name, const Vehicle& vehicle, InsSample& s) {
     *s.specific_force_ins -= R.transpose() * Vector3d(0, 0, vehicle.gravity_m_s2);
   }
   if (name == "gyro-in-degrees") rate(I * 57.29578);
-  if (name == "gyro-sign") rate(-I);
+  if (name == "gyro-axes sign") rate(-I);
+  if (name == "gyro-axes zyx") rate(I.rowwise().reverse());
+  if (name == "accelerometer-axes frd") force(kFrd);
+  if (name == "accelerometer-axes half-turn") force(kHalfTurn);
+  if (name == "gyro-axes half-turn, and the accelerometer's") force(kHalfTurn), rate(kHalfTurn);
   if (name == "attitude-inverse") attitude([](const Matrix3d& R) { return R.transpose(); });
   if (name == "attitude-ned") attitude([](const Matrix3d& R) -> Matrix3d { return nedFromEnu() * R; });
   if (name == "attitude-ned-frd")
@@ -74,7 +78,7 @@ void spoil(const std::string& name, const Vehicle& vehicle, InsSample& s) {
       const Eigen::Quaterniond q(R);
       return Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
     });
-  if (name == "gravity-direction") {
+  if (name == "ins-axes") {
     force(kFrd), rate(kFrd);
     attitude([](const Matrix3d& R) { return R * kFrd; });
   }
@@ -85,12 +89,16 @@ void spoil(const std::string& name, const Vehicle&, DvlSample& s) {
   Vector3d& v = *s.velocity_dvl;
   if (name == "dvl-in-millimetres") v *= 1000;
   if (name == "dvl-in-centimetres") v *= 100;
+  if (name == "dvl-in-knots") v /= 0.514444;
+  if (name == "dvl-in-feet") v /= 0.3048;
+  if (name == "dvl-turned") v = Eigen::AngleAxisd(0.7, Vector3d::UnitZ()) * v;
   if (name == "dvl-axes") v = kFrd * v;
   if (name == "dvl-axes up") v.z() = -v.z();
 }
 
 void spoil(const std::string& name, const Vehicle& vehicle, DepthSample& s) {
   const double air = vehicle.depth->atmospheric_pressure_pa;
+  if (name == "pressure-falls") s.pressure_pa = 2 * air + 8e5 - s.pressure_pa;
   if (name == "pressure-in-kilopascal") s.pressure_pa /= 1000;
   if (name == "pressure-in-millibar") s.pressure_pa /= 100;
   if (name == "pressure-in-bar") s.pressure_pa /= 1e5;
@@ -98,29 +106,45 @@ void spoil(const std::string& name, const Vehicle& vehicle, DepthSample& s) {
     s.pressure_pa = (s.pressure_pa - air) / (vehicle.depth->water_density_kg_m3 * vehicle.gravity_m_s2);
 }
 
+/// What a sensor goes on reading when its driver hands out the last value.
+void freeze(const std::string& name, const Reading& last, Reading& now) {
+  if (auto* ins = std::get_if<InsSample>(&now)) {
+    const auto& old = std::get<InsSample>(last);
+    if (name == "gyro-frozen") ins->angular_velocity_ins = old.angular_velocity_ins;
+    if (name == "accelerometer-frozen") ins->specific_force_ins = old.specific_force_ins;
+    if (name == "attitude-frozen") ins->R_odom_ins = old.R_odom_ins;
+  }
+  if (name == "velocity-frozen")
+    std::get<DvlSample>(now).velocity_dvl = std::get<DvlSample>(last).velocity_dvl;
+  if (name == "pressure-frozen")
+    std::get<DepthSample>(now).pressure_pa = std::get<DepthSample>(last).pressure_pa;
+}
+
 }  // namespace
 
 bool StreamFault::isNamedBy(const Finding& finding) const {
-  const std::string correction = name == "gyro-sign" ? "gyro-axes:-x,-y,-z" : name;
-  return finding.name == name.substr(0, name.find(' ')) ||
-         finding.what.find("--correct " + correction) != std::string::npos;
+  const std::string kind = name.substr(0, name.find(' '));
+  return finding.name == kind || finding.what.find("--correct " + kind) != std::string::npos;
 }
 
 std::vector<StreamFault> streamFaults(const Vehicle& vehicle) {
   std::vector<StreamFault> faults{{"", ""}};
   for (const char* name :
        {"accelerometer-in-g", "accelerometer-in-milli-g", "accelerometer-without-gravity", "gyro-in-degrees",
-        "gyro-sign", "gravity-direction", "stamps-missing:INS", "stamps-equal:INS", "stamps-step-back:INS",
-        "stamps-of-arrival:INS", "clock-rate:INS"})
+        "gyro-axes sign", "gyro-axes zyx", "accelerometer-axes frd", "accelerometer-axes half-turn",
+        "ins-axes", "gyro-frozen", "accelerometer-frozen", "stamps-missing:INS", "stamps-equal:INS",
+        "stamps-step-back:INS", "stamps-of-arrival:INS", "clock-rate:INS"})
     faults.push_back({name, labels::kIns});
   if (vehicle.ins->attitude_sigma_rad)
-    for (const char* name : {"attitude-inverse", "attitude-ned", "attitude-ned-frd", "attitude-w-first"})
+    for (const char* name : {"gyro-axes half-turn, and the accelerometer's", "attitude-frozen",
+                             "attitude-inverse", "attitude-ned", "attitude-ned-frd", "attitude-w-first"})
       faults.push_back({name, labels::kIns});
-  for (const char* name : {"dvl-in-millimetres", "dvl-in-centimetres", "dvl-axes", "dvl-axes up",
-                           "dvl-repeated", "clock-rate:DVL"})
-    faults.push_back({name, labels::kDvl});
   for (const char* name :
-       {"pressure-in-kilopascal", "pressure-in-millibar", "pressure-in-bar", "pressure-is-depth"})
+       {"dvl-in-millimetres", "dvl-in-centimetres", "dvl-in-knots", "dvl-in-feet", "dvl-turned", "dvl-axes",
+        "dvl-axes up", "velocity-repeated", "velocity-frozen", "clock-rate:DVL", "clock-offset:DVL"})
+    faults.push_back({name, labels::kDvl});
+  for (const char* name : {"pressure-in-kilopascal", "pressure-in-millibar", "pressure-in-bar",
+                           "pressure-is-depth", "pressure-falls", "pressure-frozen"})
     faults.push_back({name, labels::kDepth});
   return faults;
 }
@@ -175,6 +199,7 @@ void addFault(const StreamFault& fault, const Vehicle& vehicle, std::uint64_t se
   const bool arrival = fault.name.starts_with("stamps-of-arrival");
   Time before{}, before_that{};
   std::optional<Vector3d> kept;
+  std::optional<Reading> frozen;
   std::size_t n = 0;
   double burst_s = 0;
   for (Sample& sample : samples) {
@@ -194,7 +219,13 @@ void addFault(const StreamFault& fault, const Vehicle& vehicle, std::uint64_t se
     if (arrival)
       burst_s = n % 4 == 0 ? t_s + 3.2 / vehicle.ins->rate_hz : burst_s + random.uniform(0.0005, 0.0015);
     if (arrival) sample.time = after(start, burst_s);
-    if (fault.name == "dvl-repeated") {
+    if (fault.name == "clock-offset:DVL")
+      sample.time = after(start, t_s + (ppm > 0 ? 1 : -1) * (0.4 + 3e-4 * std::abs(ppm)));
+    if (fault.name.ends_with("-frozen") && t_s > 70) {
+      if (!frozen) frozen = sample.reading;
+      freeze(fault.name, *frozen, sample.reading);
+    }
+    if (fault.name == "velocity-repeated") {
       auto& velocity = std::get<DvlSample>(sample.reading).velocity_dvl;
       if (kept && n % 20 > 4) velocity = kept;
       kept = velocity;

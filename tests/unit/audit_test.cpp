@@ -40,6 +40,15 @@ TEST(Correction, ConcernsOneInstrumentOnly) {
   EXPECT_EQ(*std::get<DvlSample>(second.reading).velocity_dvl, Vector3d(200, -100, 300));
 }
 
+TEST(Correction, TurnsADvlByAnyAngle) {
+  Sample sample{test::kStart, "DVL", DvlSample{{}, Vector3d(1, 0, 3)}};
+  Correction::named("dvl-turned:30").apply(sample, {}, test::kStart);
+  EXPECT_LT((*std::get<DvlSample>(sample.reading).velocity_dvl - Vector3d(std::sqrt(0.75), 0.5, 3)).norm(),
+            1e-12);
+  for (const char* turned : {"dvl-turned", "dvl-turned:", "dvl-turned:x", "dvl-turned:nan"})
+    EXPECT_NE(whyNot(turned).find("must be dvl-turned"), std::string::npos) << turned;
+}
+
 /// 10 m of the sheet's water, by each way of writing it.
 TEST(Correction, PressuresAreOneAfterwards) {
   Vehicle vehicle;
@@ -55,6 +64,29 @@ TEST(Correction, PressuresAreOneAfterwards) {
     Sample sample{test::kStart, "DEPTH", DepthSample{{}, written, {}}};
     Correction::named(name).apply(sample, vehicle, test::kStart);
     EXPECT_NEAR(std::get<DepthSample>(sample.reading).pressure_pa, absolute, 1e-6) << name;
+  }
+}
+
+
+TEST(CorrectedSource, OffsetClocksComeInOrder) {
+  std::vector<Sample> samples;
+  for (int i = 0; i < 100; ++i) {
+    samples.push_back({after(test::kStart, 0.1 * i), "INS", InsSample{}});
+    samples.push_back({after(test::kStart, 0.1 * i + 0.05), "DVL", DvlSample{}});
+  }
+  for (const double offset_s : {-1.5, 1.5}) {
+    CorrectedSource source(std::make_unique<test::ListSource>(samples),
+                           {Correction::named(print("clock-offset:DVL:%g", offset_s))}, Vehicle{});
+    std::size_t count = 0;
+    double last_s = -10;
+    while (const auto sample = source.next()) {
+      const double t_s = secondsBetween(test::kStart, sample->time);
+      EXPECT_GE(t_s, last_s);
+      last_s = t_s;
+      if (sample->label == "DVL" && count == 0) EXPECT_NEAR(t_s, 0.05 + offset_s, 1e-6);
+      if (sample->label == "DVL") ++count;
+    }
+    EXPECT_EQ(count, 100U);
   }
 }
 
