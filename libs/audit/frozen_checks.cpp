@@ -38,7 +38,7 @@ void checkFrozen(const Streams& streams, std::vector<Finding>& findings) {
                                  print("its %s is exactly the same for %.1f s from %.1f s on, %zu readings; "
                                        "elsewhere hardly two are alike",
                                        what.c_str(), run_s, run.from_s, run.repeated + 1)));
-    } else if (repeats.never_zero && repeats.readings > kFewestRepeated &&
+    } else if (repeats.readings > kFewestRepeated &&
                share(repeats.repeated, repeats.readings) > mostRepeated(what)) {
       findings.push_back(finding(what + "-repeated", first_label, instance, likely,
                                  print("%.0f %% of its readings of %s are exactly the one before",

@@ -33,7 +33,8 @@ void Streams::add(const Sample& sample) {
 }
 
 void Repeats::add(double t_s, std::span<const double> reading) {
-  const bool same = std::equal(reading.begin(), reading.end(), last_.begin(), last_.end());
+  const bool zero = std::all_of(reading.begin(), reading.end(), [](double x) { return x == 0; });
+  const bool same = !zero && std::equal(reading.begin(), reading.end(), last_.begin(), last_.end());
   ++readings;
   if (!same) {
     last_.assign(reading.begin(), reading.end());
@@ -41,7 +42,6 @@ void Repeats::add(double t_s, std::span<const double> reading) {
     return;
   }
   ++repeated;
-  if (std::all_of(reading.begin(), reading.end(), [](double x) { return x == 0; })) never_zero = false;
   run_.to_s = t_s;
   ++run_.repeated;
   if (run_.repeated > longest.repeated) longest = run_;

@@ -53,6 +53,7 @@ struct StampStream {
 };
 
 /// How often what is measured is exactly as it was, to the last bit: noise does not allow that for long.
+/// Zero is not counted: absence is written so, and what stands still has it by wheels.
 struct Repeats {
   struct Run {
     double from_s = 0, to_s = 0;
@@ -60,7 +61,6 @@ struct Repeats {
   };
   std::size_t readings = 0, repeated = 0;
   Run longest;
-  bool never_zero = true;  ///< of what was repeated: absence is written as zero
 
   void add(double t_s, std::span<const double> reading);
 
