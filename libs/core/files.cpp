@@ -29,10 +29,10 @@ bool isStill(int descriptor, const fs::path& file) {
 /// ends. A file system without locks (errno other than EWOULDBLOCK) gives none.
 bool isAnothers(int descriptor) { return flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
 
-/// Opens and locks a part file, none that a link of its name leads to.
+/// Opens and locks a part file, none that a link of its name leads to. A pipe of its name is not waited for.
 int claim(const fs::path& part, const fs::path& target) {
   while (true) {
-    const int descriptor = open(part.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+    const int descriptor = open(part.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
     if (descriptor < 0)
       throw Error(target.string(), "", std::string("cannot be written: ") + std::strerror(errno));
     if (isAnothers(descriptor)) {
@@ -43,6 +43,31 @@ int claim(const fs::path& part, const fs::path& target) {
     if (isStill(descriptor, part)) return descriptor;
     close(descriptor);
   }
+}
+
+/// What a name leads to, through links that may lead nowhere yet: renaming a file over a link would replace
+/// the link.
+fs::path endOfLinks(const fs::path& name) {
+  constexpr int kMostLinks = 40;  // as Linux
+  fs::path file = name;
+  std::error_code none;
+  for (int links = 0; fs::is_symlink(fs::symlink_status(file, none)); ++links) {
+    const fs::path next = fs::read_symlink(file, none);
+    if (links == kMostLinks || next.empty())
+      throw Error(name.string(), "", "is a link that leads nowhere: cannot be written");
+    file = next.is_absolute() ? next : file.parent_path() / next;
+  }
+  return file;
+}
+
+/// Renaming a file over a device or a pipe would replace it for everybody.
+void refuseSpecial(const fs::path& target) {
+  std::error_code nobody_can_look;
+  const fs::file_status there = fs::status(target, nobody_can_look);
+  if (!fs::exists(there) || fs::is_regular_file(there)) return;
+  throw Error(target.string(), "",
+              fs::is_directory(there) ? "is a folder: cannot be written as a file"
+                                      : "is a device, a pipe or a socket: only a file can be written");
 }
 
 }  // namespace
@@ -60,10 +85,13 @@ bool isFolder(const fs::path& path) {
   return fs::is_directory(path, nobody_can_look);
 }
 
-PendingFile::PendingFile(fs::path target) : target_(std::move(target)), part_(target_) {
+PendingFile::PendingFile(fs::path target) : target_(std::move(target)) {
+  refuseSpecial(target_);
+  file_ = endOfLinks(target_);
+  part_ = file_;
   part_ += ".part";
   std::error_code problem;
-  if (target_.has_parent_path()) fs::create_directories(target_.parent_path(), problem);
+  if (file_.has_parent_path()) fs::create_directories(file_.parent_path(), problem);
   if (problem) throw Error(target_.string(), "", "cannot create its folder: " + problem.message());
   claim_ = claim(part_, target_);
 }
@@ -76,7 +104,7 @@ PendingFile::~PendingFile() {
 
 void PendingFile::commit() {
   std::error_code problem;
-  fs::rename(part_, target_, problem);
+  fs::rename(part_, file_, problem);
   if (problem) throw Error(target_.string(), "", "cannot be written: " + problem.message());
   committed_ = true;
 }

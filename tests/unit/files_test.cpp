@@ -1,6 +1,7 @@
 #include "core/files.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 
@@ -76,6 +77,40 @@ TEST(PendingFile, FailuresAreErrorsThatNameTheFile) {
   fs::create_directories(folder / "taken" / "full");
   EXPECT_THROW(writeTextFile(folder / "taken", "text"), Error);
   EXPECT_FALSE(fs::exists(folder / "taken.part"));
+}
+
+// Renaming a file over it would take its place.
+TEST(PendingFile, WhatIsNoFileIsNotReplaced) {
+  const auto folder = test::scratchFolder();
+  const fs::path pipe = folder / "pipe", link = folder / "link", device = folder / "device";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  fs::create_symlink("pipe", link);
+  for (const fs::path& target : {pipe, link}) EXPECT_THROW(writeTextFile(target, "text"), Error) << target;
+  EXPECT_TRUE(fs::is_fifo(pipe) && fs::is_symlink(link));
+  constexpr auto kNull = static_cast<dev_t>(0x103);
+  if (mknod(device.c_str(), S_IFCHR | 0600, kNull) == 0) {  // root only
+    EXPECT_THROW(writeTextFile(device, "text"), Error);
+    EXPECT_TRUE(fs::is_character_file(device));
+  }
+  ASSERT_EQ(mkfifo((folder / "out.part").c_str(), 0600), 0);
+  EXPECT_THROW(writeTextFile(folder / "out", "text"), Error) << "and does not wait for a reader";
+}
+
+TEST(PendingFile, ALinkStaysAndWhatItLeadsToIsWritten) {
+  const auto folder = test::scratchFolder();
+  fs::create_directories(folder / "there");
+  writeTextFile(folder / "there/old", "old");
+  fs::create_symlink("there/old", folder / "relative");
+  fs::create_symlink(folder / "relative", folder / "twice");
+  fs::create_symlink("there/new/file", folder / "dangling");
+  writeTextFile(folder / "twice", "text");
+  writeTextFile(folder / "dangling", "text");
+  for (const char* link : {"relative", "twice", "dangling"})
+    EXPECT_TRUE(fs::is_symlink(folder / link)) << link;
+  EXPECT_EQ(readTextFile(folder / "there/old"), "text");
+  EXPECT_EQ(readTextFile(folder / "there/new/file"), "text");
+  fs::create_symlink("loop", folder / "loop");
+  EXPECT_THROW(writeTextFile(folder / "loop", "text"), Error);
 }
 
 TEST(PendingFile, IsOneWritersAtATime) {
