@@ -35,6 +35,25 @@ std::string oneLine(std::string text) {
   return text;
 }
 
+std::string printable(const std::string& text) {
+  std::string shown;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    // U+0080 to U+009F are control characters too: 0xC2 and a byte that is no text by itself.
+    const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
+    const bool is_c1 = byte == 0xC2 && next >= 0x80 && next < 0xA0;
+    if (byte == '\n')
+      shown += "\\n";
+    else if (is_c1)
+      shown += print("\\x%02x", static_cast<unsigned char>(text[++i]));
+    else if (std::iscntrl(byte) != 0)
+      shown += print("\\x%02x", byte);
+    else
+      shown += text[i];
+  }
+  return shown;
+}
+
 std::string csvField(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";

@@ -17,6 +17,10 @@ std::string shortest(double value);
 /// may hold any, and messages quote them.
 std::string oneLine(std::string text);
 
+/// What files may hold in a name or a label, for a terminal: control characters, line breaks and escape
+/// sequences too, as C would write them (\\n, \\x1b).
+std::string printable(const std::string& text);
+
 /// As a field of a CSV table: quoted where it has to be (RFC 4180).
 std::string csvField(const std::string& text);
 

@@ -45,7 +45,7 @@ class LabelAccumulator {
  public:
   explicit LabelAccumulator(const Sample& first) {
     info_.label = first.label;
-    info_.kind = std::visit(Kind{}, first.reading);
+    info_.kind = kindOf(first.reading);
     info_.mountings = last_mountings_ = fathom::mountings(first.reading);
     info_.intrinsics = last_intrinsics_ = fathom::intrinsics(first.reading);
   }
@@ -171,7 +171,7 @@ void addRemarks(const RecordingInfo& info, const LabelInfo& label, std::vector<s
 }
 
 void describeLabel(const RecordingInfo& info, const LabelInfo& label, std::string& text) {
-  text += print("  %-10s %-12s %9llu", label.label.c_str(), label.kind.c_str(),
+  text += print("  %-10s %-12s %9llu", printable(label.label).c_str(), printable(label.kind).c_str(),
                 static_cast<unsigned long long>(label.count));
   if (label.rate_hz > 0.0)
     text += print("  %8.3f Hz, period %.4f s (median), jitter %.4f s, from %.2f to %.2f s", label.rate_hz,
@@ -236,6 +236,8 @@ nlohmann::json toJson(const RecordingInfo& info, const LabelInfo& label) {
 
 }  // namespace
 
+std::string kindOf(const Reading& reading) { return std::visit(Kind{}, reading); }
+
 RecordingInfo inspectRecording(const fs::path& rawlog, const InspectOptions& options,
                                const std::function<void(double)>& progress) {
   RawlogReader reader(rawlog);
@@ -249,7 +251,7 @@ RecordingInfo inspectRecording(const fs::path& rawlog, const InspectOptions& opt
   while (const auto sample = reader.next()) {
     ++info.entries;
     if (progress && info.entries % kEntriesPerProgress == 0) progress(reader.fraction());
-    const auto key = std::pair(sample->label, std::visit(Kind{}, sample->reading));
+    const auto key = std::pair(sample->label, kindOf(sample->reading));
     labels.try_emplace(key, *sample).first->second.add(*sample, reader.imageFolder());
     if (sample->time == Time{}) continue;
     if (sample->time < before) ++info.steps_back;
@@ -268,6 +270,7 @@ std::vector<std::string> remarks(const RecordingInfo& info) {
   if (info.loss) lines.push_back(describe(*info.loss));
   if (info.steps_back > 0) lines.push_back(entries(info.steps_back) + " out of time order");
   for (const LabelInfo& label : info.labels) addRemarks(info, label, lines);
+  std::transform(lines.begin(), lines.end(), lines.begin(), printable);
   return lines;
 }
 
@@ -275,9 +278,12 @@ std::string describe(const RecordingInfo& info) {
   std::string text = info.file.string() + ": " + std::to_string(info.file_bytes) + " bytes, " +
                      std::to_string(info.entries) + " entries, " + print("%.3f s", info.duration_s) +
                      " from " + secondsText(unixTicks(info.first_time)) + " s since 1970\n";
-  if (!info.header.description.empty()) text += "  description: " + info.header.description + "\n";
-  if (!info.header.panel_map.empty()) text += "  panel map:   " + info.header.panel_map + "\n";
-  if (!info.header.vehicle.empty()) text += "  vehicle:     " + info.header.vehicle + "\n";
+  const auto addNamed = [&text](const char* name, const std::string& value) {
+    if (!value.empty()) text += name + printable(value) + "\n";
+  };
+  addNamed("  description: ", info.header.description);
+  addNamed("  panel map:   ", info.header.panel_map);
+  addNamed("  vehicle:     ", info.header.vehicle);
   for (const LabelInfo& label : info.labels) describeLabel(info, label, text);
   const auto lines = remarks(info);
   text += lines.empty() ? "  nothing to remark\n" : "";

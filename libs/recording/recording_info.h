@@ -12,6 +12,10 @@
 
 namespace fathom {
 
+/// "INS", "DVL", "DVL beams", "depth", "pose", "image", "stereo image", "comment", or for an entry the
+/// convention does not know its MRPT class.
+std::string kindOf(const Reading& reading);
+
 struct RecordingGap {
   Time begin;  ///< time of the last entry before it
   double seconds = 0.0;
@@ -20,8 +24,7 @@ struct RecordingGap {
 /// What a recording holds under one sensor label.
 struct LabelInfo {
   std::string label;
-  std::string kind;  ///< "INS", "DVL", "DVL beams", "depth", "pose", "image", "stereo image", "comment", or
-                     ///< for an entry the convention does not know its MRPT class
+  std::string kind;  ///< see kindOf()
   std::uint64_t count = 0;
   Time first_time{}, last_time{};
   double rate_hz = 0.0;            ///< mean: periods over their sum; 0 with fewer than two different times
@@ -61,7 +64,7 @@ struct InspectOptions {
 RecordingInfo inspectRecording(const std::filesystem::path& rawlog, const InspectOptions& options = {},
                                const std::function<void(double)>& progress = {});
 
-/// What deserves attention, one line each; empty where all is well.
+/// What deserves attention, one printable line each; empty where all is well.
 std::vector<std::string> remarks(const RecordingInfo& info);
 /// Text for people, several lines, remarks included.
 std::string describe(const RecordingInfo& info);
