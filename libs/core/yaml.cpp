@@ -21,8 +21,11 @@ struct YamlMap::Known {
 
 namespace {
 
-std::string lineOf(const YAML::Mark& mark) {
-  return mark.is_null() ? "" : " (line " + std::to_string(mark.line + 1) + ")";
+/// "camera.fx_px (line 3)"; of the whole file, "line 1".
+std::string placeOf(const std::string& path, const YAML::Mark& mark) {
+  if (mark.is_null()) return path;
+  const std::string line = "line " + std::to_string(mark.line + 1);
+  return path.empty() ? line : path + " (" + line + ")";
 }
 
 std::string join(const std::string& path, const std::string& key) {
@@ -44,7 +47,7 @@ class StructureCheck {
 
   void check(const YAML::Node& node, const std::string& path, int depth = 0) {
     if (depth > kMaxDepth || ++nodes_ > kMaxNodes)
-      throw Error(file_, path + lineOf(node.Mark()), "nested too deep, or too large");
+      throw Error(file_, placeOf(path, node.Mark()), "nested too deep, or too large");
     if (node.IsMap()) {
       checkKeys(node, path);
       for (const auto& entry : node) check(entry.second, join(path, entry.first.Scalar()), depth + 1);
@@ -57,10 +60,10 @@ class StructureCheck {
   void checkKeys(const YAML::Node& map, const std::string& path) const {
     std::set<std::string> seen;
     for (const auto& entry : map) {
-      const std::string line = lineOf(entry.first.Mark());
-      if (!entry.first.IsScalar()) throw Error(file_, path + line, "a key must be a plain word");
+      const YAML::Mark mark = entry.first.Mark();
+      if (!entry.first.IsScalar()) throw Error(file_, placeOf(path, mark), "a key must be a plain word");
       const auto& key = entry.first.Scalar();
-      if (!seen.insert(key).second) throw Error(file_, join(path, key) + line, "duplicate key");
+      if (!seen.insert(key).second) throw Error(file_, placeOf(join(path, key), mark), "duplicate key");
     }
   }
 
@@ -149,7 +152,7 @@ void rejectUnknown(const YAML::Node& node, const std::string& path, const std::s
     for (const auto& entry : node) {
       const std::string key = join(path, entry.first.Scalar());
       if (!known.contains(key))
-        throw Error(file, key + lineOf(entry.first.Mark()), "unknown key" + hint(key, known));
+        throw Error(file, placeOf(key, entry.first.Mark()), "unknown key" + hint(key, known));
       rejectUnknown(entry.second, key, file, known);
     }
   } else if (node.IsSequence()) {
@@ -170,6 +173,12 @@ bool YamlMap::has(const std::string& key) const {
 bool YamlMap::isList(const std::string& key) const { return has(key) && (*node_)[key].IsSequence(); }
 bool YamlMap::isMap(const std::string& key) const { return has(key) && (*node_)[key].IsMap(); }
 
+bool YamlMap::isEmpty(const std::string& key) const {
+  if (!has(key)) return false;
+  const YAML::Node node = (*node_)[key];
+  return node.IsNull() || (node.IsScalar() && node.Scalar().empty());
+}
+
 YAML::Node YamlMap::child(const std::string& key) const {
   if (has(key)) return (*node_)[key];
   std::set<std::string> unknown;
@@ -186,7 +195,7 @@ Error YamlMap::error(const std::string& key, const std::string& why) const {
   YAML::Mark mark = node_->Mark();
   for (const auto& entry : *node_)
     if (entry.first.Scalar() == key) mark = entry.first.Mark();
-  return {known_->file, join(path_, key) + lineOf(mark), why};
+  return {known_->file, placeOf(join(path_, key), mark), why};
 }
 
 double YamlMap::toNumber(const YAML::Node& node, const std::string& key) const {
@@ -240,6 +249,18 @@ std::vector<double> YamlMap::numbers(const std::string& key) const {
   if (!node.IsSequence()) throw error(key, "must be a list of numbers");
   std::vector<double> values;
   for (const auto& entry : node) values.push_back(toNumber(entry, key));
+  return values;
+}
+
+std::vector<double> YamlMap::matrix(const std::string& key) const {
+  const YAML::Node node = child(key);
+  if (!node.IsSequence() || node.size() == 0 || !node[0].IsSequence()) return numbers(key);
+  std::vector<double> values;
+  for (const auto& row : node) {
+    if (!row.IsSequence() || row.size() != node[0].size())
+      throw error(key, "must be a list of numbers, or of rows of the same length");
+    for (const auto& entry : row) values.push_back(toNumber(entry, key));
+  }
   return values;
 }
 

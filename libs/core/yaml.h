@@ -27,6 +27,7 @@ class YamlMap {
 
   bool isList(const std::string& key) const;
   bool isMap(const std::string& key) const;
+  bool isEmpty(const std::string& key) const;  ///< there, but without a value, or with an empty text
 
   double number(const std::string& key) const;
   double positive(const std::string& key) const;     ///< > 0
@@ -35,6 +36,8 @@ class YamlMap {
   bool flag(const std::string& key) const;
   std::string text(const std::string& key) const;
   std::vector<double> numbers(const std::string& key) const;
+  /// A list of numbers, or one of rows of numbers, of the same length: row by row.
+  std::vector<double> matrix(const std::string& key) const;
   Vector3d vector3(const std::string& key) const;  ///< [x, y, z]
   std::vector<std::string> texts(const std::string& key) const;
   YamlMap map(const std::string& key) const;

@@ -200,7 +200,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadVehicle{"ZeroRate", "rate_hz: 5", "rate_hz: 0", "dvl.rate_hz (line 11)",
                    "must be greater than zero"},
         BadVehicle{"MissingKey", "  rate_hz: 100\n", "", "ins (line 3)", "missing key `rate_hz`"},
-        BadVehicle{"MissingGravity", "gravity_m_s2: 9.80665\n", "", " (line 1)",
+        BadVehicle{"MissingGravity", "gravity_m_s2: 9.80665\n", "", "line 1",
                    "missing key `gravity_m_s2`"},
         BadVehicle{"UnclosedBracket", "[0, 90, 180, 270]", "[0, 90, 180, 270", "line 19", "not YAML"},
         BadVehicle{"ListForNumber", "beam_angle_deg: 30", "beam_angle_deg: [30]",

@@ -164,6 +164,26 @@ TEST(Yaml, AliasesCannotBlowUp) {
   errorIn("a: " + std::string(100, '[') + std::string(100, ']'));
 }
 
+TEST(Yaml, AMatrixIsAListOrOneOfRows) {
+  const YamlFile yaml = YamlFile::parse(
+      "rows: [[1, 2, 3], [4, 5, 6]]\nlist: [1, 2]\nuneven: [[1, 2], [3]]\n"
+      "mixed: [[1, 2], 3]\nempty: []\nnothing:\nno_text: ''\n",
+      "some.yaml");
+  const YamlMap& y = yaml.root();
+  EXPECT_EQ(y.matrix("rows"), (std::vector<double>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(y.matrix("list"), (std::vector<double>{1, 2}));
+  EXPECT_TRUE(y.matrix("empty").empty());
+  EXPECT_THROW(y.matrix("uneven"), Error);
+  EXPECT_THROW(y.matrix("mixed"), Error);
+  EXPECT_TRUE(y.isEmpty("nothing") && y.isEmpty("no_text"));
+  EXPECT_FALSE(y.isEmpty("empty") || y.isEmpty("absent"));
+}
+
+TEST(Yaml, OfTheWholeFileThereIsOnlyTheLine) {
+  EXPECT_STREQ(errorIn("a: 1\n", [](const YamlMap& y) { y.number("gravity"); }).what(),
+               "some.yaml: line 1: missing key `gravity`");
+}
+
 TEST(Yaml, NumbersAreNumbers) {
   for (const char* bad :
        {"1.5x", "x",   ".nan", "nan",   ".inf", "inf",    "-inf", "1e999", "0x10", "1,5", "1 2",
