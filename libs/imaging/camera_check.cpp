@@ -1,39 +1,69 @@
 #include "imaging/camera_check.h"
 
+#include <ceres/jet.h>
+
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "core/text.h"
 
 namespace fathom {
 namespace {
 
-CameraModel radialPartOf(CameraModel camera) {
-  camera.p1 = camera.p2 = 0;
-  return camera;
+/// How much distort() enlarges an area: not above zero, it folds.
+double enlargementAt(const CameraModel& camera, const Vector2d& ideal) {
+  using Jet = ceres::Jet<double, 2>;
+  const Vector2<Jet> d = camera.distort(Vector2<Jet>(Jet(ideal.x(), 0), Jet(ideal.y(), 1)));
+  return d.x().v.x() * d.y().v.y() - d.x().v.y() * d.y().v.x();
 }
 
-/// Smallest r > 0 at which the radial distortion has no slope, by steps and bisection; none below 10 (84
-/// degrees from the axis).
-std::optional<double> turningRadius(const CameraModel& camera) {
-  constexpr double kLargest = 10, kStep = 1e-3;
-  const CameraModel radial = radialPartOf(camera);
-  const auto slope = [&](double r) {
-    const double h = 1e-6;
-    return radial.distort(Vector2d(r + h, 0)).x() - radial.distort(Vector2d(std::abs(r - h), 0)).x();
+/// How far along one direction from the axis each line of sight has a pixel of its own.
+struct Reach {
+  double ideal_radius = 0;
+  Vector2d end_px = Vector2d::Zero();  ///< there, from the principal point
+  bool folds = false;                  ///< or nothing beyond matters
+};
+
+/// By steps and bisection, until out of the image; a fold beyond 10 (84 degrees from the axis) is none.
+Reach reachAlong(const CameraModel& camera, double angle_rad, double out_of_image_px) {
+  constexpr double kLargest = 10, kStep = 1e-3, kEndless = 1e3;
+  const Vector2d direction(std::cos(angle_rad), std::sin(angle_rad));
+  const auto grows = [&](double r) { return enlargementAt(camera, r * direction) > 0; };
+  const auto pixelAt = [&](double r) {
+    const Vector2d d = camera.distort<double>(r * direction);
+    return Vector2d(d.x() * camera.fx_px, d.y() * camera.fy_px);
   };
-  for (double low = kStep; low < kLargest; low += kStep) {
-    double high = low + kStep;
-    if (slope(high) > 0) continue;
-    for (int i = 0; i < 60; ++i) (slope(0.5 * (low + high)) > 0 ? low : high) = 0.5 * (low + high);
-    return high;
+  for (double low = 0, high = kStep; low < kLargest; low = high, high += kStep * (1 + high)) {
+    if (!grows(high)) {
+      for (int i = 0; i < 60; ++i) (grows(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
+      return {low, pixelAt(low), true};
+    }
+    if (const Vector2d pixel = pixelAt(high); pixel.norm() > out_of_image_px) return {high, pixel, false};
   }
-  return {};
+  return {kLargest, kEndless * out_of_image_px * direction, false};
 }
 
-/// From the principal point, in units of the focal lengths.
-double distortedRadius(const CameraModel& camera, double x_px, double y_px) {
-  return std::hypot((x_px - camera.cx_px) / camera.fx_px, (y_px - camera.cy_px) / camera.fy_px);
+/// All around the axis: a polygon whose inside has lines of sight.
+std::vector<Reach> reachOf(const CameraModel& camera, double out_of_image_px) {
+  constexpr int kDirections = 360;
+  std::vector<Reach> around;
+  for (int i = 0; i < kDirections; ++i)
+    around.push_back(reachAlong(camera, 2 * std::numbers::pi * i / kDirections, out_of_image_px));
+  return around;
+}
+
+/// Whether the polygon winds about a point, however often: a tangential fold's may cross itself.
+bool windsAbout(const Vector2d& point_px, const std::vector<Reach>& around) {
+  int turns = 0;
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const Vector2d a = around[i].end_px - point_px, b = around[(i + 1) % around.size()].end_px - point_px;
+    const double side = a.x() * b.y() - a.y() * b.x();
+    if (a.y() <= 0 && b.y() > 0 && side > 0) ++turns;
+    if (a.y() > 0 && b.y() <= 0 && side < 0) --turns;
+  }
+  return turns != 0;
 }
 
 std::string sizeText(double width_px, double height_px) {
@@ -46,35 +76,53 @@ bool isNearMiddle(double x_px, double y_px, double width_px, double height_px) {
          std::abs(y_px - 0.5 * height_px) < 0.25 * height_px;
 }
 
+/// The principal point is where an image of the other orientation has its middle. Of nearly square ones both
+/// middles are near: then it has to be there much rather than here.
+bool looksSwapped(const CameraModel& c) {
+  const double width = c.width_px, height = c.height_px;
+  if (!isNearMiddle(c.cx_px, c.cy_px, height, width)) return false;
+  const double from_swapped_px = std::hypot(c.cx_px - 0.5 * height, c.cy_px - 0.5 * width),
+               from_own_px = std::hypot(c.cx_px - 0.5 * width, c.cy_px - 0.5 * height);
+  return !isNearMiddle(c.cx_px, c.cy_px, width, height) || 3 * from_swapped_px < from_own_px;
+}
+
 }  // namespace
 
 std::optional<Fold> foldOf(const CameraModel& camera) {
-  const auto turn = turningRadius(camera);
-  if (!turn) return {};
-  const double limit = radialPartOf(camera).distort(Vector2d(*turn, 0)).x();
-  Fold fold{*turn, limit * camera.fx_px};
-  double farthest = 0;
+  const Vector2d middle_px(camera.cx_px, camera.cy_px);
+  std::vector<Vector2d> corners_px;
+  Fold fold;
   for (const double x_px : {-0.5, camera.width_px - 0.5})
     for (const double y_px : {-0.5, camera.height_px - 0.5}) {
-      farthest = std::max(farthest, distortedRadius(camera, x_px, y_px));
-      fold.corner_px = std::max(fold.corner_px, std::hypot(x_px - camera.cx_px, y_px - camera.cy_px));
+      corners_px.push_back(Vector2d(x_px, y_px) - middle_px);
+      fold.corner_px = std::max(fold.corner_px, corners_px.back().norm());
     }
-  if (farthest <= limit) return {};
+  const std::vector<Reach> around = reachOf(camera, fold.corner_px);
+  const auto nearest = std::min_element(around.begin(), around.end(), [](const Reach& a, const Reach& b) {
+    return std::pair(!a.folds, a.end_px.norm()) < std::pair(!b.folds, b.end_px.norm());
+  });
+  if (!nearest->folds) return {};
+  fold.ideal_radius = nearest->ideal_radius;
+  fold.radius_px = nearest->end_px.norm();
   constexpr int kCells = 200;  // each way
   int beyond = 0;
   for (int i = 0; i < kCells; ++i)
-    for (int j = 0; j < kCells; ++j)
-      beyond += distortedRadius(camera, camera.width_px * (i + 0.5) / kCells - 0.5,
-                                camera.height_px * (j + 0.5) / kCells - 0.5) > limit;
+    for (int j = 0; j < kCells; ++j) {
+      const Vector2d cell_px(camera.width_px * (i + 0.5) / kCells - 0.5,
+                             camera.height_px * (j + 0.5) / kCells - 0.5);
+      beyond += windsAbout(cell_px - middle_px, around) ? 0 : 1;
+    }
   fold.blind_share = static_cast<double>(beyond) / (kCells * kCells);
+  const bool sees_corners = std::all_of(corners_px.begin(), corners_px.end(),
+                                        [&](const Vector2d& corner) { return windsAbout(corner, around); });
+  if (beyond == 0 && sees_corners) return {};
   return fold;
 }
 
 std::vector<std::string> doubtsAbout(const CameraModel& camera) {
   std::vector<std::string> doubts;
   const double width = camera.width_px, height = camera.height_px;
-  if (isNearMiddle(camera.cx_px, camera.cy_px, height, width) &&
-      !isNearMiddle(camera.cx_px, camera.cy_px, width, height))
+  if (looksSwapped(camera))
     doubts.push_back(
         print("the principal point (%.0f, %.0f) is near the middle of ", camera.cx_px, camera.cy_px) +
         sizeText(height, width) + ", not of " + sizeText(width, height) + ": the sides look swapped");

@@ -25,9 +25,11 @@ struct CameraFileOptions {
 /// writes it and as `topic echo` prints the message (the first of them); or Kalibr's camchain. Several
 /// cameras may stand in one file under their names. Of each the lens is plumb bob, rational or a fisheye
 /// (equidistant, Kannala-Brandt), pixel (0, 0) the centre of the first pixel. What none of these can express
-/// (an omnidirectional mirror, skew, a thin prism) is an error, and so is a file that names a distortion
-/// model and has no coefficients under any key that is known. What cannot be, or hardly (camera_check.h), is
-/// a remark. Other keys of the file do not matter. Throws Error.
+/// (an omnidirectional mirror, skew, a thin prism) is an error, and so is a file that contradicts itself: one
+/// that names a distortion model and has no coefficients under any key that is known, or the model `none` and
+/// coefficients, two keys for the same with other numbers, rows and columns that are not those of the
+/// numbers. What cannot be, or hardly (camera_check.h), what is not applied (binning, region of interest) and
+/// later messages with another camera are remarks. Other keys of the file do not matter. Throws Error.
 CameraFile readCameraFile(const std::filesystem::path& file, const CameraFileOptions& options = {});
 
 /// A longer side of an image is taken for a mistake.

@@ -109,6 +109,11 @@ std::string changed(std::string text, const std::string& from, const std::string
   return text.replace(text.find(from), from.size(), to);
 }
 
+/// kRos that says to have so many coefficients.
+std::string ros(int coefficients) {
+  return changed(kRos, "cols: 5", "cols: " + std::to_string(coefficients));
+}
+
 TEST(CameraFiles, OtherLensesAreReadAsWhatTheyAre) {
   const std::string fisheye =
       changed(kKalibr, "radtan\n  distortion_coeffs: [-0.125", "equidistant\n  distortion_coeffs: [-0.125");
@@ -118,14 +123,14 @@ TEST(CameraFiles, OtherLensesAreReadAsWhatTheyAre) {
             (std::array{-0.125, 0.0625, 0.001, -0.002, 0.0, 0.0}));
   EXPECT_NE(complaint(changed(kRos, "plumb_bob", "equidistant")).find("k1, k2, k3, k4"), std::string::npos);
   const CameraModel rational =
-      readCameraFile(written(changed(kRos, "-0.002, 0]", "-0.002, 0, 0.1, 0, 0]"))).camera;
+      readCameraFile(written(changed(ros(8), "-0.002, 0]", "-0.002, 0, 0.1, 0, 0]"))).camera;
   EXPECT_EQ(rational.lens, LensModel::rational);
   EXPECT_EQ(rational.k4, 0.1);
-  EXPECT_EQ(readCameraFile(written(changed(kRos, "-0.002, 0]", "-0.002, 0, 0, 0, 0]"))).camera,
+  EXPECT_EQ(readCameraFile(written(changed(ros(8), "-0.002, 0]", "-0.002, 0, 0, 0, 0]"))).camera,
             expectedCamera());
-  EXPECT_NE(
-      complaint(changed(kRos, "-0.002, 0]", "-0.002, 0, 0, 0, 0, 0.1, 0, 0, 0]")).find("eight coefficients"),
-      std::string::npos);
+  EXPECT_NE(complaint(changed(ros(12), "-0.002, 0]", "-0.002, 0, 0, 0, 0, 0.1, 0, 0, 0]"))
+                .find("eight coefficients"),
+            std::string::npos);
   EXPECT_NE(complaint(changed(kKalibr, "pinhole", "omni")).find("omni is neither"), std::string::npos);
 }
 
@@ -183,6 +188,57 @@ TEST(CameraFiles, WhatIsAnotherModelsIsNoPlumbBob) {
             std::string::npos);
 }
 
+TEST(CameraFiles, RowsMayBeListsOfTheirOwn) {
+  EXPECT_EQ(readCameraFile(written("image_width: 1440\nimage_height: 1080\n"
+                                   "camera_matrix: [[1101.5, 0, 710.125], [0, 1102.25, 545.5], [0, 0, 1]]\n"
+                                   "dist_coeff: [[-0.125, 0.0625, 0.001, -0.002, 0]]\n"))
+                .camera,
+            expectedCamera());
+}
+
+TEST(CameraFiles, ContradictionsAreSaid) {
+  const auto contains = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  contains(complaint(ros(4)), "distortion_coefficients (line 9): says 1 x 4, and has 5 numbers");
+  contains(complaint(changed(kRos, "plumb_bob", "none")),
+           "distortion_model (line 8): says that there is none");
+  contains(complaint(changed(kRos, "plumb_bob", "''")), "distortion_model (line 8): says that there is none");
+  contains(complaint(std::string(kRos) + "D: [0.1, 0, 0, 0, 0]\n"), "D (line 13): has other numbers than");
+  EXPECT_EQ(complaint(std::string(kRos) + "D: [-0.125, 0.0625, 0.001, -0.002, 0]\n"), "none");
+  contains(
+      complaint("height: 480\nwidth: 640\ndistortion_model: ''\nd: []\nk: [0, 0, 0, 0, 0, 0, 0, 0, 0]\n"),
+      "not calibrated");
+  contains(complaint(kRos, "nix"), "one camera, without a name");
+  contains(complaint("focal: 3\n"), "camera.yaml: line 1: holds no camera");
+}
+
+std::string remarksOn(const std::string& text) {
+  std::string all;
+  for (const std::string& remark : readCameraFile(written(text)).remarks) all += remark + "\n";
+  return all;
+}
+
+TEST(CameraFiles, WhatIsNotAppliedIsRemarked) {
+  const std::string roi = "roi: {x_offset: 0, y_offset: 0, width: 0, height: 0}\n",
+                    full = "roi: {x_offset: 0, y_offset: 0, width: 1440, height: 1080}\n",
+                    part = "roi: {x_offset: 0, y_offset: 0, width: 300, height: 200}\n";
+  const std::string message =
+      "height: 1080\nwidth: 1440\ndistortion_model: plumb_bob\nd: [-0.1, 0, 0, 0, 0]\n"
+      "k: [1101.5, 0, 710.125, 0, 1102.25, 545.5, 0, 0, 1]\nbinning_x: 0\nbinning_y: 0\n";
+  EXPECT_EQ(remarksOn(message + roi) + remarksOn(message + full), "");
+  EXPECT_NE(remarksOn(message + part).find("300 x 200 px at (0, 0), is not applied"), std::string::npos);
+  EXPECT_NE(remarksOn(changed(message, "binning_x: 0", "binning_x: 2")).find("binning of 2 x 0"),
+            std::string::npos);
+  const std::string bare = changed(changed(message, "d: [-0.1, 0, 0, 0, 0]\n", ""), "plumb_bob", "none");
+  EXPECT_NE(remarksOn(bare).find("no distortion coefficients"), std::string::npos);
+
+  const std::string other = changed(message, "-0.1", "-0.2");
+  EXPECT_EQ(remarksOn(message + "---\n" + message + "---\n" + message.substr(0, 60)), "");
+  EXPECT_NE(remarksOn(message + "---\n" + message + "---\n" + other + "---\n").find("another camera"),
+            std::string::npos);
+}
+
 TEST(CameraCheck, SaysWhatMakesNoSense) {
   const auto doubts = [](int width_px, int height_px, double f_px, double cx_px, double cy_px) {
     CameraModel camera;
@@ -198,6 +254,12 @@ TEST(CameraCheck, SaysWhatMakesNoSense) {
   EXPECT_EQ(doubts(960, 540, 583, 480, 272), "");
   EXPECT_EQ(doubts(960, 540, 583, 300, 400), "");  // far off, but in it
   EXPECT_NE(doubts(540, 960, 583, 480, 272).find("swapped"), std::string::npos);
+  for (const auto& [width, height] : {std::pair(640, 480), {1280, 1024}, {1280, 960}}) {
+    EXPECT_NE(doubts(height, width, 900, 0.5 * width, 0.5 * height).find("swapped"), std::string::npos)
+        << width;
+    EXPECT_EQ(doubts(width, height, 900, 0.55 * width, 0.44 * height), "") << width;
+  }
+  EXPECT_NE(doubts(640, 480, 533, 235, 307).find("swapped"), std::string::npos);
   EXPECT_NE(doubts(400, 300, 2339, 903, 566).find("1806 x 1132"), std::string::npos);
 }
 
@@ -224,6 +286,28 @@ TEST(CameraCheck, DistortionThatTurnsBackInsideTheImageIsSeen) {
   camera.cx_px = camera.cy_px = 100;
   EXPECT_FALSE(foldOf(camera).has_value());  // it turns back outside
   EXPECT_FALSE(foldOf(expectedCamera()).has_value());
+}
+
+// r (1 + 0.1 r² + 0.1 r⁴) over 1 - 1.5 r² grows without end up to its pole at r = 0.816; every pixel is
+// within.
+TEST(CameraCheck, ARationalLensMayHaveAPole) {
+  CameraModel camera{640, 480, 533, 530, 307, 235, 0.1, 0.1};
+  camera.lens = LensModel::rational;
+  camera.k4 = -1.5;
+  EXPECT_FALSE(foldOf(camera).has_value());
+}
+
+// x + p2 (3 x² + y²) has no slope along y = 0 at x = -1 / (6 p2), where it is -1 / (12 p2).
+TEST(CameraCheck, TangentialDistortionFoldsToo) {
+  CameraModel camera{640, 480, 533, 533, 307, 235};
+  camera.p2 = -0.4;
+  const auto fold = foldOf(camera);
+  ASSERT_TRUE(fold.has_value());
+  EXPECT_NEAR(fold->ideal_radius, 1 / 2.4, 1e-3);
+  EXPECT_NEAR(fold->radius_px, 533 / 4.8, 0.1);
+  EXPECT_NEAR(fold->blind_share, (640 - 307 - fold->radius_px) / 640, 0.1);
+  camera.p2 = -0.04;
+  EXPECT_FALSE(foldOf(camera).has_value());
 }
 
 }  // namespace
