@@ -23,17 +23,41 @@ struct ExportOptions {
   double latitude_deg = 0, longitude_deg = 0, height_m = 0, x_heading_deg = 90, spacing_s = 1;
 };
 
+/// "50 entries (LABEL, class), …"
+std::string leftOutText(const CsvExport& tables) {
+  std::string text;
+  for (const auto& [what, count] : tables.left_out)
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + (count == 1 ? " entry (" : " entries (") +
+            what + ")";
+  return text;
+}
+
 void exportTables(const ExportOptions& options) {
   const CsvExport tables = [&] {
     Progress progress("exporting");
     return exportCsv(options.from, options.out, [&](double share) { progress.update(share); });
   }();
+  if (tables.files.empty())
+    throw Error(options.from, "",
+                "holds nothing that becomes a table" +
+                    (tables.left_out.empty() ? "" : ", only " + leftOutText(tables)) +
+                    (tables.loss ? "; " + describe(*tables.loss) : ""));
+  if (!tables.left_out.empty()) std::cout << "no table of " << leftOutText(tables) << "\n";
   if (tables.loss) std::cout << "the recording is damaged: " << describe(*tables.loss) << "\n";
   for (const auto& file : tables.files) std::cout << "wrote " << file.string() << "\n";
 }
 
+/// What cannot stand in a path is left out, and said.
+std::vector<StampedPose> pathToExport(const ExportOptions& options) {
+  RecordedPath path = recordedPath(options.from, options.label);
+  if (path.left_out > 0)
+    std::cout << "left out " << path.left_out << " of " << path.left_out + path.poses.size()
+              << " poses: not finite, without a time, or not later than one before\n";
+  return std::move(path.poses);
+}
+
 void exportTum(const ExportOptions& options) {
-  const std::vector<StampedPose> path = recordedPath(options.from, options.label);
+  const std::vector<StampedPose> path = pathToExport(options);
   writeTum(options.out, path);
   std::cout << "wrote " << path.size() << " poses to " << options.out << "\n";
 }
@@ -41,10 +65,8 @@ void exportTum(const ExportOptions& options) {
 void exportKml(const ExportOptions& options) {
   const GeoReference reference{radians(options.latitude_deg), radians(options.longitude_deg),
                                options.height_m, radians(options.x_heading_deg)};
-  const std::vector<StampedPose> path = recordedPath(options.from, options.label);
-  if (const double farthest = farthest_m(path); farthest > kFarthestLocal_m)
-    throw Error(options.from, "",
-                print("has a pose %.0f km from odom's origin: not in local metres (UTM?)", farthest / 1000));
+  const std::vector<StampedPose> path = pathToExport(options);
+  if (const auto why = whyOnNoMap(path, reference)) throw Error(options.from, "", *why);
   writeTextFile(options.out,
                 formatKml(path, reference, options.spacing_s, fs::path(options.from).stem().string()));
   std::cout << "wrote " << options.out << "\n";
@@ -101,6 +123,7 @@ void addKml(CLI::App& parent) {
       ->required()
       ->check(CLI::Range(-180.0, 180.0));
   command->add_option("--height", options->height_m, "Of odom's origin over the sea, m")
+      ->check(CLI::Range(kLowestHeight_m, kHighestHeight_m))
       ->capture_default_str();
   command
       ->add_option("--x-heading", options->x_heading_deg,

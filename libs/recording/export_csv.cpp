@@ -8,6 +8,7 @@
 #include "core/files.h"
 #include "core/text.h"
 #include "recording/fields.h"
+#include "recording/recording_info.h"
 #include "recording/time_text.h"
 
 namespace fathom {
@@ -83,8 +84,9 @@ class Table {
   std::vector<std::optional<double>> values_;
 };
 
-bool isTabular(const Reading& reading) {
-  return !std::holds_alternative<RecordingHeader>(reading) && !std::holds_alternative<UnknownSample>(reading);
+std::string labelAndKind(const Sample& sample) {
+  const std::string kind = kindOf(sample.reading);
+  return printable(sample.label.empty() ? kind : sample.label + ", " + kind);
 }
 
 }  // namespace
@@ -99,8 +101,9 @@ CsvExport exportCsv(const fs::path& rawlog, const fs::path& folder,
   while (const auto sample = reader.next()) {
     if (!start) start = sample->time;
     if (progress && ++entries % kEntriesPerProgress == 0) progress(reader.fraction());
-    if (!isTabular(sample->reading)) {
-      ++result.entries_left_out;
+    if (std::holds_alternative<RecordingHeader>(sample->reading)) continue;
+    if (std::holds_alternative<UnknownSample>(sample->reading)) {
+      ++result.left_out[labelAndKind(*sample)];
       continue;
     }
     const auto table =

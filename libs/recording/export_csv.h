@@ -2,7 +2,9 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "recording/rawlog.h"
@@ -11,7 +13,8 @@ namespace fathom {
 
 struct CsvExport {
   std::vector<std::filesystem::path> files;  ///< one a sensor label, sorted
-  std::uint64_t entries_left_out = 0;        ///< comments and entries the convention does not know
+  /// Entries that the convention does not know, which have no table: how many, by label and class.
+  std::map<std::string, std::uint64_t> left_out;
   std::optional<RecordingLoss> loss;
 };
 

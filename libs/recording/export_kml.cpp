@@ -13,12 +13,35 @@
 namespace fathom {
 namespace {
 
-constexpr double kEarthRadius_m = 6371e3;
-constexpr int kSteps = 6;
+constexpr double kEquator_m = 6378137, kPole_m = 6356752.3142;  // WGS 84, as MRPT has it
+constexpr double kEccentricity2 = 1 - kPole_m * kPole_m / (kEquator_m * kEquator_m);
+constexpr double kFarthestLocal_m = 200e3;  // no vehicle goes so far on one dive
 
 /// East, north, up of a vector in odom.
 Vector3d eastNorthUp(const Vector3d& v_odom, double x_heading_rad) {
   return Eigen::AngleAxisd(std::numbers::pi / 2 - x_heading_rad, Vector3d::UnitZ()) * v_odom;
+}
+
+/// East, north and up at a place as columns, in the Earth's frame.
+Matrix3d eastNorthUpAt(double latitude_rad, double longitude_rad) {
+  const Eigen::AngleAxisd about_pole(longitude_rad + std::numbers::pi / 2, Vector3d::UnitZ()),
+      about_east(std::numbers::pi / 2 - latitude_rad, Vector3d::UnitX());
+  return (about_pole * about_east).toRotationMatrix();
+}
+
+/// Of a point in the Earth's frame. By Bowring's fixed point, whose every step leaves the ellipsoid's
+/// flattening times the height over the radius of what is left.
+GeoPosition geoPositionOf(const Vector3d& p_earth) {
+  const double from_axis_m = std::hypot(p_earth.x(), p_earth.y());
+  GeoPosition at{std::atan2(p_earth.z(), (1 - kEccentricity2) * from_axis_m),
+                 std::atan2(p_earth.y(), p_earth.x()), 0};
+  constexpr int kSteps = 6;
+  for (int step = 0; step < kSteps; ++step) {
+    const double s = std::sin(at.latitude_rad), flat = std::sqrt(1 - kEccentricity2 * s * s);
+    at.height_m = from_axis_m * std::cos(at.latitude_rad) + p_earth.z() * s - kEquator_m * flat;
+    at.latitude_rad = std::atan2(p_earth.z() + kEccentricity2 * kEquator_m / flat * s, from_axis_m);
+  }
+  return at;
 }
 
 /// Where the robot's x axis points, degrees from north by east, 0 to 360.
@@ -68,27 +91,25 @@ std::string isoTime(const Time& time) {
 }  // namespace
 
 GeoPosition geoPositionOf(const Vector3d& position_odom, const GeoReference& reference) {
-  const Vector3d p = eastNorthUp(position_odom, reference.x_heading_rad);
-  const mrpt::topography::TGeodeticCoords origin(degrees(reference.latitude_rad),
-                                                 degrees(reference.longitude_rad), reference.height_m);
-  GeoPosition at{reference.latitude_rad, reference.longitude_rad, reference.height_m};
-  // MRPT's geocentricToGeodetic is 0.2 m off at 28 m; its way back is exact. On a sphere each step leaves
-  // three thousandths, the ellipsoid's flattening, of what is left.
-  for (int step = 0; step < kSteps; ++step) {
-    mrpt::math::TPoint3D reached;
-    mrpt::topography::geodeticToENU_WGS84({degrees(at.latitude_rad), degrees(at.longitude_rad), at.height_m},
-                                          reached, origin);
-    at.latitude_rad += (p.y() - reached.y) / kEarthRadius_m;
-    at.longitude_rad += (p.x() - reached.x) / (kEarthRadius_m * std::cos(at.latitude_rad));
-    at.height_m += p.z() - reached.z;
-  }
-  return at;
+  mrpt::math::TPoint3D origin_earth;
+  mrpt::topography::geodeticToGeocentric_WGS84(
+      {degrees(reference.latitude_rad), degrees(reference.longitude_rad), reference.height_m}, origin_earth);
+  const Vector3d off_earth = eastNorthUpAt(reference.latitude_rad, reference.longitude_rad) *
+                             eastNorthUp(position_odom, reference.x_heading_rad);
+  return geoPositionOf(Vector3d(origin_earth.x, origin_earth.y, origin_earth.z) + off_earth);
 }
 
-double farthest_m(const std::vector<StampedPose>& path) {
-  double farthest = 0;
-  for (const StampedPose& pose : path) farthest = std::max(farthest, pose.T_odom_robot.position.norm());
-  return farthest;
+std::optional<std::string> whyOnNoMap(const std::vector<StampedPose>& path, const GeoReference& reference) {
+  for (const StampedPose& pose : path) {
+    const Vector3d& position = pose.T_odom_robot.position;
+    if (!(position.norm() <= kFarthestLocal_m))
+      return print("has a pose %.4g km from odom's origin: not in local metres (UTM?)",
+                   position.norm() / 1000);
+    const double height_m = geoPositionOf(position, reference).height_m;
+    if (!(height_m >= kLowestHeight_m && height_m <= kHighestHeight_m))
+      return print("has a pose at %.0f m over the sea", height_m);
+  }
+  return {};
 }
 
 std::string formatKml(const std::vector<StampedPose>& path, const GeoReference& reference, double spacing_s,
@@ -101,16 +122,18 @@ std::string formatKml(const std::vector<StampedPose>& path, const GeoReference& 
     places += "<gx:coord>" + placeOf(pose, reference, ' ') + "</gx:coord>\n";
     angles += print("<gx:angles>%.2f 0 0</gx:angles>\n", heading_deg(pose.T_odom_robot, reference));
   }
+  const std::string shape = poses.size() < 2 ? "Point" : "LineString";  // a line has two places or more
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
          "<kml xmlns=\"http://www.opengis.net/kml/2.2\" xmlns:gx=\"http://www.google.com/kml/ext/2.2\">\n"
          "<Document>\n<name>" +
-         xmlText(name) +
+         xmlText(printable(name)) +
          "</name>\n"
          "<Placemark>\n<name>path</name>\n"
          "<Style><LineStyle><color>ff0055d4</color><width>2</width></LineStyle></Style>\n"
-         "<LineString>\n<altitudeMode>absolute</altitudeMode>\n<coordinates>\n" +
-         line +
-         "</coordinates>\n</LineString>\n</Placemark>\n"
+         "<" +
+         shape + ">\n<altitudeMode>absolute</altitudeMode>\n<coordinates>\n" + line + "</coordinates>\n</" +
+         shape +
+         ">\n</Placemark>\n"
          "<Placemark>\n<name>robot</name>\n"
          "<gx:Track>\n<altitudeMode>absolute</altitudeMode>\n" +
          times + places + angles + "</gx:Track>\n</Placemark>\n</Document>\n</kml>\n";

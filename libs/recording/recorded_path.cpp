@@ -6,14 +6,24 @@
 #include "recording/rawlog.h"
 
 namespace fathom {
+namespace {
 
-std::vector<StampedPose> recordedPath(const std::filesystem::path& file, const std::string& label) {
-  if (file.extension() != ".rawlog") return readTum(file);
+void addPose(const StampedPose& pose, RecordedPath& path) {
+  if (fitsTum(pose, path.poses.empty() ? nullptr : &path.poses.back()))
+    path.poses.push_back(pose);
+  else
+    ++path.left_out;
+}
+
+}  // namespace
+
+RecordedPath recordedPath(const std::filesystem::path& file, const std::string& label) {
+  if (file.extension() != ".rawlog") return {readTum(file), 0};
   RawlogReader reader(file);
-  std::map<std::string, std::vector<StampedPose>> paths;
+  std::map<std::string, RecordedPath> paths;
   while (const auto sample = reader.next())
     if (const auto* pose = std::get_if<PoseSample>(&sample->reading); pose != nullptr)
-      paths[sample->label].push_back({sample->time, pose->T_odom_robot.mean});
+      addPose({sample->time, pose->T_odom_robot.mean}, paths[sample->label]);
   std::string labels;
   for (const auto& [name, path] : paths) labels += (labels.empty() ? "" : ", ") + name;
   if (paths.empty()) throw Error(file.string(), label, "has no poses");
@@ -22,6 +32,8 @@ std::vector<StampedPose> recordedPath(const std::filesystem::path& file, const s
   const auto found = label.empty() ? paths.begin() : paths.find(label);
   if (found == paths.end())
     throw Error(file.string(), label, "no such label with poses; there are " + labels);
+  if (found->second.poses.empty())
+    throw Error(file.string(), found->first, "has no pose that is finite and has a time from 1970 to 2477");
   return found->second;
 }
 

@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/kinematics.h"
+#include "core/text.h"
 #include "recording/time_text.h"
 
 namespace fathom {
@@ -22,6 +23,10 @@ namespace {
 constexpr std::size_t kFields = 8;
 constexpr double kUnitTolerance = 1e-3;
 constexpr long double kLatestSecond = 16e9L;  // about the year 2477
+constexpr std::size_t kLongestLine = 4096;
+constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
+
+bool isTumTime(long double unix_s) { return unix_s >= 0 && unix_s <= kLatestSecond; }
 
 std::vector<std::string_view> splitAtBlanks(std::string_view line) {
   constexpr std::string_view kBlanks = " \t\r";
@@ -53,7 +58,7 @@ StampedPose parsePose(const std::vector<std::string_view>& words) {
   if (words.size() != kFields)
     throw Flaw{"has " + std::to_string(words.size()) + " fields, must have 8: time tx ty tz qx qy qz qw"};
   const long double seconds = parseNumber(words[0]);
-  if (seconds < 0 || seconds > kLatestSecond) throw Flaw{"time is not within 1970 to 2477"};
+  if (!isTumTime(seconds)) throw Flaw{"time is not within 1970 to 2477"};
   std::array<double, kFields> v{};
   for (std::size_t i = 1; i < kFields; ++i) v[i] = static_cast<double>(parseNumber(words[i]));
   const Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
@@ -62,7 +67,23 @@ StampedPose parsePose(const std::vector<std::string_view>& words) {
           {q.normalized().toRotationMatrix(), Vector3d(v[1], v[2], v[3])}};
 }
 
+/// The next line without its end, of a file of any kind; false at the end. Throws the reason as text.
+bool nextLine(std::istream& in, std::string& line) {
+  line.resize(kLongestLine);
+  in.getline(line.data(), static_cast<std::streamsize>(line.size()));
+  const auto read = static_cast<std::size_t>(in.gcount());
+  if (in.fail() && read + 1 == line.size()) throw Flaw{"is longer than 4 kB"};
+  line.resize(in.eof() || read == 0 ? read : read - 1);  // the line's end is counted, not stored
+  return !in.fail();
+}
+
 }  // namespace
+
+bool fitsTum(const StampedPose& pose, const StampedPose* before) {
+  return isTumTime(1e-7L * static_cast<long double>(unixTicks(pose.time))) &&
+         pose.T_odom_robot.position.allFinite() && pose.T_odom_robot.rotation.allFinite() &&
+         (before == nullptr || before->time < pose.time);
+}
 
 std::optional<Pose> poseAt(const std::vector<StampedPose>& path, const Time& time) {
   const auto next = std::lower_bound(path.begin(), path.end(), time,
@@ -82,16 +103,18 @@ std::vector<StampedPose> readTum(const fs::path& file) {
   if (!in || isFolder(file)) throw Error(file.string(), "", "cannot be read");
   std::vector<StampedPose> poses;
   std::string line;
-  for (int number = 1; std::getline(in, line); ++number) {
-    const auto words = splitAtBlanks(std::string_view(line).substr(0, line.find('#')));
-    if (words.empty()) continue;
-    try {
+  int number = 1;
+  try {
+    for (; nextLine(in, line); ++number) {
+      if (number == 1 && line.starts_with(kUtf8Mark)) line.erase(0, kUtf8Mark.size());
+      const auto words = splitAtBlanks(std::string_view(line).substr(0, line.find('#')));
+      if (words.empty()) continue;
       const StampedPose pose = parsePose(words);
       if (!poses.empty() && pose.time <= poses.back().time) throw Flaw{"time does not increase"};
       poses.push_back(pose);
-    } catch (const Flaw& flaw) {
-      throw Error(file.string(), "line " + std::to_string(number), flaw.why);
     }
+  } catch (const Flaw& flaw) {
+    throw Error(file.string(), "line " + std::to_string(number), flaw.why);
   }
   if (poses.empty()) throw Error(file.string(), "", "holds no pose");
   return poses;
@@ -100,10 +123,8 @@ std::vector<StampedPose> readTum(const fs::path& file) {
 void writeTumLine(std::ostream& out, const StampedPose& pose) {
   const Vector3d& t = pose.T_odom_robot.position;
   const Eigen::Quaterniond q(pose.T_odom_robot.rotation);
-  char numbers[256];
-  std::snprintf(numbers, sizeof numbers, " %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", t.x(), t.y(), t.z(),
-                q.x(), q.y(), q.z(), q.w());
-  out << secondsText(unixTicks(pose.time)) << numbers;
+  out << secondsText(unixTicks(pose.time))
+      << print(" %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
 }
 
 void writeTum(const fs::path& file, const std::vector<StampedPose>& poses) {

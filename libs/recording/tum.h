@@ -18,9 +18,15 @@ struct StampedPose {
 /// A path at a time between two of its poses (linear; geodesic for the rotation); nothing outside it.
 std::optional<Pose> poseAt(const std::vector<StampedPose>& path, const Time& time);
 
-/// Reads TUM text (`timestamp tx ty tz qx qy qz qw`, seconds since the epoch; # starts a comment).
-/// Throws Error (file, line, reason): wrong number of fields, not a number, not finite, quaternion not of
-/// unit norm (tolerance 1e-3; it is normalized), times not increasing, no pose at all.
+/// Whether TUM text can hold a pose after another one (nullptr: it is the first), so that it can be read
+/// again: finite, at a time from 1970 to 2477 that is later than the other's.
+bool fitsTum(const StampedPose& pose, const StampedPose* before);
+
+/// Reads TUM text (`timestamp tx ty tz qx qy qz qw`, seconds since the epoch; # starts a comment; a mark of
+/// UTF-8 at its beginning is skipped).
+/// Throws Error (file, line, reason): a line longer than 4 kB, wrong number of fields, not a number, not
+/// finite, quaternion not of unit norm (tolerance 1e-3; it is normalized), times not increasing, no pose at
+/// all.
 std::vector<StampedPose> readTum(const std::filesystem::path& file);
 
 /// One line of TUM text, 100 ns and 1e-9 m resolution.

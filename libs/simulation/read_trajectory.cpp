@@ -36,7 +36,14 @@ Trajectory asPlanned(const YamlFile& yaml, ReadPlan read, const fs::path& file) 
 }  // namespace
 
 std::vector<StampedPose> readRecordedPoses(const fs::path& file) {
-  return recordedPath(file, labels::kTruth);
+  RecordedPath path = recordedPath(file, labels::kTruth);
+  if (path.left_out > 0)
+    throw Error(
+        file.string(), std::string(labels::kTruth),
+        std::to_string(path.left_out) + " of " + std::to_string(path.left_out + path.poses.size()) +
+            " poses are not finite, without a time, or not later than one before; `fathom export tum` "
+            "leaves them out");
+  return std::move(path.poses);
 }
 
 Trajectory readTrajectory(const fs::path& file) {

@@ -1,5 +1,8 @@
 // `fathom export`, read back by rules that are not the program's.
 #include <gtest/gtest.h>
+#include <mrpt/io/CMemoryStream.h>
+#include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/serialization/CArchive.h>
 
 #include <cmath>
 #include <map>
@@ -102,6 +105,34 @@ TEST(ExportCommand, RefusesInOneLine) {
   test::expectBadInput(runFathom("export csv /no/such.rawlog" + out), "/no/such.rawlog");
   test::expectBadInput(runFathom("export kml " + kPath + " --latitude 100 --longitude 0" + out), "latitude");
   test::expectBadInput(runFathom("export colmap " + kPath + out), "");
+  const std::string place = " --latitude 43 --longitude 5 --height ";
+  test::expectBadInput(runFathom("export kml " + kPath + " --label TRUTH" + place + "1e9" + out), "--height");
+  test::expectBadInput(runFathom("export kml " + kPath + " --label TRUTH" + place + "-11999" + out),
+                       "over the sea");
+}
+
+TEST(ExportCommand, WhatHasNoTableIsSaid) {
+  const fs::path folder = scratchFolder();
+  const std::string out = " --out " + shellQuoted((folder / "out").string());
+  const auto written = [&](const char* name, std::vector<std::string> labels) {
+    mrpt::io::CMemoryStream stream;
+    auto archive = mrpt::serialization::archiveFrom(stream);
+    for (const std::string& label : labels) {
+      mrpt::obs::CObservationIMU imu;
+      imu.sensorLabel = label;
+      imu.timestamp = mrpt::Clock::now();
+      archive << imu;
+    }
+    writeTextFile(folder / name,
+                  {static_cast<const char*>(stream.getRawBufferData()), stream.getTotalBytesCount()});
+    return shellQuoted((folder / name).string());
+  };
+  test::expectBadInput(
+      runFathom("export csv " + written("none.rawlog", {"XSENS", "XSENS"}) + out),
+      "holds nothing that becomes a table, only 2 entries (XSENS, mrpt::obs::CObservationIMU)");
+  const auto some = runFathom("export csv " + written("some.rawlog", {"INS", "XSENS"}) + out);
+  EXPECT_EQ(some.status, 0) << some.err;
+  EXPECT_NE(some.out.find("no table of 1 entry (XSENS, "), std::string::npos) << some.out;
 }
 
 }  // namespace

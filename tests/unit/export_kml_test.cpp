@@ -1,8 +1,11 @@
 #include "recording/export_kml.h"
 
 #include <gtest/gtest.h>
+#include <mrpt/topography/conversions.h>
 
 #include <numbers>
+
+#include "core/random.h"
 
 namespace fathom {
 namespace {
@@ -20,6 +23,28 @@ TEST(ExportKml, MetresAreWhatTheEllipsoidSays) {
   EXPECT_NEAR((at.longitude_rad - kMarseille.longitude_rad) * (across_m - 28) * std::cos(at.latitude_rad), 80,
               0.002);
   EXPECT_NEAR(at.height_m, -28, 0.002);
+}
+
+TEST(ExportKml, PlacesAreTheInverseOfMrpts) {
+  Random random(5);
+  for (int i = 0; i < 200; ++i) {
+    const double latitude_deg = i == 0 ? 90 : random.uniform(-90, 90),
+                 longitude_deg = random.uniform(-180, 180);
+    const GeoReference reference{radians(latitude_deg), radians(longitude_deg), random.uniform(-1e4, 1e4),
+                                 radians(90)};
+    const Vector3d position = 5e4 * random.normal3();
+    const GeoPosition at = geoPositionOf(position, reference);
+    mrpt::math::TPoint3D back;
+    mrpt::topography::geodeticToENU_WGS84({degrees(at.latitude_rad), degrees(at.longitude_rad), at.height_m},
+                                          back, {latitude_deg, longitude_deg, reference.height_m});
+    EXPECT_LT((Vector3d(back.x, back.y, back.z) - position).norm(), 1e-6) << latitude_deg;
+  }
+}
+
+TEST(ExportKml, BeyondAPoleIsTheOtherSide) {
+  const GeoPosition at = geoPositionOf({0, 3000, 0}, {radians(89.98), radians(10), 0, radians(90)});
+  EXPECT_NEAR(degrees(at.latitude_rad), 90 - (3000 - 0.02 * 111694) / 111694, 1e-5);
+  EXPECT_NEAR(std::remainder(degrees(at.longitude_rad) - 190, 360), 0, 1e-6);
 }
 
 TEST(ExportKml, TheAxisPointsWhereItIsSaidTo) {
@@ -56,9 +81,24 @@ TEST(ExportKml, LongitudesStayOnTheMap) {
   EXPECT_EQ(kml.find("180.00"), std::string::npos) << kml;
 }
 
-TEST(ExportKml, APathInUtmIsNoLocalOne) {
-  EXPECT_GT(farthest_m({{fromUnixSeconds(1.7e9), Pose{Matrix3d::Identity(), {458075, 5429380, 0}}}}),
-            kFarthestLocal_m);
+StampedPose poseAtPlace(const Vector3d& position_odom) {
+  return {fromUnixSeconds(1.7e9), Pose{Matrix3d::Identity(), position_odom}};
+}
+
+TEST(ExportKml, APathMustBeSomewhere) {
+  EXPECT_FALSE(whyOnNoMap({poseAtPlace({80, 60, -25})}, kMarseille).has_value());
+  EXPECT_NE(whyOnNoMap({poseAtPlace({458075, 5429380, 0})}, kMarseille).value().find("UTM"),
+            std::string::npos);
+  EXPECT_NE(whyOnNoMap({poseAtPlace({0, 0, -13e3})}, kMarseille).value().find("over the sea"),
+            std::string::npos);
+}
+
+// A line has two places at least (OGC 07-147r2, 10.7).
+TEST(ExportKml, OnePoseIsAPoint) {
+  const std::string kml = formatKml({poseAtPlace({1, 2, -3})}, kMarseille, 1, "x");
+  EXPECT_EQ(kml.find("LineString"), std::string::npos);
+  EXPECT_NE(kml.find("<Point>"), std::string::npos);
+  EXPECT_NE(kml.find("</Point>"), std::string::npos);
 }
 
 }  // namespace

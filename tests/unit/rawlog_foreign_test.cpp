@@ -16,8 +16,10 @@
 #include <map>
 
 #include "core/error.h"
+#include "recording/export_csv.h"
 #include "recording/mrpt_types.h"
 #include "recording/rawlog.h"
+#include "recording/recording_info.h"
 #include "support/recordings.h"
 #include "support/shared_data.h"
 
@@ -67,6 +69,28 @@ TEST(Rawlog, FilesThatAreNone) {
             ": is no rawlog, or damaged from the start: no object begins where one should");
   writeTextFile(folder / "gzip.rawlog", "\x1f\x8b and then nonsense");
   EXPECT_NE(rawlogErrorOf(folder / "gzip.rawlog").find("gzip data are damaged"), std::string::npos);
+}
+
+TEST(Rawlog, WhatHasNoTableIsNamed) {
+  const CObservationIMU named = imuLabelled("a\x1b[31m"), ours = imuLabelled("INS");
+  CObservationOdometry odometry;
+  odometry.timestamp = toMrpt(kStart);
+  const fs::path file = writePlain({&named, &odometry, &odometry, &ours});
+  const CsvExport result = exportCsv(file, file.parent_path() / "tables");
+  EXPECT_EQ(result.files.size(), 1U);
+  EXPECT_EQ(result.left_out,
+            (std::map<std::string, std::uint64_t>{{"a\\x1b[31m, mrpt::obs::CObservationIMU", 1},
+                                                  {"mrpt::obs::CObservationOdometry", 2}}));
+}
+
+TEST(Rawlog, LabelsDoNotReachATerminalAsTheyAre) {
+  const CObservationIMU first = imuLabelled("a\x1b[31m\nb"), second = first;
+  const RecordingInfo info = inspectRecording(writePlain({&first, &second}));
+  EXPECT_EQ(info.labels.at(0).label, "a\x1b[31m\nb");
+  const std::string text = describe(info);
+  EXPECT_EQ(text.find('\x1b'), std::string::npos);
+  EXPECT_NE(text.find("  a\\x1b[31m\\nb "), std::string::npos) << text;
+  EXPECT_NE(text.find("  ! a\\x1b[31m\\nb: 1 entry at the same time"), std::string::npos) << text;
 }
 
 TEST(Rawlog, WrongClassIsNamedWithItsByte) {

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "recording/recorded_path.h"
 #include "support/recordings.h"
 #include "support/shared_data.h"
 
@@ -61,6 +62,38 @@ TEST(Tum, NamesLineAndReason) {
   EXPECT_EQ(tumErrorOf(""), ": holds no pose");
   EXPECT_THROW(readTum(scratchFolder() / "missing.tum"), Error);
   EXPECT_THROW(readTum(scratchFolder()), Error);
+}
+
+TEST(Tum, LinesEndSomewhereAndAMarkOfUtf8IsNoNumber) {
+  const std::string good = "1 0 0 0 0 0 0 1";
+  EXPECT_EQ(readTumText("\xEF\xBB\xBF" + good + "\r\n2 0 0 0 0 0 0 1").size(), 2U);
+  EXPECT_EQ(readTumText(good + std::string(4000, ' ') + "\n\n").size(), 1U);
+  EXPECT_EQ(tumErrorOf(good + "\n" + std::string(5000, ' ') + "\n"), "line 2: is longer than 4 kB");
+  EXPECT_THROW(readTum("/dev/zero"), Error);
+}
+
+// What a path cannot hold is left out of it: what is written can be read.
+TEST(Tum, APathOfARecordingCanBeReadAgain) {
+  const auto folder = scratchFolder();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto poseAtX = [](double seconds, double x) {
+    PoseSample pose;
+    pose.T_odom_robot.mean.position.x() = x;
+    return Sample{after(kStart, seconds), "EKF", pose};
+  };
+  writeRecording(folder / "a.rawlog", {poseAtX(0, 1), poseAtX(0, 2), poseAtX(1, nan), poseAtX(2, 1e300)});
+  const RecordedPath path = recordedPath(folder / "a.rawlog", "");
+  EXPECT_EQ(path.left_out, 2U);
+  ASSERT_EQ(path.poses.size(), 2U);
+  writeTum(folder / "a.tum", path.poses);
+  EXPECT_EQ(readTum(folder / "a.tum").back().T_odom_robot.position.x(), 1e300);
+  writeRecording(folder / "b.rawlog", {poseAtX(0, nan)});
+  EXPECT_THROW(recordedPath(folder / "b.rawlog", "EKF"), Error);
+
+  StampedPose timeless{Time{}, {}};
+  EXPECT_FALSE(fitsTum(timeless, nullptr));
+  timeless.time = fromUnixSeconds(2e10);
+  EXPECT_FALSE(fitsTum(timeless, nullptr));
 }
 
 TEST(Tum, NormalizesWithinTolerance) {
