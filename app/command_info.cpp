@@ -4,12 +4,15 @@
 
 #include "audit/audit.h"
 #include "commands.h"
+#include "core/error.h"
 #include "core/progress.h"
+#include "core/text.h"
 #include "recording/recording_info.h"
 #include "report/run_info.h"
 #include "tasks/companions.h"
 
 namespace fathom {
+namespace fs = std::filesystem;
 namespace {
 
 struct InfoOptions {
@@ -22,9 +25,23 @@ RecordingInfo inspect(const std::string& rawlog) {
   return inspectRecording(rawlog, {}, [&](double share) { progress.update(share); });
 }
 
+/// The vehicle file to compare with, or why the one that the recording names is none: other commands refuse
+/// such a recording, and this is the command to find out what one has.
+struct ComparedFile {
+  std::optional<fs::path> file;
+  std::string missing;
+};
+ComparedFile comparedFile(const InfoOptions& options, const RecordingHeader& header) {
+  try {
+    return {vehicleFile(options.vehicle, options.rawlog, header), ""};
+  } catch (const Error& missing) {
+    return {std::nullopt, missing.where + " " + missing.why + ": compared with defaults"};
+  }
+}
+
 void info(const InfoOptions& options) {
   const RecordingInfo recording = inspect(options.rawlog);
-  const auto vehicle_file = vehicleFile(options.vehicle, options.rawlog, recording.header);
+  const auto [vehicle_file, missing] = comparedFile(options, recording.header);
   const auto differences =
       vehicle_file ? disagreements(recording, readVehicle(*vehicle_file)) : std::vector<std::string>{};
 
@@ -35,6 +52,7 @@ void info(const InfoOptions& options) {
     nlohmann::json json = toJson(recording);
     json["compared_with"] = vehicle_file ? nlohmann::json(vehicle_file->string()) : nlohmann::json(nullptr);
     json["disagreements"] = differences;
+    if (!missing.empty()) json["remarks"].push_back(missing);
     json["findings"] = nlohmann::json::array();
     for (const Finding& f : findings)
       json["findings"].push_back({{"name", f.name},
@@ -47,6 +65,7 @@ void info(const InfoOptions& options) {
     return;
   }
   std::cout << describe(recording);
+  if (!missing.empty()) std::cout << "  ! " << printable(missing) << "\n";
   if (vehicle_file)
     std::cout << "compared with " << vehicle_file->string() << ":\n"
               << (differences.empty() ? "  mountings and intrinsics agree\n" : "");

@@ -155,12 +155,20 @@ TEST(CommandLine, InfoFindsAUsblThatSitsElsewhere) {
   EXPECT_TRUE(disagreements("moved.yaml")[0].get<std::string>().starts_with("USBL: mounted at"));
 }
 
-TEST(CommandLine, NamedVehicleFileThatIsMissingIsAnError) {
+TEST(CommandLine, NamedVehicleFileThatIsMissingIsAnErrorButForInfo) {
   const auto folder = scratchFolder();
   ASSERT_EQ(runFathom(simulateArguments(folder)).status, 0);
   fs::remove(folder / "sim_vehicle.yaml");
-  test::expectBadInput(runFathom("info " + shellQuoted((folder / "sim.rawlog").string())),
-                       "[recording] vehicle");
+  const std::string recording = shellQuoted((folder / "sim.rawlog").string());
+  test::expectBadInput(
+      runFathom("localize " + recording + " --out " + shellQuoted((folder / "out").string())),
+      "[recording] vehicle");
+  const auto info = runFathom("info " + recording);
+  EXPECT_EQ(info.status, 0) << info.err;
+  EXPECT_NE(info.out.find("which is not there: compared with defaults"), std::string::npos) << info.out;
+  const auto json = nlohmann::json::parse(runFathom("info --json " + recording).out);
+  EXPECT_TRUE(json["compared_with"].is_null());
+  EXPECT_EQ(json["remarks"].size(), 1U) << json["remarks"];
 }
 
 TEST(CommandLine, SameCommandSameBytes) {
