@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "common_options.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
@@ -130,7 +131,7 @@ void addKml(CLI::App& parent) {
                    "Where odom's x axis points, degrees from north by east")
       ->capture_default_str();
   command->add_option("--spacing", options->spacing_s, "Between poses at least, s")
-      ->check(CLI::NonNegativeNumber)
+      ->check(notNegative())
       ->capture_default_str();
   command->add_option("--out", options->out, "The map")->required()->type_name("FILE.kml");
   command->callback([options] { exportKml(*options); });

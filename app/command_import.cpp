@@ -5,6 +5,7 @@
 #include "audit/audit.h"
 #include "camera_tables/camera_alone.h"
 #include "commands.h"
+#include "common_options.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
@@ -228,10 +229,10 @@ void addCamera(CLI::App& parent) {
   command->add_option("--image-size", options->image_size,
                       "WIDTHxHEIGHT in pixels, where the file does not say it, or says it wrongly");
   command->add_option("--rate-hz", options->rate_hz, "Images a second")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   command->add_option("--corner-sigma-px", options->corner_sigma_px, "Noise of a marker's corner, pixels")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   addImportTarget(*command, options->target, "the file's");
   command->callback([options] { importCamera(*options); });

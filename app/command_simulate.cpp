@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "common_options.h"
 #include "core/error.h"
 #include "core/shipped_file.h"
 #include "core/text.h"
@@ -177,7 +178,7 @@ void addSimulate(const RunContext& context) {
   command->add_option("--out", options->folder, "Where the recording goes")
       ->required()
       ->type_name(values::kFolder);
-  command->add_option("--name", options->name, "NAME of the files (default: the trajectory's)");
+  addNameOption(*command, options->name, "the trajectory's");
   command->add_option("--seed", simulation.seed, "Of all randomness")->capture_default_str();
   command->add_option("--calibration", options->calibration, "Effects to switch on")
       ->type_name(values::kYaml);

@@ -3,6 +3,37 @@
 #include "commands.h"
 
 namespace fathom {
+namespace {
+
+CLI::Validator numberThat(bool (*is_right)(double), const std::string& must_be, const std::string& kind) {
+  return {[=](const std::string& text) {
+            double value = 0;
+            return CLI::detail::lexical_cast(text, value) && is_right(value)
+                       ? ""
+                       : "must be " + must_be + ", not " + text;
+          },
+          kind};
+}
+
+/// The files would lie elsewhere than in --out, or have no name.
+std::string whyNoName(const std::string& name) {
+  const bool is_name = !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos;
+  return is_name ? "" : "`" + name + "` is no file's name";
+}
+
+}  // namespace
+
+CLI::Validator positive() {
+  return numberThat([](double value) { return value > 0; }, "greater than zero", "POSITIVE");
+}
+CLI::Validator notNegative() {
+  return numberThat([](double value) { return value >= 0; }, "zero or greater", "NONNEGATIVE");
+}
+
+void addNameOption(CLI::App& command, std::string& name, const std::string& default_name) {
+  command.add_option("--name", name, "NAME of the files (default: " + default_name + ")")
+      ->check(CLI::Validator(whyNoName, ""));
+}
 
 void addAuditOptions(CLI::App& command, AuditChoice& choice) {
   command

@@ -9,6 +9,13 @@
 /// Options that several commands have.
 namespace fathom {
 
+/// Of numbers. As CLI11's, whose complaints have the largest number that there is with its 309 digits.
+CLI::Validator positive();
+CLI::Validator notNegative();
+
+/// --name, of files that come to lie in --out. `default_name`: what it is where none is given, for --help.
+void addNameOption(CLI::App& command, std::string& name, const std::string& default_name);
+
 /// --accept and --correct.
 void addAuditOptions(CLI::App& command, AuditChoice& choice);
 

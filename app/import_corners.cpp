@@ -88,7 +88,7 @@ void addImportCorners(CLI::App& parent, const RunContext& context) {
   command->add_option("--image-size", options->image_size,
                       "WIDTHxHEIGHT, px (default: the principal point is in the middle)");
   command->add_option("--sigma-px", options->sigma_px, "Of a corner's coordinate")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   addImportTarget(*command, options->target, "the table's");
   command->callback([options, &context] { importCornersTo(*options, context); });

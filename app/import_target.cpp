@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "commands.h"
+#include "common_options.h"
 #include "core/error.h"
 #include "core/text.h"
 #include "imaging/camera_files.h"
@@ -30,7 +31,7 @@ void addImportTarget(CLI::App& command, ImportTarget& target, const std::string&
   command.add_option("--out", target.folder, "Where the recording goes")
       ->required()
       ->type_name(values::kFolder);
-  command.add_option("--name", target.name, "NAME of the files (default: " + default_name + ")");
+  addNameOption(command, target.name, default_name);
 }
 
 }  // namespace fathom

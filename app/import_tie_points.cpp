@@ -56,7 +56,7 @@ void addImportTiePoints(CLI::App& parent, const RunContext& context) {
   command
       ->add_option("--sigma-px", options->source.sigma_px,
                    "Of a coordinate of a point; of a corner, at least")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   addImportTarget(*command, options->target, "the table's");
   command->callback([options, &context] { importTiePointsTo(*options, context); });

@@ -17,6 +17,7 @@
 #include "core/shipped_file.h"
 #include "core/text.h"
 #include "core/version.h"
+#include "given_values.h"
 
 namespace fathom {
 namespace {
@@ -122,6 +123,8 @@ int run(int argc, char** argv) {
   Claims claims;
   claimFolders(app, claims);
   findShippedFiles(app);
+  refuseNonFinite(app);
+  app.parse_complete_callback([&app] { refuseOutputOverInput(app); });
   const std::span<char* const> words(argv + 1, static_cast<std::size_t>(std::max(argc - 1, 0)));
   rejectUnknownCommand(app, words);
   try {

@@ -171,6 +171,51 @@ TEST(CommandLine, NamedVehicleFileThatIsMissingIsAnErrorButForInfo) {
   EXPECT_EQ(json["remarks"].size(), 1U) << json["remarks"];
 }
 
+TEST(CommandLine, NumbersAreFinite) {
+  const auto folder = scratchFolder();
+  const std::string camera = "import camera /no/such.yaml --out " + shellQuoted(folder.string());
+  const std::string kml =
+      "export kml /no/such.tum --longitude 0 --out " + shellQuoted((folder / "a.kml").string());
+  for (const char* value : {"nan", "inf", "-inf", "1e999"}) {
+    const std::string is = std::string("=") + value;
+    test::expectBadInput(runFathom(simulateArguments(folder) + " --begin" + is),
+                         "--begin: must be a finite number");
+    test::expectBadInput(runFathom(camera + " --rate-hz" + is), "--rate-hz: must be a finite number");
+    test::expectBadInput(runFathom(kml + " --latitude" + is), "--latitude: must be a finite number");
+    test::expectBadInput(runFathom(kml + " --latitude 1 --spacing" + is),
+                         "--spacing: must be a finite number");
+    test::expectBadInput(
+        runFathom("sil x.rawlog --out " + shellQuoted(folder.string()) + " --sea-floor-z" + is),
+        "--sea-floor-z: must be a finite number");
+  }
+  test::expectBadInput(runFathom(camera + " --rate-hz=-1"), "--rate-hz: must be greater than zero, not -1;");
+}
+
+TEST(CommandLine, ANameIsOneOfAFileInTheFolder) {
+  const auto folder = scratchFolder();
+  for (const char* name : {"../x", "a/b", "/x", "..", ".", ""})
+    for (const std::string& command :
+         {simulateArguments(folder / "out"),
+          "import camera /no/such.yaml --out " + shellQuoted((folder / "out").string())}) {
+      const std::string unnamed = std::regex_replace(command, std::regex(" --name sim"), "");
+      test::expectBadInput(runFathom(unnamed + " --name=" + shellQuoted(name)), "--name");
+    }
+  EXPECT_TRUE(fs::is_empty(folder));
+}
+
+TEST(CommandLine, AnInputIsNotWrittenOver) {
+  const auto folder = scratchFolder();
+  const fs::path tum = folder / "path.tum", link = folder / "link.tum";
+  writeTextFile(tum, "1 0 0 -1 0 0 0 1\n2 0 0 -1 0 0 0 1\n");
+  fs::create_symlink("path.tum", link);
+  const std::string before = readTextFile(tum);
+  for (const std::string& out : {tum.string(), link.string(), (folder / "." / "path.tum").string()})
+    test::expectBadInput(runFathom("export kml " + shellQuoted(tum.string()) +
+                                   " --latitude 1 --longitude 2 --out " + shellQuoted(out)),
+                         "--out: " + out + ": is what FILE names");
+  EXPECT_EQ(readTextFile(tum), before);
+}
+
 TEST(CommandLine, SameCommandSameBytes) {
   const auto folder = scratchFolder();
   std::vector<std::string> rawlogs;
