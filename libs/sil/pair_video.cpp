@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/files.h"
 
 namespace fathom {
 
@@ -32,9 +33,11 @@ void PairVideo::write(const cv::Mat& picture_bgr) {
 void PairVideo::finish() {
   if (!writer_.isOpened()) return;
   writer_.release();
+  PendingFile whole(file_);
   std::error_code problem;
-  std::filesystem::rename(part_, file_, problem);
+  std::filesystem::rename(part_, whole.path(), problem);
   if (problem) throw Error(file_.string(), "", "cannot be written: " + problem.message());
+  whole.commit();
 }
 
 }  // namespace fathom

@@ -24,7 +24,7 @@ class PairVideo {
   void finish();
 
  private:
-  std::filesystem::path file_, part_;  ///< not a PendingFile: the encoder wants a name that ends in .avi
+  std::filesystem::path file_, part_;  ///< the encoder wants a name that ends in .avi
   cv::VideoWriter writer_;
   cv::Size size_;
 };

@@ -2,11 +2,13 @@
 #include "sil/sil_run.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <tbb/global_control.h>
 
 #include <opencv2/videoio.hpp>
 
 #include "core/error.h"
+#include "sil/pair_video.h"
 #include "support/sil_recordings.h"
 
 namespace fathom {
@@ -90,6 +92,18 @@ TEST(SilRun, MeasuresARecordingOfItsOwnWorldAsAlike) {
   cv::VideoCapture video((folder / "out/r_pairs.avi").string());
   EXPECT_EQ(static_cast<int>(video.get(cv::CAP_PROP_FRAME_COUNT)), 3);
   EXPECT_EQ(static_cast<int>(video.get(cv::CAP_PROP_FRAME_WIDTH)), 3 * 400);
+}
+
+TEST(SilRun, AVideoTakesThePlaceOfNoDevice) {
+  const auto folder = test::scratchFolder();
+  ASSERT_EQ(mkfifo((folder / "a.avi").c_str(), 0600), 0);
+  {
+    PairVideo video(folder / "a.avi");
+    video.write(cv::Mat(64, 64, CV_8UC3, cv::Scalar(1, 2, 3)));
+    EXPECT_THROW(video.finish(), Error);
+  }
+  EXPECT_TRUE(fs::is_fifo(folder / "a.avi"));
+  EXPECT_FALSE(fs::exists(folder / "a.part.avi") || fs::exists(folder / "a.avi.part"));
 }
 
 TEST(SilRun, LeavesTheSameBytesHoweverOftenItWasCutShortAndOnHoweverManyThreads) {
