@@ -66,6 +66,28 @@ bool windsAbout(const Vector2d& point_px, const std::vector<Reach>& around) {
   return turns != 0;
 }
 
+/// Of the image's outermost pixels, from the principal point.
+std::vector<Vector2d> cornersOf(const CameraModel& camera) {
+  std::vector<Vector2d> corners_px;
+  for (const double x_px : {-0.5, camera.width_px - 0.5})
+    for (const double y_px : {-0.5, camera.height_px - 0.5})
+      corners_px.emplace_back(x_px - camera.cx_px, y_px - camera.cy_px);
+  return corners_px;
+}
+
+/// Of a grid of pixels, those outside the polygon.
+double shareOutside(const CameraModel& camera, const std::vector<Reach>& around) {
+  constexpr int kCells = 200;  // each way
+  int outside = 0;
+  for (int i = 0; i < kCells; ++i)
+    for (int j = 0; j < kCells; ++j) {
+      const Vector2d cell_px(camera.width_px * (i + 0.5) / kCells - 0.5 - camera.cx_px,
+                             camera.height_px * (j + 0.5) / kCells - 0.5 - camera.cy_px);
+      outside += windsAbout(cell_px, around) ? 0 : 1;
+    }
+  return static_cast<double>(outside) / (kCells * kCells);
+}
+
 std::string sizeText(double width_px, double height_px) {
   return print("%.0f x %.0f px", width_px, height_px);
 }
@@ -89,34 +111,19 @@ bool looksSwapped(const CameraModel& c) {
 }  // namespace
 
 std::optional<Fold> foldOf(const CameraModel& camera) {
-  const Vector2d middle_px(camera.cx_px, camera.cy_px);
-  std::vector<Vector2d> corners_px;
-  Fold fold;
-  for (const double x_px : {-0.5, camera.width_px - 0.5})
-    for (const double y_px : {-0.5, camera.height_px - 0.5}) {
-      corners_px.push_back(Vector2d(x_px, y_px) - middle_px);
-      fold.corner_px = std::max(fold.corner_px, corners_px.back().norm());
-    }
-  const std::vector<Reach> around = reachOf(camera, fold.corner_px);
+  const std::vector<Vector2d> corners_px = cornersOf(camera);
+  double farthest_px = 0;
+  for (const Vector2d& corner : corners_px) farthest_px = std::max(farthest_px, corner.norm());
+  const std::vector<Reach> around = reachOf(camera, farthest_px);
   const auto nearest = std::min_element(around.begin(), around.end(), [](const Reach& a, const Reach& b) {
     return std::pair(!a.folds, a.end_px.norm()) < std::pair(!b.folds, b.end_px.norm());
   });
   if (!nearest->folds) return {};
-  fold.ideal_radius = nearest->ideal_radius;
-  fold.radius_px = nearest->end_px.norm();
-  constexpr int kCells = 200;  // each way
-  int beyond = 0;
-  for (int i = 0; i < kCells; ++i)
-    for (int j = 0; j < kCells; ++j) {
-      const Vector2d cell_px(camera.width_px * (i + 0.5) / kCells - 0.5,
-                             camera.height_px * (j + 0.5) / kCells - 0.5);
-      beyond += windsAbout(cell_px - middle_px, around) ? 0 : 1;
-    }
-  fold.blind_share = static_cast<double>(beyond) / (kCells * kCells);
   const bool sees_corners = std::all_of(corners_px.begin(), corners_px.end(),
                                         [&](const Vector2d& corner) { return windsAbout(corner, around); });
-  if (beyond == 0 && sees_corners) return {};
-  return fold;
+  const double blind_share = shareOutside(camera, around);
+  if (blind_share == 0 && sees_corners) return {};
+  return Fold{nearest->ideal_radius, nearest->end_px.norm(), farthest_px, blind_share};
 }
 
 std::vector<std::string> doubtsAbout(const CameraModel& camera) {

@@ -60,7 +60,7 @@ constexpr std::initializer_list<const char*> kDistortionKeys{"distortion_coeffic
 std::vector<double> numbersOf(const YamlMap& y, const std::string& key) {
   if (y.isList(key)) return y.matrix(key);
   const YamlMap matrix = y.map(key);
-  const std::vector<double> data = matrix.numbers("data");
+  std::vector<double> data = matrix.numbers("data");
   if (matrix.has("rows") && matrix.has("cols") &&
       matrix.number("rows") * matrix.number("cols") != static_cast<double>(data.size()))
     throw y.error(key, print("says %.0f x %.0f, and has %zu numbers", matrix.number("rows"),
@@ -70,7 +70,7 @@ std::vector<double> numbersOf(const YamlMap& y, const std::string& key) {
 
 /// The one of these keys that is there. Throws Error where two of them contradict each other.
 std::optional<std::string> onlyKeyOf(const YamlMap& y, std::initializer_list<const char*> keys) {
-  const auto found = firstKeyOf(y, keys);
+  auto found = firstKeyOf(y, keys);
   for (const char* key : keys)
     if ((y.isList(key) || y.isMap(key)) && numbersOf(y, key) != numbersOf(y, *found))
       throw y.error(key, "has other numbers than " + *found + ", and both are there");
