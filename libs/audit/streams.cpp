@@ -33,7 +33,7 @@ void Streams::add(const Sample& sample) {
 }
 
 void Repeats::add(double t_s, std::span<const double> reading) {
-  const bool zero = std::all_of(reading.begin(), reading.end(), [](double x) { return x == 0; });
+  const bool zero = std::all_of(reading.begin(), reading.end(), [](double x) { return std::abs(x) < 1e-9; });
   const bool same = !zero && std::equal(reading.begin(), reading.end(), last_.begin(), last_.end());
   ++readings;
   if (!same) {
