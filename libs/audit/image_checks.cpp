@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <opencv2/core.hpp>
 #include <set>
 
@@ -14,6 +16,19 @@ namespace fathom {
 namespace fs = std::filesystem;
 namespace {
 using enum Finding::Certainty;
+
+/// How far apart an image's gray levels are: cameras of fewer than 16 bits leave out the lowest ones, or
+/// repeat the highest in them (times 257).
+int grayLevel(const cv::Mat& image) {
+  if (image.depth() != CV_16U) return 1;
+  constexpr int kCoarsest = 257;
+  int level = 0;
+  for (int row = 0; row < image.rows && level != 1; ++row) {
+    const auto* numbers = image.ptr<std::uint16_t>(row);
+    for (int i = 0; i < image.cols * image.channels(); ++i) level = std::gcd(level, int{numbers[i]});
+  }
+  return std::clamp(level, 1, kCoarsest);
+}
 
 class ImageCheck {
  public:
@@ -33,7 +48,7 @@ class ImageCheck {
     const auto many = [&](std::size_t n) { return n * 5 > looked_at_ && n > 1; };
     if (many(blank_))
       add("images-blank", 2 * blank_ > looked_at_ ? sure : likely,
-          print("%zu of %zu images looked at show nothing: all pixels within %g gray levels", blank_,
+          print("%zu of %zu images looked at show nothing: all pixels within %g of their gray levels", blank_,
                 looked_at_, kBlank));
     else if (many(repeated_))
       add("images-repeated", likely,
@@ -55,8 +70,7 @@ class ImageCheck {
     if (image.cols != m.width_px || image.rows != m.height_px) ++other_size_, size_ = image.size();
     double darkest = 0, brightest = 0;
     cv::minMaxLoc(image.reshape(1), &darkest, &brightest);
-    const double one = image.depth() == CV_16U ? 257 : 1;  // gray level of 8 bits
-    if (brightest - darkest <= kBlank * one) ++blank_;
+    if (brightest - darkest <= kBlank * grayLevel(image)) ++blank_;
     if (i > 0 && readTextFile(folder_ / stream_.files[i]) == readTextFile(folder_ / stream_.files[i - 1]))
       ++repeated_;
   } catch (const Error&) {

@@ -16,6 +16,7 @@
 #include "evaluation/family_swap.h"
 #include "evaluation/timed_detection.h"
 #include "image_files/one_opencv_thread.h"
+#include "imaging/eight_bits.h"
 #include "imaging/fingerprints.h"
 #include "imaging/true_panel.h"
 
@@ -117,10 +118,10 @@ class FamilyStudio {
     const View clean = views_.studio().renderAlbedo(shot);
     FiducialPicture picture;
     picture.map = true_map_;
-    picture.image_bgr = expose(lightThrough(image.water, shot, clean), shot, image);
+    const cv::Mat exposed = expose(lightThrough(image.water, shot, clean), shot, image);
+    picture.image_bgr = inEightBits(exposed);
     picture.places = placesIn(image);
-    for (const auto& detector : detectors_.local())
-      picture.detections.push_back(detector->detect(picture.image_bgr));
+    for (const auto& detector : detectors_.local()) picture.detections.push_back(detector->detect(exposed));
     return picture;
   }
 
@@ -157,9 +158,7 @@ class FamilyStudio {
     else
       blurred = light;
     Random noise = Random::stream(grid_.seed, noiseStream(grid_, image));
-    cv::Mat picture = views_.studio().exposeLight(shot, blurred, &noise);
-    if (picture.depth() != CV_8U) picture.convertTo(picture, CV_8U, 255.0 / ((1 << sheet_.bits) - 1));
-    return picture;
+    return views_.studio().exposeLight(shot, blurred, &noise);
   }
 
   const FiducialGrid& grid_;

@@ -16,6 +16,7 @@
 #include "fiducials/single_marker_pose.h"
 #include "image_files/image_file.h"
 #include "image_files/one_opencv_thread.h"
+#include "imaging/eight_bits.h"
 #include "imaging/fingerprints.h"
 #include "render/renderer.h"
 
@@ -228,10 +229,10 @@ std::vector<RecordedPicture> recordedPictures(const std::vector<RecordedImage>& 
   for (const RecordedImage& image : images) {
     Tools& tools = toolsFor(image.camera, options, tools_by_camera);
     RecordedPicture& picture = pictures.emplace_back();
-    picture.image = readImage(image.file, image.camera);
+    const cv::Mat pixels = readImage(image.file, image.camera);
+    picture.image = inEightBits(pixels);
     picture.places = placesIn(image, options, tools);
-    for (const auto& detector : tools.detectors)
-      picture.detections.push_back(detector->detect(picture.image));
+    for (const auto& detector : tools.detectors) picture.detections.push_back(detector->detect(pixels));
   }
   return pictures;
 }

@@ -120,7 +120,8 @@ class ReaderDetector : public Detector {
   std::vector<Detection> detect(const cv::Mat& image, const std::vector<SearchRegion>& regions) override {
     cv::Mat gray = toGray(image);
     if (options_.look.white_on_black) gray = 255 - gray;
-    const GrayRange* range = options_.expected_range ? &*options_.expected_range : nullptr;
+    const bool is_expected = options_.expected_range && image.depth() == CV_8U;
+    const GrayRange* range = is_expected ? &*options_.expected_range : nullptr;
     const cv::Mat searched = regions.empty() ? gray : preprocessed(gray, options_.preprocess, range);
     std::vector<Detection> detections;
     for (const SearchRegion& region : regions) {

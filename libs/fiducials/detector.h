@@ -35,7 +35,7 @@ bool canRead(Backend backend, const std::string& family, const MarkerLook& look 
 struct DetectorOptions {
   MarkerLook look{};
   Preprocess preprocess = Preprocess::none;
-  std::optional<GrayRange> expected_range;  ///< for Preprocess::stretch; absent: from the image
+  std::optional<GrayRange> expected_range;  ///< for Preprocess::stretch of 8 bits; absent: from the image
   bool refine = true;                       ///< corners by refineCorners() on the image as it came
   /// Where it is known, the lens's bending of straight edges is accounted for; images must be of its size.
   std::optional<CameraModel> camera;
@@ -57,9 +57,9 @@ class Detector {
  public:
   virtual ~Detector() = default;
 
-  /// All markers in the image, CV_8UC1 or CV_8UC3 (BGR), sorted by family, id and place, without those that
-  /// the image's border may cut off (a corner nearer to it than half a cell). The same image gives the same
-  /// detections. Throws std::invalid_argument for another type of image or an empty one.
+  /// All markers in the image, gray or BGR, of 8 or 16 bits, sorted by family, id and place, without those
+  /// that the image's border may cut off (a corner nearer to it than half a cell). The same image gives the
+  /// same detections. Throws std::invalid_argument for another type of image or an empty one.
   std::vector<Detection> detect(const cv::Mat& image);
   /// The same within regions; they may overlap.
   virtual std::vector<Detection> detect(const cv::Mat& image, const std::vector<SearchRegion>& regions) = 0;

@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "imaging/eight_bits.h"
 #include "imaging/image_model.h"
 
 namespace fathom {
@@ -69,11 +70,13 @@ GrayRange expectedRange(const Vector3d& black_radiance, const Vector3d& white_ra
 
 cv::Mat toGray(const cv::Mat& image) {
   if (image.empty()) throw std::invalid_argument("the image is empty");
-  if (image.type() == CV_8UC1) return image;
-  if (image.type() != CV_8UC3) throw std::invalid_argument("the image is neither 8-bit gray nor 8-bit BGR");
+  if (image.depth() != CV_8U && image.depth() != CV_16U)
+    throw std::invalid_argument("the image is neither of 8 bits nor of 16");
+  if (image.channels() == 1) return inEightBits(image);
+  if (image.channels() != 3) throw std::invalid_argument("the image is neither gray nor BGR");
   cv::Mat gray;
   cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
-  return gray;
+  return inEightBits(gray);
 }
 
 cv::Mat preprocessed(const cv::Mat& gray, Preprocess preprocess, const GrayRange* range) {

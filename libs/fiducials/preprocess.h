@@ -28,7 +28,8 @@ struct GrayRange {
 GrayRange expectedRange(const Vector3d& black_radiance, const Vector3d& white_radiance, const Water& water,
                         const CameraSheet& sheet, double range_m);
 
-/// CV_8UC1 of a CV_8UC1 or CV_8UC3 (BGR) image. Throws std::invalid_argument for others.
+/// CV_8UC1 of a gray or BGR image of 8 or 16 bits, these by the range that is used (imaging/eight_bits.h).
+/// Throws std::invalid_argument for others.
 cv::Mat toGray(const cv::Mat& image);
 
 /// CV_8UC1 to CV_8UC1. Preprocess::stretch maps the range, widened by a tenth at each end, to 0 … 255; where

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
+#include "imaging/eight_bits.h"
+
 namespace fathom {
 namespace {
 
@@ -36,8 +38,7 @@ struct Exposure {
 };
 
 cv::Mat wholeImage(const cv::Mat& image_bgr, const cv::Rect& region) {
-  cv::Mat picture = image_bgr.clone();
-  if (picture.depth() != CV_8U) picture.convertTo(picture, CV_8U, 1.0 / 257);
+  cv::Mat picture = inEightBits(image_bgr).clone();
   if (picture.channels() == 1) cv::cvtColor(picture, picture, cv::COLOR_GRAY2BGR);
   if (!region.empty()) cv::rectangle(picture, region, kContour, 2);
   cv::Mat tile;

@@ -12,6 +12,7 @@
 #include "fiducials/single_marker_pose.h"
 #include "image_files/image_file.h"
 #include "imaging/camera_geometry.h"
+#include "imaging/eight_bits.h"
 #include "imaging/true_panel.h"
 #include "render/scene.h"
 #include "simulation/simulate_recording.h"
@@ -19,7 +20,7 @@
 namespace fathom {
 namespace {
 
-/// Checked; with a camera of 8 bits, as recordings have them.
+/// Checked; with a camera of 8 bits, which is what pairs have.
 KnownWorld usable(KnownWorld world) {
   if (!world.vehicle.camera || world.panels.empty())
     throw std::invalid_argument("pairs need a camera and a panel");
@@ -49,9 +50,14 @@ double offset_px(const Detection& detection, const std::array<Vector3d, 4>& corn
 }  // namespace
 
 CleanPairMaker::CleanPairMaker(KnownWorld world, double largest_offset_px)
-    : world_(usable(std::move(world))),
+    : recorded_bits_(world.vehicle.camera ? world.vehicle.camera->bits : 8),
+      world_(usable(std::move(world))),
       largest_offset_px_(largest_offset_px),
       studio_(worldOf(world_), camera(), world_.vehicle.lamps, world_.effects) {}
+
+cv::Mat CleanPairMaker::readRecorded(const std::filesystem::path& file, const CameraModel& taken_by) const {
+  return fullScaleInEightBits(readImage(file, taken_by), recorded_bits_);
+}
 
 cv::Mat CleanPairMaker::panelMask(const PosedImage& posed, const View& view) const {
   cv::Mat mask = studio_.panelMask(posed.shot(), view);
@@ -82,7 +88,7 @@ void CleanPairMaker::requireOwnPose(const PosedImage& posed) const {
 }
 
 CleanPair CleanPairMaker::clean(const PosedImage& posed) const {
-  CleanPair pair{inColour(readImage(posed.image.file, posed.image.camera)), {}, {}};
+  CleanPair pair{inColour(readRecorded(posed.image.file, posed.image.camera)), {}, {}};
   requireOwnPose(posed);
   pair.clean = studio_.renderAlbedo(posed.shot());
   pair.panel_mask = panelMask(posed, pair.clean);

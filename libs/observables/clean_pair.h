@@ -32,6 +32,10 @@ class CleanPairMaker {
   /// Of the world, with its effects.
   const CameraStudio& studio() const { return studio_; }
 
+  /// A recorded image in the 8 bits that pairs have, full scale to full scale: gray or BGR. Throws Error as
+  /// readImage().
+  cv::Mat readRecorded(const std::filesystem::path& file, const CameraModel& taken_by) const;
+
   /// Throws Error{file, "", why} where there is no pair: the image cannot be read or is not of its camera's
   /// size, the pose is not its own, no panel is in view.
   CleanPair clean(const PosedImage& posed) const;
@@ -41,6 +45,7 @@ class CleanPairMaker {
   void requireOwnPose(const PosedImage& posed) const;
 
  private:
+  int recorded_bits_;  ///< as the vehicle's sheet has them
   KnownWorld world_;
   double largest_offset_px_;
   CameraStudio studio_;

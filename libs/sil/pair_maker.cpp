@@ -5,7 +5,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
-#include "image_files/image_file.h"
 #include "image_files/jpeg.h"
 #include "imaging/fingerprints.h"
 #include "similarity/measures.h"
@@ -33,7 +32,7 @@ Detector& PairMaker::detectorOf(const CameraModel& camera) const {
 }
 
 SilPair PairMaker::make(const PosedImage& posed) const {
-  const cv::Mat recorded = readImage(posed.image.file, posed.image.camera);
+  const cv::Mat recorded = readRecorded(posed.image.file, posed.image.camera);
   requireOwnPose(posed);
   CameraShot shot = posed.shot();
   shot.particle_seed = particleSeed(options_.seed);

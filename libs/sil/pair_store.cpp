@@ -106,13 +106,13 @@ void PairStore::write(const PosedImage& posed, const PairRecord& record, const S
 }
 
 ImagePair PairStore::readImages(const fs::path& image_folder, const PosedImage& posed,
-                                const CameraSheet& camera) {
+                                const PairMaker& maker) {
   const PairFiles files = filesOf(posed);
   ImagePair pair;
-  pair.recorded = inColour(readImage(image_folder / files.recorded));
+  pair.recorded = inColour(maker.readRecorded(image_folder / files.recorded, posed.image.camera));
   pair.simulated = inColour(readImage(image_folder / files.simulated));
   pair.panel_mask = readImage(image_folder / files.panel);
-  pair.camera = &camera;
+  pair.camera = &maker.camera();
   return pair;
 }
 

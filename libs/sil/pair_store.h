@@ -44,11 +44,11 @@ class PairStore {
   /// `pair` is null where there is none. Throws Error.
   void write(const PosedImage& posed, const PairRecord& record, const SilPair* pair) const;
   /// A pair's images as they were written, without detections. Throws Error.
-  ImagePair readImages(const PosedImage& posed, const CameraSheet& camera) const {
-    return readImages(images_, posed, camera);
+  ImagePair readImages(const PosedImage& posed, const PairMaker& maker) const {
+    return readImages(images_, posed, maker);
   }
   static ImagePair readImages(const std::filesystem::path& image_folder, const PosedImage& posed,
-                              const CameraSheet& camera);
+                              const PairMaker& maker);
 
  private:
   std::string fingerprintOfImages(const PosedImage& posed) const;

@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 
 #include "core/error.h"
 #include "core/for_each.h"
 #include "handles/circular_average.h"
+#include "image_files/image_file.h"
 #include "image_files/jpeg.h"
+#include "imaging/eight_bits.h"
 
 namespace fathom {
 namespace {
@@ -90,8 +91,9 @@ std::vector<HandleSight> readAll(const PosedImages& images, const KnownWorld& wo
     const cv::Mat image = imageOf(posed);
     if (image.empty()) return;
     CameraSheet sheet = *world.vehicle.camera;
-    sheet.bits = image.depth() == CV_16U ? sheet.bits : 8;
-    const PosedPanelImage before{radianceOf(image, sheet), posed.camera.lens, posed.camera.projector,
+    sheet.bits = bitsOf(image, sheet.bits);
+    const cv::Mat numbers = sheet.bits > 8 ? image : fullScaleInEightBits(image, sheet.bits);
+    const PosedPanelImage before{radianceOf(numbers, sheet), posed.camera.lens, posed.camera.projector,
                                  T_camera_panelOf(posed, world.panels[posed.panel]).pose,
                                  jpegQuality(posed.image.file).has_value()};
     const std::vector<HandleReading> readings = readers.local().of(posed.panel).read(before);
@@ -118,8 +120,11 @@ std::vector<HandleSight> recordedHandles(const PosedImages& images, const KnownW
   return readAll(
       images, world, window, "reading handles",
       [](const PosedImage& posed) {
-        const cv::Mat image = cv::imread(posed.image.file.string(), cv::IMREAD_UNCHANGED);
-        return image.empty() ? image : inColour(image);
+        try {
+          return inColour(readImage(posed.image.file, posed.image.camera));
+        } catch (const Error&) {
+          return cv::Mat();
+        }
       },
       see);
 }

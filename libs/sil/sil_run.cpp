@@ -129,7 +129,7 @@ struct Workshop {
   void takeOver(const PosedImage& posed, Finished& finished) const {
     if (!finished.record.why_not.empty()) return;
     const bool frame = options.frames && !isThere(frames / frameName(posed));
-    if (frame || isInVideo(finished)) draw(posed, store.readImages(posed, maker.camera()), frame, finished);
+    if (frame || isInVideo(finished)) draw(posed, store.readImages(posed, maker), frame, finished);
   }
 
   void make(const PosedImage& posed, Finished& finished) const {
@@ -328,7 +328,7 @@ cv::Mat silSheet(const SilResults& results, const PairMaker& maker, const SilOpt
     for (std::size_t i = 0; i < std::min<std::size_t>(4, results.columns.size()); ++i)
       row.label.push_back(print("%s %.4f", results.columns[i].name.c_str(),
                                 record.values[i].value_or(std::numeric_limits<double>::quiet_NaN())));
-    const ImagePair images = PairStore::readImages(folder, pair->posed, maker.camera());
+    const ImagePair images = PairStore::readImages(folder, pair->posed, maker);
     row.tiles = pairTiles(images, maker.comparedRegion(images), options.residual, kSheetTile_px);
     rows.push_back(std::move(row));
   }

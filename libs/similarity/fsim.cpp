@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "imaging/eight_bits.h"
 #include "similarity/phase_congruency.h"
 
 namespace fathom {
@@ -99,8 +100,9 @@ FsimComparer::~FsimComparer() = default;
 
 std::optional<std::string> FsimComparer::whyNot(const cv::Mat& image) {
   if (image.empty()) return "the image is empty";
-  if (image.type() != CV_8UC3 && image.type() != CV_8UC1)
-    return "the image is not of 8 bits and of three channels or one";
+  const bool has_depth = image.depth() == CV_8U || image.depth() == CV_16U;
+  if (!has_depth || (image.channels() != 3 && image.channels() != 1))
+    return "the image is not of 8 bits, or 16, and of three channels or one";
   if (std::min(image.cols, image.rows) < kLeastSide_px)
     return "the image is of " + sizeText(image) + " pixels; FSIM's filters need " +
            std::to_string(kLeastSide_px) + " or more either way";
@@ -117,8 +119,8 @@ std::optional<std::string> FsimComparer::whyNot(const cv::Mat& reference, const 
 
 FsimFeatures FsimComparer::features(const cv::Mat& image) const {
   if (const auto why = whyNot(image)) throw std::invalid_argument("FSIM: " + *why);
-  cv::Mat bgr = image;
-  if (image.channels() == 1) cv::cvtColor(image, bgr, cv::COLOR_GRAY2BGR);
+  cv::Mat bgr = inEightBits(image);
+  if (bgr.channels() == 1) cv::cvtColor(bgr, bgr, cv::COLOR_GRAY2BGR);
   const Yiq yiq = reducedYiq(bgr);
   return {image.size(), congruencyFor(yiq.y.size())->of(yiq.y), gradientMagnitude(yiq.y), yiq.i, yiq.q};
 }
@@ -148,6 +150,10 @@ std::optional<FsimScore> FsimComparer::compare(const FsimFeatures& reference, co
 }
 
 std::optional<FsimScore> FsimComparer::compare(const cv::Mat& reference, const cv::Mat& image) const {
+  if (reference.depth() == CV_16U && image.depth() == CV_16U) {
+    const LevelRange both = joined(usedRange(reference), usedRange(image));
+    return compare(features(inEightBits(reference, both)), features(inEightBits(image, both)));
+  }
   return compare(features(reference), features(image));
 }
 

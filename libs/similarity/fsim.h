@@ -46,11 +46,13 @@ class FsimComparer {
   static std::optional<std::string> whyNot(const cv::Mat& image);
   static std::optional<std::string> whyNot(const cv::Mat& reference, const cv::Mat& image);
 
-  /// Of an image, CV_8UC3 (BGR) or CV_8UC1. Throws std::invalid_argument with whyNot().
+  /// Of an image, BGR or gray, of 8 bits or of 16, these by the range that is used (imaging/eight_bits.h).
+  /// Throws std::invalid_argument with whyNot().
   FsimFeatures features(const cv::Mat& image) const;
 
   /// Nothing where neither image has any feature, e.g. two plain ones. To compare one image with many, keep
-  /// its features: they are what takes the time. Throws std::invalid_argument for images of two sizes.
+  /// its features: they are what takes the time. Two images of 16 bits are seen by the range that both use.
+  /// Throws std::invalid_argument for images of two sizes.
   static std::optional<FsimScore> compare(const FsimFeatures& reference, const FsimFeatures& image);
   std::optional<FsimScore> compare(const cv::Mat& reference, const cv::Mat& image) const;
 

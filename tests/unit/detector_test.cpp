@@ -247,13 +247,46 @@ TEST(FallbackDetector, AsksTheSecondOnlyWhereTheFirstFoundTooFew) {
   EXPECT_EQ(detections[2].corners_px[0].x(), 200);
 }
 
+/// Wherever in the 16 bits a camera puts its own, and however few of them the water leaves.
+TEST(Detector, FindsInSixteenBitsWhatItFindsInEight) {
+  const auto markers = fourMarkers("tag36h11");
+  Random random(2);
+  const cv::Mat eight =
+      drawMarkers(markers, kDrawnCamera, lookingAtPanel(1.0, radians(20), radians(30), 0), {}, random);
+  struct Depth {
+    double gain, offset, tolerance_px;
+  };
+  for (const Backend backend : kBackends) {
+    const auto detector = makeDetector(backend, {"tag36h11"});
+    const auto expected = detector->detect(eight);
+    ASSERT_EQ(expected.size(), 4U);
+    for (const auto& [gain, offset, tolerance_px] : {Depth{257, 0, 0},
+                                                     {1, 0, 0.05},
+                                                     {4, 0, 0.05},
+                                                     {0.8, 20000, 0.1},
+                                                     {0.3, 4600, 0.2},
+                                                     {0.8, 65300, 0.1}}) {
+      cv::Mat gray, colour;
+      eight.convertTo(gray, CV_16U, gain, offset);
+      gray.at<std::uint16_t>(0, 0) = 65535;  // a hot pixel
+      cv::cvtColor(gray, colour, cv::COLOR_GRAY2BGR);
+      for (const cv::Mat& image : {gray, colour}) {
+        const auto found = detector->detect(image);
+        ASSERT_EQ(found.size(), 4U) << nameOf(backend) << ", gain " << gain << ", offset " << offset;
+        for (std::size_t i = 0; i < 4; ++i)
+          EXPECT_LE((found[i].centre_px() - expected[i].centre_px()).norm(), tolerance_px) << gain;
+      }
+    }
+  }
+}
+
 TEST(Detector, RejectsWhatItCannotDo) {
   EXPECT_THROW(makeDetector(Backend::aruco, {}), std::invalid_argument);
   EXPECT_THROW(makeDetector(Backend::aruco, {"DICT_9X9"}), std::invalid_argument);
   EXPECT_THROW(makeDetector(Backend::aruco, {"tagStandard41h12"}), std::invalid_argument);
   const auto detector = makeDetector(Backend::aruco, {"DICT_4X4_50"});
   EXPECT_THROW(detector->detect(cv::Mat()), std::invalid_argument);
-  EXPECT_THROW(detector->detect(cv::Mat(9, 9, CV_16UC1, cv::Scalar(0))), std::invalid_argument);
+  EXPECT_THROW(detector->detect(cv::Mat(9, 9, CV_32FC1, cv::Scalar(0))), std::invalid_argument);
   EXPECT_TRUE(detector->detect(cv::Mat(3, 3, CV_8UC1, cv::Scalar(0))).empty());
 }
 

@@ -277,11 +277,26 @@ TEST(Fsim, SaysWhyImagesCannotBeCompared) {
   EXPECT_EQ(why(cv::Mat()), "the image is empty");
   EXPECT_EQ(why(texturedImage({48, 64}, 1)), "the image is of 48 x 64 pixels, the reference of 64 x 48");
   EXPECT_NE(why(texturedImage({64, 47}, 1)).find("64 x 47"), std::string::npos);
-  EXPECT_NE(why(cv::Mat(48, 64, CV_16UC3)).find("8 bits"), std::string::npos);
+  EXPECT_NE(why(cv::Mat(48, 64, CV_32FC3)).find("8 bits"), std::string::npos);
   EXPECT_THROW(FsimComparer().compare(good, cv::Mat()), std::invalid_argument);
   EXPECT_THROW(FsimComparer().compare(good, texturedImage({80, 60}, 1)), std::invalid_argument);
   EXPECT_THROW(PhaseCongruency({64, 48}).of(cv::Mat(48, 65, CV_32FC1)), std::invalid_argument);
   EXPECT_THROW(PhaseCongruency({64, 1}), std::invalid_argument);
+}
+
+TEST(Fsim, SixteenBitsKeepWhatIsInThem) {
+  const cv::Mat reference = texturedImage({96, 96}, 3), image = blurred(reference, 2);
+  const FsimScore eight = score(reference, image);
+  const auto in16 = [](const cv::Mat& of, double gain, double offset) {
+    cv::Mat result;
+    of.convertTo(result, CV_16U, gain, offset);
+    return result;
+  };
+  const FsimScore filled = score(in16(reference, 257, 0), in16(image, 257, 0));
+  EXPECT_DOUBLE_EQ(filled.fsim, eight.fsim);
+  EXPECT_DOUBLE_EQ(filled.fsimc, eight.fsimc);
+  const FsimScore low = score(in16(reference, 0.8, 20000), in16(image, 0.8, 20000));
+  EXPECT_NEAR(low.fsim, eight.fsim, 0.05);
 }
 
 TEST(Fsim, ThreadsMayShareAComparer) {

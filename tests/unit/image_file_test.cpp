@@ -48,6 +48,15 @@ TEST(ImageFile, PngComesBackAsItWas) {
   EXPECT_EQ(cv::norm(readImage(file), noiseImage(), cv::NORM_INF), 0);
 }
 
+TEST(ImageFile, SixteenBitsComeBackAsTheyWere) {
+  const fs::path file = test::scratchFolder() / "image.png";
+  cv::Mat image;
+  noiseImage().convertTo(image, CV_16U, 3, 20000);
+  cv::imwrite(file, image);
+  ASSERT_EQ(readImage(file).type(), CV_16UC3);
+  EXPECT_EQ(cv::norm(readImage(file), image, cv::NORM_INF), 0);
+}
+
 TEST(ImageFile, BmpComesBackAsItWas) {
   const fs::path file = test::scratchFolder() / "image.bmp";
   writeTextFile(file, encoded(".bmp"));
