@@ -15,6 +15,9 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME fathom)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS gnuplot-nox)  # the reports' plots
+# What the program loads itself, when a rawlog holds their observations (recording/mrpt_classes.h).
+string(REGEX MATCH "^[0-9]+[.][0-9]+" mrpt_version "${mrpt-obs_VERSION}")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libmrpt-maps${mrpt_version}, libmrpt-vision${mrpt_version}")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "localizes underwater robots and diagnoses their sensor models
 Reads recordings (MRPT rawlogs) of a dive: inertial sensor, Doppler velocity
 log, pressure, camera. Estimates the robot's path, reproduces the dive in

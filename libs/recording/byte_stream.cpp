@@ -87,7 +87,8 @@ void ByteStream::fillInflated() {
     status = decompressor_->inflate(unread_, room);
     const bool wants_more = status == Decompressor::Status::kMore && !room.empty();
     if (wants_more && unread_.empty() && !refillInput()) {
-      if (damage_.empty()) damage_ = std::string("the ") + decompressor_->format() + " data are cut short";
+      cut_short_ = damage_.empty();
+      if (cut_short_) damage_ = std::string("the ") + decompressor_->format() + " data are cut short";
       ended_ = true;
       break;
     }
@@ -96,11 +97,13 @@ void ByteStream::fillInflated() {
   const bool nothing = from_member_start && produced == 0;
   at_member_start_ = false;
   if (status == Decompressor::Status::kMemberEnd) {
+    if (position_ + old_size + produced > 0) in_first_member_ = false;  // frames of notes are none
     endAtMember();
   } else if (status == Decompressor::Status::kDamaged) {
     const std::string format = decompressor_->format();
-    damage_ = nothing && !in_first_member_
-                  ? "bytes that are not " + format + " data follow"
+    damage_ = nothing && !in_first_member_ ? "bytes that are not " + format + " data follow"
+              : decompressor_->isWhole()
+                  ? "the checksum of the " + format + " data does not fit: values that were read may be wrong"
                   : "the " + format + " data are damaged (" + decompressor_->damage() + ")";
     ended_ = true;
     // The checksum was never right: what came out is not to be trusted.
@@ -114,7 +117,6 @@ void ByteStream::fillInflated() {
 /// After a member whose checksum was right: the file ends, or another member follows.
 void ByteStream::endAtMember() {
   at_member_start_ = true;
-  in_first_member_ = false;
   if (unread_.empty() && !refillInput()) {
     ended_ = true;
     return;

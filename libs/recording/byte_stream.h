@@ -45,6 +45,8 @@ class ByteStream {
   bool compressed() const { return decompressor_ != nullptr; }
   /// Why the bytes ended before the data did, one line; empty while there are more and at a clean end.
   const std::string& damage() const { return damage_; }
+  /// Whether that is because compressed data are cut off: how much is missing is not known.
+  bool cutShort() const { return cut_short_; }
 
  private:
   /// Which bytes of the file became which inflated ones.
@@ -62,7 +64,7 @@ class ByteStream {
   std::filesystem::path file_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> in_;
   std::uint64_t file_bytes_ = 0, file_read_ = 0, position_ = 0;
-  bool ended_ = false, at_member_start_ = true, in_first_member_ = true;
+  bool ended_ = false, at_member_start_ = true, in_first_member_ = true, cut_short_ = false;
   std::string damage_;
   std::vector<std::uint8_t> buffer_, input_;
   std::span<const std::uint8_t> unread_;  ///< of input_

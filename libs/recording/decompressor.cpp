@@ -2,10 +2,12 @@
 
 #include <zlib.h>
 #include <zstd.h>
+#include <zstd_errors.h>
 
 #include <algorithm>
 #include <array>
 #include <new>
+#include <string_view>
 
 namespace fathom {
 namespace {
@@ -33,6 +35,9 @@ class Gzip : public Decompressor {
   void beginMember() override { inflateReset(&zlib_); }
   const char* format() const override { return "gzip"; }
   std::string damage() const override { return zlib_.msg != nullptr ? zlib_.msg : "no end"; }
+  bool isWhole() const override {
+    return zlib_.msg != nullptr && std::string_view(zlib_.msg) == "incorrect data check";
+  }
 
  private:
   z_stream zlib_{};
@@ -53,6 +58,7 @@ class Zstandard : public Decompressor {
     out = out.subspan(to.pos);
     if (ZSTD_isError(result)) {
       damage_ = ZSTD_getErrorName(result);
+      checksum_wrong_ = ZSTD_getErrorCode(result) == ZSTD_error_checksum_wrong;
       return Status::kDamaged;
     }
     return result == 0 ? Status::kMemberEnd : Status::kMore;
@@ -60,22 +66,33 @@ class Zstandard : public Decompressor {
   void beginMember() override {}  // it goes on by itself
   const char* format() const override { return "Zstandard"; }
   std::string damage() const override { return damage_; }
+  bool isWhole() const override { return checksum_wrong_; }
 
  private:
   std::unique_ptr<ZSTD_DStream, std::size_t (*)(ZSTD_DStream*)> zstd_;
   std::string damage_;
+  bool checksum_wrong_ = false;
 };
+
+constexpr std::array<std::uint8_t, 2> kGzipMark{0x1f, 0x8b};
+constexpr std::array<std::uint8_t, 4> kZstandardMark{0x28, 0xb5, 0x2f, 0xfd};
+/// Of a frame that decompressors skip, for notes: 0x50 to 0x5f, then these.
+constexpr std::array<std::uint8_t, 3> kSkippableMark{0x2a, 0x4d, 0x18};
+
+template <class Mark>
+bool startsWith(std::span<const std::uint8_t> bytes, const Mark& mark) {
+  return bytes.size() >= mark.size() && std::equal(mark.begin(), mark.end(), bytes.begin());
+}
+
+bool isSkippable(std::span<const std::uint8_t> bytes) {
+  return !bytes.empty() && (bytes[0] & 0xf0U) == 0x50 && startsWith(bytes.subspan(1), kSkippableMark);
+}
 
 }  // namespace
 
 std::unique_ptr<Decompressor> decompressorFor(std::span<const std::uint8_t> begin) {
-  constexpr std::array<std::uint8_t, 2> kGzipMark{0x1f, 0x8b};
-  constexpr std::array<std::uint8_t, 4> kZstandardMark{0x28, 0xb5, 0x2f, 0xfd};
-  const auto is = [&](const auto& mark) {
-    return begin.size() >= mark.size() && std::equal(mark.begin(), mark.end(), begin.begin());
-  };
-  if (is(kGzipMark)) return std::make_unique<Gzip>();
-  if (is(kZstandardMark)) return std::make_unique<Zstandard>();
+  if (startsWith(begin, kGzipMark)) return std::make_unique<Gzip>();
+  if (startsWith(begin, kZstandardMark) || isSkippable(begin)) return std::make_unique<Zstandard>();
   return nullptr;
 }
 

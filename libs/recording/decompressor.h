@@ -24,6 +24,8 @@ class Decompressor {
   virtual void beginMember() = 0;
   virtual const char* format() const = 0;  ///< its name
   virtual std::string damage() const = 0;  ///< after kDamaged: a few words
+  /// After kDamaged: all was inflated, but its checksum is another.
+  virtual bool isWhole() const = 0;
 };
 
 /// By the first bytes of a file; null where they are no compressed data.

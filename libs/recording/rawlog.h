@@ -16,9 +16,10 @@ struct RecordingLoss {
                               ///< gzip file, interpolated within the last 1 MiB of inflated data)
   std::uint64_t lost_bytes = 0;  ///< from there to the end of the file
   /// From the last entry read to the last one found behind the damage, or estimated; NaN where neither can be
-  /// told.
+  /// told, so where the file is cut off.
   double lost_seconds = 0.0;
   bool estimated = false;  ///< lost_seconds is lost_bytes over the bytes a second read so far
+  bool cut_off = false;    ///< the file ends too early: nobody knows how much is lost
   std::string reason;      ///< one line
 };
 

@@ -25,6 +25,7 @@
 #endif
 
 #include "recording/allocation_limit.h"
+#include "recording/mrpt_classes.h"
 #include "recording/mrpt_types.h"
 
 namespace fathom {
@@ -58,7 +59,7 @@ class ObjectStream : public mrpt::io::CStream {
   std::size_t Read(void* to, std::size_t count) override {
     if (count > kMaxObjectBytes - walked()) fail("an entry is impossibly long");
     const auto ahead = in_.peek(at_, count);
-    if (ahead.size() < count) fail("the data end inside an entry");
+    if (ahead.size() < count) fail(kDataEnd.data());
     if (count > 0) std::memcpy(to, ahead.data(), count);
     at_ += count;
     return count;
@@ -212,17 +213,24 @@ void requirePossible(const mrpt::obs::CObservation& observation) {
   }
 }
 
+/// Whether MRPT says so of an object within the one that it read.
+bool holdsUnknownClass(std::string_view message) {
+  return message.find("not registered") != std::string_view::npos;
+}
+
 RawlogObject read(const Place& place) {
   ByteStream& in = place.in;
   const auto header = readHeader(in, place.offset);
   if (!header) throw Damage{"no object begins where one should"};
-  const TRuntimeClassId* id = mrpt::rtti::findRegisteredClass(header->class_name, true);
+  const TRuntimeClassId* id = findMrptClass(header->class_name);
   if (id == nullptr) {
     if (!namesObservation(header->class_name))
       throw Damage{"class `" + header->class_name + "` is none of MRPT's"};
     return skipped(place, *header, "a class that the installed MRPT does not have");
   }
-  if (!isOfRawlogs(*id)) return {RawlogObject::Kind::kForeign, id->className, 0, {}, {}};
+  const bool is_foreign = !isOfRawlogs(*id);
+  if (is_foreign && in.position() + place.offset == 0)  // what a file begins with says what it is
+    return {RawlogObject::Kind::kForeign, id->className, 0, {}, {}};
 
   RawlogObject object{RawlogObject::Kind::kRead, id->className, 0, {}, {}};
   object.object =
@@ -240,10 +248,12 @@ RawlogObject read(const Place& place) {
     throw Damage{"a length is impossible"};
   } catch (const std::exception& error) {
     if (!stream.damage().empty()) throw Damage{stream.damage()};
+    if (holdsUnknownClass(error.what()) && loadFurtherMrptClasses()) return read(place);
     return refused(place, *header, *id, error.what());
   }
   forEachObservation(*object.object, &requirePossible);
   object.bytes = stream.walked();
+  if (is_foreign) object.kind = RawlogObject::Kind::kSkipped, object.reason = "no observation";
   return object;
 }
 

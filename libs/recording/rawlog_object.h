@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "core/time.h"
 #include "recording/byte_stream.h"
@@ -20,12 +21,15 @@
 /// for it where an object of any use must have ended.
 namespace fathom {
 
+/// The reason where the data are too few for an entry: they are cut off, or a length in it is damaged.
+inline constexpr std::string_view kDataEnd = "the data end inside an entry";
+
 struct RawlogObject {
   enum class Kind {
     kRead,     ///< an observation, or observations or actions in a row, as in the actions-and-frames format
-    kSkipped,  ///< an observation of a class or version that the installed MRPT does not know: taken to end
-               ///< where the next object begins
-    kForeign,  ///< an MRPT object that is none of a rawlog's
+    kSkipped,  ///< an observation of a class or version that the installed MRPT does not know, taken to end
+               ///< where the next object begins; or an MRPT object between them that is none of a rawlog's
+    kForeign,  ///< such a one at the beginning: the file is no rawlog
     kDamaged,
   };
   Kind kind = Kind::kDamaged;

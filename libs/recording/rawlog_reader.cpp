@@ -117,6 +117,11 @@ void RawlogReader::Impl::noteLoss(const std::string& reason) {
     return;
   }
   loss->estimated = true;
+  loss->cut_off = in.cutShort() || (reason == kDataEnd && in.damage().empty());
+  if (loss->cut_off) {
+    loss->lost_seconds = std::numeric_limits<double>::quiet_NaN();
+    return;
+  }
   const double seconds_read = secondsBetween(first_time, last_time);
   loss->lost_seconds =
       seconds_read > 0.0 && loss->at_byte > 0
@@ -156,10 +161,12 @@ fs::path RawlogReader::imageFolder() const {
 }
 
 std::string describe(const RecordingLoss& loss) {
+  const std::string stopped =
+      "reading stopped at byte " + std::to_string(loss.at_byte) + " (" + loss.reason + "): ";
+  if (loss.cut_off) return stopped + "the file is cut off, how much is lost is not known";
   char seconds[64];
   std::snprintf(seconds, sizeof seconds, "%s%.1f s", loss.estimated ? "about " : "", loss.lost_seconds);
-  return "reading stopped at byte " + std::to_string(loss.at_byte) + " (" + loss.reason +
-         "): " + std::to_string(loss.lost_bytes) + " bytes" +
+  return stopped + std::to_string(loss.lost_bytes) + " bytes" +
          (std::isnan(loss.lost_seconds) ? "" : std::string(", ") + seconds) + " are lost";
 }
 

@@ -315,9 +315,7 @@ void writeReport(const std::filesystem::path& file, const RecordingStory& record
   }
   report.keyValues(values);
   report.paragraph("Start: " + summary.start_source + ".");
-  if (recording.loss)
-    report.warning("The recording is damaged: " + recording.loss->reason + "; " +
-                   std::to_string(recording.loss->lost_bytes) + " bytes lost.");
+  if (recording.loss) report.warning("The recording is damaged: " + describe(*recording.loss) + ".");
   for (const std::string& remark : recording.remarks) report.warning(remark);
 
   addPath(report, recording, outputs);

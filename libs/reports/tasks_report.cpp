@@ -144,9 +144,7 @@ void writeTasksReport(const std::filesystem::path& file, const LocalizedRecordin
   report.keyValues({{"images", std::to_string(story.image_times.size())},
                     {"sightings of markers", std::to_string(story.marker_poses.size())},
                     {"tasks", std::to_string(recording.tasks.size())}});
-  if (story.loss)
-    report.warning("The recording is damaged: " + story.loss->reason + "; " +
-                   std::to_string(story.loss->lost_bytes) + " bytes lost.");
+  if (story.loss) report.warning("The recording is damaged: " + describe(*story.loss) + ".");
   for (const std::string& remark : story.remarks) report.warning(remark);
 
   report.heading("The tasks compared");

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/io/CMemoryStream.h>
 #include <mrpt/obs/CObservation6DFeatures.h>
 #include <mrpt/obs/CObservationBearingRange.h>
 #include <mrpt/obs/CObservationComment.h>
@@ -9,13 +10,18 @@
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 #include <mrpt/obs/CRawlog.h>
+#include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/poses/CPose3DPDFGaussianInf.h>
+#include <mrpt/serialization/CArchive.h>
 
 #include <array>
 #include <cstdio>
 
+#include "core/files.h"
+#include "recording/mrpt_classes.h"
 #include "recording/mrpt_types.h"
 #include "support/recordings.h"
+#include "support/run_program.h"
 #include "support/shared_data.h"
 
 // Stock MRPT opens what the writer writes, and finds in it what the recording convention says.
@@ -133,6 +139,40 @@ TEST_F(RawlogMrpt, FieldsAreWhereTheConventionPutsThem) {
       EXPECT_EQ(pair->imageRight.getExternalStorageFile(), stereo->right_file);
     }
   }
+}
+
+/// Observations of MRPT's libraries of maps and vision, alone and within a frame; the program loads those
+/// when it meets them.
+TEST(RawlogMrptClasses, OfFurtherLibrariesAreRead) {
+  loadFurtherMrptClasses();
+  const auto made = [](const char* name) {
+    const auto* id = findMrptClass(name);
+    EXPECT_NE(id, nullptr) << name;
+    auto object = std::dynamic_pointer_cast<CObservation>(std::shared_ptr(id->createObject()));
+    object->timestamp = toMrpt(kStart);
+    return object;
+  };
+  CObservationIMU ins;
+  ins.sensorLabel = "INS";
+  ins.timestamp = toMrpt(kStart);
+  mrpt::io::CMemoryStream stream;
+  auto archive = mrpt::serialization::archiveFrom(stream);
+  archive << ins;
+  for (const char* name : {"mrpt::obs::CObservationRotatingScan", "mrpt::obs::CObservationVisualLandmarks",
+                           "mrpt::obs::CObservationPointCloud"}) {
+    CSensoryFrame frame;
+    frame.insert(made(name));
+    frame.insert(std::make_shared<CObservationIMU>(ins));
+    archive << *made(name) << frame;
+  }
+  const auto file = scratchFolder() / "further.rawlog";
+  writeTextFile(
+      file, std::string(static_cast<const char*>(stream.getRawBufferData()), stream.getTotalBytesCount()));
+  const auto result = runFathom("info " + shellQuoted(file.string()));
+  EXPECT_EQ(result.status, 0);
+  EXPECT_NE(result.out.find(" 10 entries"), std::string::npos) << result.out;
+  EXPECT_EQ(result.out.find("does not have"), std::string::npos) << result.out;
+  EXPECT_EQ(result.out.find("reading stopped"), std::string::npos) << result.out;
 }
 
 TEST_F(RawlogMrpt, RawlogEditListsIt) {

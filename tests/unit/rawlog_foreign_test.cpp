@@ -149,6 +149,17 @@ TEST(Rawlog, WhatIsNoneIsRefused) {
   EXPECT_EQ(rawlogErrorOf(writePlain({&pose})), "byte 0: holds a mrpt::poses::CPose3D: is no rawlog");
 }
 
+TEST(Rawlog, WhatIsNoneIsPassedOverBetweenEntries) {
+  const CObservationIMU first = imuLabelled("INS", 1.0), last = imuLabelled("INS", 2.0);
+  const mrpt::poses::CPose3D pose;
+  const ReadBack back = readRecording(writePlain({&first, &pose, &last}));
+  EXPECT_FALSE(back.loss);
+  ASSERT_EQ(back.samples.size(), 3U);
+  EXPECT_EQ(as<UnknownSample>(back.samples[1]).mrpt_class, "mrpt::poses::CPose3D");
+  EXPECT_EQ(as<UnknownSample>(back.samples[1]).unreadable, "no observation");
+  EXPECT_TRUE(std::holds_alternative<InsSample>(back.samples[2].reading));
+}
+
 TEST(Rawlog, UnknownEntriesArePassedOver) {
   const CObservationIMU ins = imuLabelled("INS", 1.0), other = imuLabelled("XSENS", 2.0),
                         last = imuLabelled("DVL", 4.0);
