@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -93,6 +94,10 @@ std::optional<double> finiteNumber(std::string_view field) {
   return value;
 }
 
+bool isAbsent(std::string_view field) {
+  return field.empty() || field == "nan" || field == "NaN" || field == "NAN";
+}
+
 double toNumber(const Lines& lines, std::string_view field) {
   if (const auto value = finiteNumber(field)) return *value;
   throw lines.error("not a finite number: `" + std::string(field) + "`");
@@ -122,14 +127,17 @@ void forEachRow(Lines& lines, std::size_t columns, const Take& take) {
 }  // namespace
 
 std::vector<std::vector<double>> readCsv(const std::filesystem::path& file,
-                                         const std::vector<std::string>& columns) {
+                                         const std::vector<std::string>& columns, AbsentNumbers absent) {
   Lines lines(file);
   const auto places = findColumns(lines, headerOf(lines, file), columns);
   std::vector<std::vector<double>> rows;
   forEachRow(lines, places.size(), [&](const std::vector<std::string_view>& fields) {
     std::vector<double> row;
     row.reserve(places.size());
-    for (const std::size_t place : places) row.push_back(toNumber(lines, fields[place]));
+    for (const std::size_t place : places)
+      row.push_back(absent == AbsentNumbers::nan && !row.empty() && isAbsent(fields[place])
+                        ? std::numeric_limits<double>::quiet_NaN()
+                        : toNumber(lines, fields[place]));
     if (!rows.empty() && row[0] <= rows.back()[0]) throw lines.error("time does not increase");
     rows.push_back(std::move(row));
   });

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <numbers>
 #include <stdexcept>
 
+#include "audit/sensor_units.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/stable_sort.h"
@@ -14,13 +16,37 @@
 namespace fathom {
 namespace {
 
+constexpr double kPi = std::numbers::pi;
+
+/// As PD0 writes "no bottom lock", and tables of it in m/s; or nothing at all.
+bool isWithoutLock(const Vector3d& velocity) {
+  constexpr double kBad_mm_s = -32768;
+  const auto isBad = [&](double v) { return v == kBad_mm_s || std::abs(v - kBad_mm_s / 1000) < 1e-9; };
+  return !velocity.allFinite() || isBad(velocity.x()) || isBad(velocity.y()) || isBad(velocity.z());
+}
+
 Vector3d three(const std::vector<double>& row, std::size_t first) {
   return {row[first], row[first + 1], row[first + 2]};
 }
 
+/// A column says its unit: an angle that is more than its whole range is in another.
+void requireRadians(const std::filesystem::path& file, const std::vector<std::string>& columns,
+                    const std::vector<std::vector<double>>& rows) {
+  for (std::size_t column = 0; column < columns.size(); ++column) {
+    if (!columns[column].ends_with("[rad]")) continue;
+    const double most = columns[column].starts_with("Latitude") ? kPi / 2 : 2 * kPi;
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      if (std::abs(rows[k][column]) > most + 1e-6)
+        throw Error(file.string(), "line " + std::to_string(k + 2),
+                    columns[column] + print(" is %.9g: is it in degrees?", rows[k][column]));
+  }
+}
+
 std::vector<std::vector<double>> readRows(const std::filesystem::path& file,
-                                          const std::vector<std::string>& columns) {
-  auto rows = readCsv(file, columns);
+                                          const std::vector<std::string>& columns,
+                                          AbsentNumbers absent = AbsentNumbers::refused) {
+  auto rows = readCsv(file, columns, absent);
+  requireRadians(file, columns, rows);
   if (rows.size() < 10) throw Error(file.string(), "", "has fewer than 10 rows: nothing can be established");
   return rows;
 }
@@ -126,6 +152,24 @@ std::vector<StampedPose> reference(const SeaTrialData& data, const SeaTrialConve
   return poses;
 }
 
+/// What the navigation solution says of the DVL is more than scale errors and mountings make.
+std::vector<std::string> remarks(const SeaTrialData& data, const SeaTrialConventions& c) {
+  std::vector<std::string> lines;
+  if (data.without_lock > 0)
+    lines.push_back(print("DVL: %zu of %zu rows have no bottom lock, and are left out", data.without_lock,
+                          data.without_lock + data.dvl_time_s.size()));
+  const double turned_deg = degrees(c.dvl_regression.rotation_rad.norm()),
+               scale = 1 + c.dvl_regression.scale_error;
+  if (scale > 0.7 && scale < 1.4 && turned_deg < 15) return lines;
+  std::string line = print("DVL: it reads %.4g times the navigation solution's velocity, turned by %.3g deg",
+                           scale, turned_deg);
+  for (const SensorUnit& unit : kVelocityUnits)
+    if (std::abs(scale * unit.si - 1) < 0.05)
+      line += print("; %s, which --correct %s corrects where the recording is read", unit.says, unit.name);
+  lines.push_back(line);
+  return lines;
+}
+
 }  // namespace
 
 SeaTrialFiles seaTrialFiles(const std::filesystem::path& folder, int section) {
@@ -146,7 +190,12 @@ SeaTrialData readSeaTrial(const SeaTrialFiles& files) {
     data.acceleration_imu.push_back(three(row, 1));
     data.rate_imu.push_back(three(row, 4));
   }
-  for (const auto& row : readRows(files.dvl, {"Time [s]", "DVL X [m/s]", "DVL Y [m/s]", "DVL Z [m/s]"})) {
+  for (const auto& row :
+       readRows(files.dvl, {"Time [s]", "DVL X [m/s]", "DVL Y [m/s]", "DVL Z [m/s]"}, AbsentNumbers::nan)) {
+    if (isWithoutLock(three(row, 1))) {
+      ++data.without_lock;
+      continue;
+    }
     data.dvl_time_s.push_back(row[0]);
     data.velocity_dvl.push_back(three(row, 1));
   }
@@ -178,6 +227,7 @@ ImportedRecording importSeaTrial(const SeaTrialFiles& files, const SeaTrialOptio
                                                        conventions.reference_point_m};
   recording.reference = reference(data, conventions, change, options);
   recording.vehicle_yaml = vehicleYaml(data, conventions, stretch);
+  recording.remarks = remarks(data, conventions);
   recording.conclusions = std::move(conventions.conclusions);
   recording.conclusions.push_back({"the reference",
                                    options.reference_as_published

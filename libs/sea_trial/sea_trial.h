@@ -16,6 +16,7 @@ struct SeaTrialData {
   std::vector<Vector3d> rate_imu;          ///< rad/s
   std::vector<double> dvl_time_s;
   std::vector<Vector3d> velocity_dvl;  ///< m/s
+  std::size_t without_lock = 0;        ///< rows of the DVL that are left out
   std::vector<double> gt_time_s;
   std::vector<double> longitude_rad, latitude_rad, altitude_m;  ///< by the columns' names
   std::vector<Vector3d> velocity_ned;                           ///< m/s
