@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cstdint>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
@@ -17,27 +18,47 @@ struct Encoding {
   int conversion;  ///< to what a PNG has: gray or BGR
 };
 
+/// Some drivers write them in capitals.
+struct AnyCase {
+  bool operator()(const std::string& a, const std::string& b) const {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) {
+      return std::tolower(static_cast<unsigned char>(x)) < std::tolower(static_cast<unsigned char>(y));
+    });
+  }
+};
+
 /// As ROS names them (sensor_msgs/image_encodings.h). OpenCV names a Bayer pattern by its second row, ROS by
 /// its first.
-const std::map<std::string, Encoding>& encodings() {
-  static const std::map<std::string, Encoding> known{{"mono8", {CV_8UC1, kAsItIs}},
-                                                     {"8UC1", {CV_8UC1, kAsItIs}},
-                                                     {"bgr8", {CV_8UC3, kAsItIs}},
-                                                     {"8UC3", {CV_8UC3, kAsItIs}},
-                                                     {"rgb8", {CV_8UC3, cv::COLOR_RGB2BGR}},
-                                                     {"bgra8", {CV_8UC4, cv::COLOR_BGRA2BGR}},
-                                                     {"8UC4", {CV_8UC4, cv::COLOR_BGRA2BGR}},
-                                                     {"rgba8", {CV_8UC4, cv::COLOR_RGBA2BGR}},
-                                                     {"mono16", {CV_16UC1, kAsItIs}},
-                                                     {"16UC1", {CV_16UC1, kAsItIs}},
-                                                     {"yuv422", {CV_8UC2, cv::COLOR_YUV2BGR_UYVY}},
-                                                     {"uyvy", {CV_8UC2, cv::COLOR_YUV2BGR_UYVY}},
-                                                     {"yuv422_yuy2", {CV_8UC2, cv::COLOR_YUV2BGR_YUY2}},
-                                                     {"yuyv", {CV_8UC2, cv::COLOR_YUV2BGR_YUY2}},
-                                                     {"bayer_rggb8", {CV_8UC1, cv::COLOR_BayerBG2BGR}},
-                                                     {"bayer_bggr8", {CV_8UC1, cv::COLOR_BayerRG2BGR}},
-                                                     {"bayer_gbrg8", {CV_8UC1, cv::COLOR_BayerGR2BGR}},
-                                                     {"bayer_grbg8", {CV_8UC1, cv::COLOR_BayerGB2BGR}}};
+const std::map<std::string, Encoding, AnyCase>& encodings() {
+  static const std::map<std::string, Encoding, AnyCase> known{
+      {"mono8", {CV_8UC1, kAsItIs}},
+      {"8UC1", {CV_8UC1, kAsItIs}},
+      {"bgr8", {CV_8UC3, kAsItIs}},
+      {"8UC3", {CV_8UC3, kAsItIs}},
+      {"rgb8", {CV_8UC3, cv::COLOR_RGB2BGR}},
+      {"bgra8", {CV_8UC4, cv::COLOR_BGRA2BGR}},
+      {"8UC4", {CV_8UC4, cv::COLOR_BGRA2BGR}},
+      {"rgba8", {CV_8UC4, cv::COLOR_RGBA2BGR}},
+      {"mono16", {CV_16UC1, kAsItIs}},
+      {"16UC1", {CV_16UC1, kAsItIs}},
+      {"bgr16", {CV_16UC3, kAsItIs}},
+      {"16UC3", {CV_16UC3, kAsItIs}},
+      {"rgb16", {CV_16UC3, cv::COLOR_RGB2BGR}},
+      {"bgra16", {CV_16UC4, cv::COLOR_BGRA2BGR}},
+      {"16UC4", {CV_16UC4, cv::COLOR_BGRA2BGR}},
+      {"rgba16", {CV_16UC4, cv::COLOR_RGBA2BGR}},
+      {"yuv422", {CV_8UC2, cv::COLOR_YUV2BGR_UYVY}},
+      {"uyvy", {CV_8UC2, cv::COLOR_YUV2BGR_UYVY}},
+      {"yuv422_yuy2", {CV_8UC2, cv::COLOR_YUV2BGR_YUY2}},
+      {"yuyv", {CV_8UC2, cv::COLOR_YUV2BGR_YUY2}},
+      {"bayer_rggb8", {CV_8UC1, cv::COLOR_BayerBG2BGR}},
+      {"bayer_bggr8", {CV_8UC1, cv::COLOR_BayerRG2BGR}},
+      {"bayer_gbrg8", {CV_8UC1, cv::COLOR_BayerGR2BGR}},
+      {"bayer_grbg8", {CV_8UC1, cv::COLOR_BayerGB2BGR}},
+      {"bayer_rggb16", {CV_16UC1, cv::COLOR_BayerBG2BGR}},
+      {"bayer_bggr16", {CV_16UC1, cv::COLOR_BayerRG2BGR}},
+      {"bayer_gbrg16", {CV_16UC1, cv::COLOR_BayerGR2BGR}},
+      {"bayer_grbg16", {CV_16UC1, cv::COLOR_BayerGB2BGR}}};
   return known;
 }
 
@@ -47,7 +68,7 @@ cv::Mat inOwnOrder(const cv::Mat& raw, bool is_bigendian) {
   if (raw.depth() != CV_16U || is_own) return raw;
   cv::Mat swapped(raw.rows, raw.cols, raw.type());
   for (int v = 0; v < raw.rows; ++v)
-    std::transform(raw.ptr<std::uint16_t>(v), raw.ptr<std::uint16_t>(v) + raw.cols,
+    std::transform(raw.ptr<std::uint16_t>(v), raw.ptr<std::uint16_t>(v) + raw.cols * raw.channels(),
                    swapped.ptr<std::uint16_t>(v),
                    [](std::uint16_t x) { return static_cast<std::uint16_t>(x << 8 | x >> 8); });
   return swapped;

@@ -1,5 +1,7 @@
 #include "ros_bag/bag_message.h"
 
+#include "core/text.h"
+
 namespace fathom {
 
 Vector3d BagMessage::finite(const Vector3d& v, const std::string& field) const {
@@ -15,7 +17,7 @@ double BagMessage::finite(double value, const std::string& field) const {
 Matrix3d BagMessage::rotation(const ros1::Quaternion& q) const {
   const Eigen::Quaterniond quaternion(q.w, q.x, q.y, q.z);
   if (!quaternion.coeffs().allFinite() || std::abs(quaternion.norm() - 1.0) > 1e-2)
-    throw error("orientation is not a unit quaternion");
+    throw error(print("orientation is not a unit quaternion: its norm is %g", quaternion.norm()));
   return quaternion.normalized().toRotationMatrix();
 }
 

@@ -3,7 +3,9 @@
 #include <rosbag/message_instance.h>
 
 #include <cmath>
+#include <new>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "core/error.h"
@@ -57,17 +59,21 @@ class BagMessage {
   /// Of those that have no header.
   template <class M>
   boost::shared_ptr<M> asUnstamped() const {
-    auto message = instance_.instantiate<M>();
+    const auto message = decoded<M>();
     if (!message) throw error("its definition is not that of " + instance_.getDataType());
     return message;
   }
+  /// When the bag received it.
+  ros::Time arrival() const { return instance_.getTime(); }
+  std::size_t number() const { return number_; }
+  const std::string& topic() const { return instance_.getTopic(); }
   /// type: as ROS names it, "nav_msgs/Odometry".
   bool is(const std::string& type) const { return instance_.getDataType() == type; }
 
   /// The value itself; throws Error that names the field where it is not finite.
   Vector3d finite(const Vector3d& v, const std::string& field) const;
   double finite(double value, const std::string& field) const;
-  /// Throws Error where the norm is off one by more than 1 %.
+  /// Throws Error, with the norm, where it is off one by more than 1 %.
   Matrix3d rotation(const ros1::Quaternion& q) const;
   /// An Error about this message, to be thrown.
   BadMessage error(const std::string& why) const;
@@ -76,6 +82,18 @@ class BagMessage {
   const std::string& bag() const { return bag_; }
 
  private:
+  /// Null where the definition is another. A message may be too short for its type in a bag that is whole.
+  template <class M>
+  boost::shared_ptr<M> decoded() const {
+    try {
+      return instance_.instantiate<M>();
+    } catch (const ros::Exception&) {
+    } catch (const std::bad_alloc&) {
+    } catch (const std::length_error&) {
+    }
+    throw error("is too short for a " + instance_.getDataType() + ", or a length in it is damaged");
+  }
+
   const rosbag::MessageInstance& instance_;
   const std::string& bag_;
   std::size_t number_;

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "recording/samples.h"
-#include "ros_bag/bag_message.h"
 
 namespace fathom {
 
@@ -17,16 +16,13 @@ class ReorderBuffer {
   ReorderBuffer(double window_s, std::function<void(Sample&&)> sink)
       : window_s_(window_s), sink_(std::move(sink)) {}
 
-  /// Throws Error, about the message, where the sample is older than another one by more than the window: a
-  /// clock that steps back, which no order mends.
-  void push(Sample sample, const BagMessage& message) {
-    if (!newest_) newest_ = sample.time;
-    if (secondsBetween(sample.time, *newest_) > window_s_ || (last_ && sample.time < *last_))
-      throw Error(message.bag(), message.where(),
-                  "its stamp is older than its predecessors' by more than the reorder window of " +
-                      std::to_string(window_s_) +
-                      " s; `stamps: arrival` in the topic map takes the bag's own, of arrival");
-    newest_ = std::max(*newest_, sample.time);
+  /// Not where a sample of this time is older than another one by more than the window, which no order mends.
+  bool fits(Time time) const {
+    return !newest_ || !(secondsBetween(time, *newest_) > window_s_ || (last_ && time < *last_));
+  }
+  /// One that fits.
+  void push(Sample sample) {
+    newest_ = newest_ ? std::max(*newest_, sample.time) : sample.time;
     waiting_.emplace(sample.time, std::move(sample));
     while (secondsBetween(waiting_.begin()->first, waiting_.rbegin()->first) > window_s_) release();
   }

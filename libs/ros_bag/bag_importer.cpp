@@ -1,0 +1,147 @@
+#include "ros_bag/bag_importer.h"
+
+#include <rosbag/view.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "core/error.h"
+#include "core/text.h"
+
+namespace fathom {
+namespace {
+
+constexpr const char* kStaticTransforms = "/tf_static";  // by REP 105's convention, beside /tf
+
+}  // namespace
+
+void BagImporter::checkTopics(const rosbag::Bag& bag) const {
+  rosbag::View view(bag);
+  std::map<std::string, std::string> types;
+  for (const auto* connection : view.getConnections()) types[connection->topic] = connection->datatype;
+  std::ostringstream present;
+  for (const auto& [topic, type] : types)
+    present << (present.tellp() > 0 ? ", " : "") << topic << " (" << type << ')';
+  if (types.empty()) present << "nothing";
+  for (const BagTopic& topic : map_.topics) {
+    const auto found = types.find(topic.topic);
+    if (found == types.end())
+      throw Error(bag_, topic.topic,
+                  "no such topic (" + map_.file + " asks for it); the bag has " + present.str());
+    const auto& suitable = messageTypesOf(topic.as);
+    if (std::find(suitable.begin(), suitable.end(), found->second) != suitable.end()) continue;
+    std::string wanted;
+    for (const std::string& type : suitable) wanted += (wanted.empty() ? "" : " or ") + type;
+    throw Error(bag_, topic.topic,
+                std::string("is a ") + found->second + "; " + roleName(topic.as) + " is made of " + wanted);
+  }
+}
+
+void BagImporter::take(const BagTopic& topic, const BagMessage& message) {
+  switch (topic.as) {
+    case TopicRole::ins:
+      return takeIns(topic, message);
+    case TopicRole::dvl:
+      return takeDvl(topic, message);
+    case TopicRole::dvl_beams:
+      return takeBeam(topic, message);
+    case TopicRole::depth:
+      return takeDepth(topic, message);
+    case TopicRole::usbl:
+      return takeUsbl(topic, message);
+    case TopicRole::camera:
+      return takeImage(topic, message);
+    case TopicRole::reference:
+      return takeReference(topic, message);
+  }
+}
+
+void BagImporter::push(const BagTopic& topic, Time time, Reading reading, const BagMessage& message) {
+  clocks_.check(message, time);
+  if (!order_.fits(time)) throw clocks_.apart(message);
+  paces_[topic.as].add(time);
+  order_.push({time, roleName(topic.as), std::move(reading)});
+}
+
+/// One bad message does not refuse a bag.
+void BagImporter::takeOrLeaveOut(const std::string& topic, const std::function<void()>& take) {
+  constexpr std::size_t kQuoted = 3;
+  try {
+    take();
+  } catch (const BadMessage& bad) {
+    if (options_.strict) throw;
+    ++bad_count_[topic];
+    if (bad_[topic].size() < kQuoted) bad_[topic].push_back(bad);
+  }
+}
+
+/// Of which no message at all can be used.
+void BagImporter::refuseUnusableTopics() const {
+  for (const auto& [topic, count] : bad_count_)
+    if (count >= count_.at(topic)) throw Error(bad_.at(topic).front());
+}
+
+std::vector<std::string> BagImporter::remarks() const {
+  std::vector<std::string> lines;
+  for (const auto& [topic, count] : without_lock_)
+    lines.push_back(topic +
+                    print(": %zu of %zu messages say that there is no bottom lock", count, count_.at(topic)));
+  for (const auto& [topic, count] : without_attitude_)
+    lines.push_back(topic +
+                    print(": %zu of %zu messages have no attitude: their quaternion is zero or no number",
+                          count, count_.at(topic)));
+  for (const auto& [topic, count] : bad_count_) {
+    std::string line = topic + print(": %zu of %zu messages are left out", count, count_.at(topic));
+    const char* between = ": ";
+    for (const BadMessage& bad : bad_.at(topic)) {
+      line.append(between).append(bad.where).append(": ").append(bad.why);
+      between = "; ";
+    }
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+ImportedRecording BagImporter::run() {
+  const bool has_camera = std::any_of(map_.topics.begin(), map_.topics.end(),
+                                      [](const BagTopic& t) { return t.as == TopicRole::camera; });
+  if (has_camera && options_.image_folder.empty())
+    throw Error(map_.file, "CAMERA", "no folder is given for the images");
+
+  rosbag::Bag bag;
+  bag.open(bag_, rosbag::bagmode::Read);  // not in the constructor: that leaks when it throws
+  checkTopics(bag);
+  std::vector<std::string> topics;
+  for (const BagTopic& topic : map_.topics) topics.push_back(topic.topic);
+  const bool compares = std::any_of(map_.topics.begin(), map_.topics.end(),
+                                    [](const BagTopic& t) { return t.as == TopicRole::reference; });
+  if (compares) topics.emplace_back(kStaticTransforms);
+  rosbag::View view(bag, rosbag::TopicQuery(topics));
+  for (const rosbag::MessageInstance& instance : view) {
+    const std::size_t number = ++count_[instance.getTopic()];
+    for (const BagTopic& topic : map_.topics)
+      if (topic.topic == instance.getTopic())
+        takeOrLeaveOut(topic.topic, [&] { take(topic, {instance, bag_, number, topic.stamps}); });
+    if (const BagMessage message(instance, bag_, number, TopicStamps::header);
+        instance.getTopic() == kStaticTransforms && isTransforms(message))
+      takeOrLeaveOut(kStaticTransforms, [&] { takeTransforms(message, true); });
+  }
+  order_.flush();
+  refuseUnusableTopics();
+  if (!order_.first()) throw Error(bag_, "", "has no message of a sensor in " + map_.file);
+
+  finishReference();
+  ImportedRecording recording;
+  recording.header.description = map_.description.empty()
+                                     ? "ROS bag " + std::filesystem::path(bag_).filename().string()
+                                     : map_.description;
+  recording.start = *order_.first();
+  recording.reference = std::move(reference_);
+  recording.vehicle_yaml = vehicleYaml(map_, paces_, sigmas_);
+  for (const BagTopic& topic : map_.topics)
+    if (topic.as == TopicRole::ins) recording.conclusions = checks_.conclusions(topic);
+  recording.remarks = remarks();
+  return recording;
+}
+
+}  // namespace fathom

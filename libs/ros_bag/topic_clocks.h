@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "core/time.h"
+#include "ros_bag/bag_message.h"
+
+namespace fathom {
+
+/// Whether each topic's stamps go on as they should: a message that arrives later was not measured before,
+/// and all topics have one clock. Which of them does not is told by the bag's own times, of arrival.
+class TopicClocks {
+ public:
+  /// Beyond window_s stamps are of another time.
+  explicit TopicClocks(double window_s) : window_s_(window_s) {}
+
+  /// Throws BadMessage where this message's stamp alone is of another time than its topic's before; Error
+  /// where those after it are, too, or where the topic's stamps step back by more than a driver's jitter.
+  void check(const BagMessage& message, Time stamp);
+  /// An Error, to be thrown, about the topic whose stamps are farthest from all others' when this message
+  /// does not fit them.
+  Error apart(const BagMessage& message) const;
+
+ private:
+  struct Moment {
+    Time stamp, arrival;
+    std::size_t number = 0;  ///< of the message
+    double ahead_s() const { return secondsBetween(arrival, stamp); }
+  };
+  struct Clock {
+    Moment last;
+    std::optional<Moment> stray;  ///< the last one, where that was of another time
+  };
+
+  bool follows(const Moment& before, const Moment& now) const;
+
+  double window_s_;
+  std::map<std::string, Clock> clocks_;  ///< by topic
+};
+
+}  // namespace fathom
