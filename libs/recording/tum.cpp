@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/error.h"
 #include "core/files.h"
@@ -77,6 +78,29 @@ bool nextLine(std::istream& in, std::string& line) {
   return !in.fail();
 }
 
+/// The usual interval of a path's poses around one of them: the median of some.
+double usualInterval_s(const std::vector<StampedPose>& path, std::ptrdiff_t at) {
+  constexpr std::ptrdiff_t kAround = 10;
+  const auto begin = std::max<std::ptrdiff_t>(1, at - kAround),
+             end = std::min(std::ssize(path), at + kAround + 1);
+  std::vector<double> intervals_s;
+  for (auto i = begin; i < end; ++i) {
+    const auto place = static_cast<std::size_t>(i);
+    intervals_s.push_back(secondsBetween(path[place - 1].time, path[place].time));
+  }
+  const auto middle = intervals_s.begin() + std::ssize(intervals_s) / 2;
+  std::nth_element(intervals_s.begin(), middle, intervals_s.end());
+  return *middle;
+}
+
+/// Whether the path between a pose and the one before is not known: what moves in between is not straight.
+bool isGap(const std::vector<StampedPose>& path, std::ptrdiff_t at) {
+  constexpr double kShortest_s = 1, kIntervals = 5;
+  const auto place = static_cast<std::size_t>(at);
+  const double interval_s = secondsBetween(path[place - 1].time, path[place].time);
+  return interval_s > kShortest_s && interval_s > kIntervals * usualInterval_s(path, at);
+}
+
 }  // namespace
 
 bool fitsTum(const StampedPose& pose, const StampedPose* before) {
@@ -90,7 +114,7 @@ std::optional<Pose> poseAt(const std::vector<StampedPose>& path, const Time& tim
                                      [](const StampedPose& pose, const Time& t) { return pose.time < t; });
   if (next == path.end()) return std::nullopt;
   if (next->time == time) return next->T_odom_robot;
-  if (next == path.begin()) return std::nullopt;
+  if (next == path.begin() || isGap(path, next - path.begin())) return std::nullopt;
   const StampedPose& before = *std::prev(next);
   const double share = secondsBetween(before.time, time) / secondsBetween(before.time, next->time);
   const Pose &a = before.T_odom_robot, &b = next->T_odom_robot;

@@ -15,7 +15,7 @@ struct StampedPose {
   Pose T_odom_robot;
 };
 
-/// A path at a time between two of its poses (linear; geodesic for the rotation); nothing outside it.
+/// A path at a time between two of its poses (linear, rotations geodesic); nothing outside, or in its gaps.
 std::optional<Pose> poseAt(const std::vector<StampedPose>& path, const Time& time);
 
 /// Whether TUM text can hold a pose after another one (nullptr: it is the first), so that it can be read

@@ -6,6 +6,7 @@
 #include "core/progress.h"
 #include "localization/dead_reckoning.h"
 #include "localization/run_tasks.h"
+#include "recording/time_text.h"
 #include "sources/degraded_source.h"
 #include "tasks/start_pose.h"
 
@@ -72,6 +73,19 @@ bool needsLandmarks(const RecordingJob& job) {
                                              [](const TaskSpec& task) { return task.fusesLandmarks(); });
 }
 
+/// A reference that was asked for and judges nothing, mostly of another clock.
+void remarkIdleReference(const RecordingJob& job, LocalizedRecording& done) {
+  RecordingStory& story = *done.story;
+  if (job.reference.empty() || std::any_of(done.tasks.begin(), done.tasks.end(),
+                                           [](const auto& task) { return task->story().filter.has_value(); }))
+    return;
+  const auto seconds = [](Time time) { return secondsText(unixTicks(time)); };
+  story.remarks.push_back(
+      story.reference_name + " has no time in common with the recording, nothing is compared: it is from " +
+      seconds(story.reference.front().time) + " to " + seconds(story.reference.back().time) +
+      " s since 1970, the recording begins at " + seconds(story.time_zero) + " s");
+}
+
 LocalizedRecording localizeRecording(const RecordingJob& job) {
   LocalizedRecording done;
   done.story = std::make_unique<RecordingStory>();
@@ -127,6 +141,7 @@ LocalizedRecording localizeRecording(const RecordingJob& job) {
   if (std::none_of(done.tasks.begin(), done.tasks.end(),
                    [](const auto& task) { return task->story().summary.started; }))
     throw Error(job.chain.rawlog.string(), "", done.tasks.front()->story().summary.failure);
+  remarkIdleReference(job, done);
   results.finish();
   return done;
 }

@@ -36,9 +36,10 @@ std::optional<Pose> poseBefore(const std::vector<StampedPose>& reference, const 
   const Time as_long_after = first.time + (first.time - time);
   if (reference.size() < 2 || time > first.time || as_long_after > reference[1].time) return std::nullopt;
   const Pose& at_first = first.T_odom_robot;
-  const Pose later = *poseAt(reference, as_long_after);
-  return Pose{at_first.rotation * later.rotation.transpose() * at_first.rotation,
-              2.0 * at_first.position - later.position};
+  const auto later = poseAt(reference, as_long_after);
+  if (!later) return std::nullopt;
+  return Pose{at_first.rotation * later->rotation.transpose() * at_first.rotation,
+              2.0 * at_first.position - later->position};
 }
 
 StartPose startFromReference(const fs::path& rawlog, const std::vector<StampedPose>& reference) {

@@ -142,6 +142,19 @@ TEST_F(LocalizeTasks, FindsAPanelWhosePoseIsUnknown) {
   EXPECT_LT(std::sqrt(squared_m2), 0.1);  // the start's yaw is believed to 0.5 deg, 2.6 m away, and 0.1 m
 }
 
+// Of another day, say: what it cannot judge is said, and needed only for the start.
+TEST_F(LocalizeTasks, SaysThatAReferenceHasNoTimeInCommon) {
+  const fs::path folder = test::scratchFolder(), reference = folder / "other_day.tum";
+  writeTextFile(reference, "1000 0 0 0 0 0 0 1\n1001 0 0 0 0 0 0 1\n");
+  const std::string task =
+      recording() + " --tasks TL2 --paper-only --reference " + test::shellQuoted(reference);
+  const auto done = localize(task, folder / "out");
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_EQ(countOf(done.out, "note: other_day.tum has no time in common with the recording"), 1U)
+      << done.out;
+  test::expectBadInput(localize(task + " --start reference", folder / "out"), "the reference has no pose");
+}
+
 TEST_F(LocalizeTasks, FaultsActOnTheWay) {
   const fs::path folder = test::scratchFolder();
   writeTextFile(folder / "outage.yaml",

@@ -18,6 +18,7 @@ using test::kTrialRows;
 using test::makeSeaTrial;
 using test::Oddities;
 using test::writeSeaTrial;
+using namespace test::sea_trial_motion;
 
 void expectRecovered(const Oddities& odd, std::uint64_t seed) {
   const SeaTrialConventions c = establishConventions(makeSeaTrial(odd, seed));

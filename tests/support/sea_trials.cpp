@@ -6,9 +6,8 @@
 #include "core/random.h"
 
 namespace fathom::test {
-namespace {
+namespace sea_trial_motion {
 
-/// A submarine's way: turning, diving and rolling gently at 2 m/s. FRD against NED.
 Matrix3d attitude(double t) {
   return rotationFromYawPitchRoll(1.1 + 1.5 * std::sin(0.05 * t) + 0.2 * std::sin(0.31 * t),
                                   -0.02 + 0.07 * std::sin(0.11 * t + 1), 0.03 + 0.05 * std::sin(0.23 * t));
@@ -26,6 +25,11 @@ Vector3d specificForceFrd(double t) {
   const Vector3d acceleration_ned = (velocityNed(t + kStep) - velocityNed(t - kStep)) / (2 * kStep);
   return attitude(t).transpose() * (acceleration_ned - Vector3d(0, 0, 9.7955));
 }
+
+}  // namespace sea_trial_motion
+
+namespace {
+using namespace sea_trial_motion;
 
 /// Latitude, longitude (rad) and height (m), moved over the ellipsoid by its radii of curvature: independent
 /// of the importer's conversion. (MRPT 2.5.8's ENUToGeocentric will not do: its up is geocentric.)

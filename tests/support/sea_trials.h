@@ -27,6 +27,15 @@ struct Oddities {
 inline constexpr double kTrialLatitude = radians(32.85), kTrialLongitude = radians(34.89);
 inline constexpr int kTrialRows = 400;  ///< of the DVL and the navigation solution, one a second
 
+/// A submarine's way: turning, diving and rolling gently at 2 m/s. FRD against NED, t in seconds.
+namespace sea_trial_motion {
+Matrix3d attitude(double t);
+Vector3d velocityFrd(double t);
+Vector3d velocityNed(double t);
+Vector3d rateFrd(double t);
+Vector3d specificForceFrd(double t);
+}  // namespace sea_trial_motion
+
 SeaTrialData makeSeaTrial(const Oddities& odd, std::uint64_t seed);
 /// Section 1 of a folder.
 SeaTrialFiles writeSeaTrial(const SeaTrialData& data, const std::filesystem::path& folder);

@@ -125,6 +125,25 @@ TEST(Tum, LineIsAsSpecified) {
             "0.000000000000 0.000000000000 0.000000000000 1.000000000000\n");
 }
 
+/// Ten poses a second but for twenty seconds; and one every five seconds, which is no gap.
+TEST(PoseAt, HasNothingInAGap) {
+  std::vector<StampedPose> path, sparse;
+  const auto pose = [](double t_s) {
+    return StampedPose{after(kStart, t_s), {Matrix3d::Identity(), Vector3d(t_s, 0, 0)}};
+  };
+  for (int i = 0; i < 400; ++i)
+    if (i <= 100 || i >= 300) path.push_back(pose(0.1 * i));
+  for (int i = 0; i < 8; ++i) sparse.push_back(pose(5.0 * i));
+  for (const double t_s : {0.05, 9.95, 10.0, 30.0, 30.05}) {
+    ASSERT_TRUE(poseAt(path, after(kStart, t_s))) << t_s;
+    EXPECT_NEAR(poseAt(path, after(kStart, t_s))->position.x(), t_s, 1e-6);
+  }
+  for (const double t_s : {10.01, 20.0, 29.99}) EXPECT_FALSE(poseAt(path, after(kStart, t_s))) << t_s;
+  EXPECT_TRUE(poseAt(sparse, after(kStart, 12.5)));
+  const std::vector<StampedPose> two{pose(0), pose(100)};
+  EXPECT_TRUE(poseAt(two, after(kStart, 50)));  // nobody knows what is usual
+}
+
 TEST(Tum, SharedTruthIsRead) {
   FATHOM_NEEDS_SHARED("data/sample/none/truth.tum");
   const auto poses = readTum(sharedData("data/sample/none/truth.tum"));
