@@ -6,6 +6,7 @@
 #include "common_options.h"
 #include "core/error.h"
 #include "core/shipped_file.h"
+#include "recording/rawlog.h"
 #include "reports/localization_batch.h"
 #include "reports/localization_report.h"
 #include "reports/tasks_report.h"
@@ -62,8 +63,7 @@ std::vector<RecordingJob> jobsOf(const LocalizeOptions& options, const RunContex
 
 void warnOfLoss(const RecordingStory& story) {
   if (story.loss)
-    std::cerr << "fathom: " << story.recording.string() << ": byte " << story.loss->at_byte << ": "
-              << story.loss->reason << "; " << story.loss->lost_bytes << " bytes lost\n";
+    std::cerr << "fathom: " << story.recording.string() << ": " << describe(*story.loss) << "\n";
 }
 
 /// One task, in full.

@@ -78,7 +78,7 @@ class DepthCheck {
 
   static constexpr double kImpossible = 1e6, kNoTelling = 3, kClear = 0.5;
   /// Less is better. By how far the DVL's way up and down is from the pressure's, where both move, in which
-  /// half as much again is as good as refuted; or else by how far the noise is from the vehicle file's, and
+  /// a third more or less is as good as refuted; or else by how far the noise is from the vehicle file's, and
   /// whether it is a depth that one dives to. Of equals the more usual.
   double badness(const PressureUnit& unit, double median) const {
     const double depth_m = depthBy(unit, median);
@@ -92,7 +92,7 @@ class DepthCheck {
     const double unlikely = (depth_m < 0.3 ? 2 : 0) + how_usual;
     if (vertical_ok_) {
       const double ratio = vertical_.slope() * each_pa;  // 1 where it is right
-      if (ratio < 1 / 1.15 || ratio > 1.15) return kImpossible;
+      if (ratio < 1 / 1.3 || ratio > 1.3) return kImpossible;
       return unlikely;
     }
     if (each_pa < 0) return kImpossible;

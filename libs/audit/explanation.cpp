@@ -45,19 +45,20 @@ bool areTheSame(const Assumption& a, const Assumption& b, const Matrix3d& R_robo
 /// Squared, of an instrument's readings.
 double scaleSquare(const Matrix3d& axes) { return std::pow(std::abs(axes.determinant()), 2.0 / 3); }
 
-/// The gain of each relation. Differences are weighed in the units that the instrument reads: else what only
-/// makes its noise smaller would seem to be better.
-std::array<double, Agreement::kRelations> gainsOf(const Agreement::Differences& before,
+/// The gain of each relation. What of a difference is the DVL's own noise is weighed in the units that it
+/// reads: else what only makes that smaller would seem to be better.
+std::array<double, Agreement::kRelations> gainsOf(const Agreement& agreement,
                                                   const Agreement::Differences& after,
                                                   const Assumption& taken_for) {
-  std::array<double, Agreement::kRelations> gains{}, scale;
-  scale.fill(1);
-  scale[Agreement::kTurning] = scale[Agreement::kGravity] = scaleSquare(taken_for.gyro);
-  scale[Agreement::kVelocity] = scale[Agreement::kRise] = scaleSquare(taken_for.dvl);
-  for (std::size_t r = 0; r < gains.size(); ++r)
-    if (before[r].weight > 0)
-      gains[r] = before[r].weight * std::log(scale[r] * (before[r].square + before[r].floor) /
-                                             (after[r].square + before[r].floor));
+  const Agreement::Differences& before = agreement.asTheyStand();
+  std::array<double, Agreement::kRelations> gains{};
+  for (std::size_t r = 0; r < gains.size(); ++r) {
+    if (before[r].weight == 0) continue;
+    const double noise = r == Agreement::kVelocity ? agreement.dvlNoiseShare() : 0;
+    gains[r] = before[r].weight *
+               (std::log((before[r].square + before[r].floor) / (after[r].square + before[r].floor)) +
+                noise * std::log(scaleSquare(taken_for.dvl)));
+  }
   return gains;
 }
 
@@ -92,7 +93,7 @@ class Explainer {
   void add(DriverFault fault, const Agreement::Differences& differences) {
     Explanation e{std::move(fault), differences};
     const Agreement::Differences& before = agreement_.asTheyStand();
-    e.gains = gainsOf(before, e.differences, e.fault.taken_for);
+    e.gains = gainsOf(agreement_, e.differences, e.fault.taken_for);
     e.gain = std::accumulate(e.gains.begin(), e.gains.end(), -e.fault.unusual);
     e.witnessed = e.gain + e.fault.unusual - e.gains[Agreement::kUpright];
     for (std::size_t r = 0; r < Agreement::kUpright; ++r) {

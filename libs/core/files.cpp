@@ -45,21 +45,6 @@ int claim(const fs::path& part, const fs::path& target) {
   }
 }
 
-/// What a name leads to, through links that may lead nowhere yet: renaming a file over a link would replace
-/// the link.
-fs::path endOfLinks(const fs::path& name) {
-  constexpr int kMostLinks = 40;  // as Linux
-  fs::path file = name;
-  std::error_code none;
-  for (int links = 0; fs::is_symlink(fs::symlink_status(file, none)); ++links) {
-    const fs::path next = fs::read_symlink(file, none);
-    if (links == kMostLinks || next.empty())
-      throw Error(name.string(), "", "is a link that leads nowhere: cannot be written");
-    file = next.is_absolute() ? next : file.parent_path() / next;
-  }
-  return file;
-}
-
 /// Renaming a file over a device or a pipe would replace it for everybody.
 void refuseSpecial(const fs::path& target) {
   std::error_code nobody_can_look;
@@ -85,13 +70,11 @@ bool isFolder(const fs::path& path) {
   return fs::is_directory(path, nobody_can_look);
 }
 
-PendingFile::PendingFile(fs::path target) : target_(std::move(target)) {
+PendingFile::PendingFile(fs::path target) : target_(std::move(target)), part_(target_) {
   refuseSpecial(target_);
-  file_ = endOfLinks(target_);
-  part_ = file_;
   part_ += ".part";
   std::error_code problem;
-  if (file_.has_parent_path()) fs::create_directories(file_.parent_path(), problem);
+  if (target_.has_parent_path()) fs::create_directories(target_.parent_path(), problem);
   if (problem) throw Error(target_.string(), "", "cannot create its folder: " + problem.message());
   claim_ = claim(part_, target_);
 }
@@ -104,7 +87,7 @@ PendingFile::~PendingFile() {
 
 void PendingFile::commit() {
   std::error_code problem;
-  fs::rename(part_, file_, problem);
+  fs::rename(part_, target_, problem);
   if (problem) throw Error(target_.string(), "", "cannot be written: " + problem.message());
   committed_ = true;
 }

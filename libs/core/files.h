@@ -17,9 +17,9 @@ bool isFolder(const std::filesystem::path& path);
 /// One run at a time: what is left by one that was killed is taken over.
 class PendingFile {
  public:
-  /// Creates missing parent folders. Of a link the file that it leads to is written. Throws Error where that
-  /// fails, where the file cannot be written or is a folder, device, pipe or socket, and where another run is
-  /// writing it.
+  /// Creates missing parent folders. Throws Error where that fails, where the file cannot be written or is a
+  /// folder, device, pipe or socket (a link to one, too), and where another run is writing it. A link to a
+  /// file is replaced: what it leads to may be somebody else's.
   explicit PendingFile(std::filesystem::path target);
   ~PendingFile();
   PendingFile(const PendingFile&) = delete;
@@ -30,9 +30,7 @@ class PendingFile {
   void commit();  ///< throws Error where the rename fails
 
  private:
-  std::filesystem::path target_;  ///< as given
-  std::filesystem::path file_;    ///< what it leads to
-  std::filesystem::path part_;
+  std::filesystem::path target_, part_;
   int claim_ = -1;  ///< the part file, open and locked
   bool committed_ = false;
 };

@@ -81,7 +81,8 @@ class HostileBag : public testing::TestWithParam<Claim> {
            " --out " + shellQuoted((folder / "out").string());
   }
   static ProgramResult imported(const fs::path& folder, const std::string& bag) {
-    return runFathomWithinLimits("import bag " + fileOf(folder, "hostile.bag", bag) + import(folder));
+    return runFathomWithinLimits("import bag --strict " + fileOf(folder, "hostile.bag", bag) +
+                                 import(folder));
   }
 };
 
