@@ -25,10 +25,13 @@ namespace {
 /// Writes samples as they come. The rawlog is opened at the first, whose time its first entry bears.
 class ImportWriter {
  public:
-  ImportWriter(ImportTarget target, std::string description, const std::vector<std::string>& correct = {})
+  /// `vehicle`: by whose gravity and water entries are corrected.
+  ImportWriter(ImportTarget target, std::string description, const std::vector<std::string>& correct,
+               Vehicle vehicle)
       : target_(std::move(target)),
         description_(std::move(description)),
-        corrections_(correctionsNamed(correct)) {
+        corrections_(correctionsNamed(correct)),
+        vehicle_(std::move(vehicle)) {
     for (std::size_t i = 0; i < correct.size(); ++i)
       if (corrections_[i].reorders())
         throw Error("--correct", correct[i],
@@ -37,7 +40,7 @@ class ImportWriter {
 
   void write(Sample sample) {
     if (interrupted()) throw Interrupted{};
-    for (const Correction& correction : corrections_) correction.apply(sample, Vehicle{}, sample.time);
+    for (const Correction& correction : corrections_) correction.apply(sample, vehicle_, sample.time);
     streams_.add(sample);
     if (!rawlog_) {
       const RecordingHeader header{"", target_.file("_vehicle.yaml").filename().string(), description_};
@@ -91,6 +94,7 @@ class ImportWriter {
   ImportTarget target_;
   std::string description_;
   std::vector<Correction> corrections_;
+  Vehicle vehicle_;
   Streams streams_;
   std::vector<Finding> findings_;
   std::optional<RawlogWriter> rawlog_;
@@ -101,14 +105,21 @@ struct CsvOptions {
   std::string folder;
   int section = 0;
   SeaTrialOptions trial;
+  std::vector<std::string> correct;
   ImportTarget target;
 };
+
+void addCorrect(CLI::App& command, std::vector<std::string>& names) {
+  command
+      .add_option("--correct", names, "A fault of the streams to correct, as the remarks of an import say it")
+      ->type_name("NAME");
+}
 
 void importCsv(CsvOptions options, const RunContext& context) {
   if (options.target.name.empty()) options.target.name = "section" + std::to_string(options.section);
   const ImportedRecording imported =
       importSeaTrial(seaTrialFiles(options.folder, options.section), options.trial);
-  ImportWriter writer(options.target, imported.header.description);
+  ImportWriter writer(options.target, imported.header.description, options.correct, {});
   for (const Sample& sample : imported.samples) writer.write(sample);
   writer.finish(imported, context);
 }
@@ -136,6 +147,7 @@ void addCsv(CLI::App& parent, const RunContext& context) {
                     "Correct the stretch of the DVL's clock, where it is established");
   command->add_flag("--reference-as-published", options->trial.reference_as_published,
                     "Leave the reference on its own clock, at its own point, though both are established");
+  addCorrect(*command, options->correct);
   command->callback([options, &context] { importCsv(*options, context); });
 }
 
@@ -149,7 +161,9 @@ struct BagCommandOptions {
 void importRosBag(BagCommandOptions options, const RunContext& context) {
   if (options.target.name.empty()) options.target.name = fs::path(options.bag).stem().string();
   const TopicMap map = readTopicMap(options.topics);
-  ImportWriter writer(options.target, map.description, options.correct);
+  Vehicle vehicle;
+  vehicle.gravity_m_s2 = map.gravity_m_s2;
+  ImportWriter writer(options.target, map.description, options.correct, vehicle);
   BagOptions bag_options;
   bag_options.image_folder = options.target.file("_Images");
   bag_options.strict = options.strict;
@@ -179,10 +193,7 @@ void addBag(CLI::App& parent, const RunContext& context) {
       ->type_name(values::kYaml);
   command->add_flag("--strict", options->strict,
                     "Refuse the bag where a message cannot be used (default: leave it out, and say so)");
-  command
-      ->add_option("--correct", options->correct,
-                   "A fault of the bag's streams to correct, as the remarks of an import say it")
-      ->type_name("NAME");
+  addCorrect(*command, options->correct);
   addImportTarget(*command, options->target, "the bag's");
   command->callback([options, &context] { importRosBag(*options, context); });
 }

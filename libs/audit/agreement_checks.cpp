@@ -82,6 +82,7 @@ void say(const std::vector<Explanation>& explanations, const Agreement::Differen
       found = correctable(found, part.corrected);
       found.correction = instanceCorrection(part.correction, instance);
     }
+    if (!best.leaves_little) found.what += "; something else is wrong, too";
     findings.push_back(found);
   }
 }

@@ -165,7 +165,7 @@ std::vector<std::string> remarks(const SeaTrialData& data, const SeaTrialConvent
                            scale, turned_deg);
   for (const SensorUnit& unit : kVelocityUnits)
     if (std::abs(scale * unit.si - 1) < 0.05)
-      line += print("; %s, which --correct %s corrects where the recording is read", unit.says, unit.name);
+      line += print("; %s, --correct %s corrects it", unit.says, unit.name);
   lines.push_back(line);
   return lines;
 }
