@@ -18,16 +18,6 @@ void forEachSpan(const std::vector<InsWindow>& windows, std::size_t length, std:
     if (windows[i + length].t_s - windows[i].t_s < 1.5 * static_cast<double>(length) * kInsWindow_s) f(i);
 }
 
-/// Third differences of white noise have variance 20 sigma², and motion slower than the readings hardly
-/// enters.
-double whiteNoiseSquare(const DvlStream& dvl) {
-  const auto& v = dvl.velocities;
-  double sum = 0;
-  for (std::size_t k = 3; k < v.size(); ++k)
-    sum += (v[k].value - 3 * v[k - 1].value + 3 * v[k - 2].value - v[k - 3].value).squaredNorm() / 20;
-  return v.size() > 3 ? sum / static_cast<double>(v.size() - 3) : 0;
-}
-
 /// A few velocities that are many times the others are "no measurement" by a number of some driver's own.
 DvlStream withoutOutliers(const DvlStream& dvl) {
   constexpr double kTimes = 5;
@@ -77,8 +67,6 @@ Agreement::Agreement(const InsStream& ins, bool with_attitude, const DvlStream* 
     const double moves = std::min(all.rmsX(), all.rmsY());
     as_they_stand_[kVelocity] = {velocitySquare(none), squared(0.01) + 0.01 * squared(moves), squared(moves),
                                  weight(0.5 * static_cast<double>(evidence.changes.size()))};
-    if (const double square = as_they_stand_[kVelocity].square; square > 0)
-      dvl_noise_share_ = std::min(1.0, whiteNoiseSquare(*dvl_) / square);
   }
   if (dvl_ && depth_ != nullptr && force_scale_ > 0) {
     const Regression rise = regressions_[kRise] = riseOf(none);

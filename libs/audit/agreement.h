@@ -42,9 +42,6 @@ class Agreement {
   const Differences& asTheyStand() const { return as_they_stand_; }
   /// Of kTurning the attitude's over the gyro's, of kVelocity the DVL's over the INS's, of kRise the
   /// pressure's over the DVL's: as they stand; of others nothing.
-  /// Of kVelocity's square, as they stand: the share that is white noise of the DVL's, which a smaller unit
-  /// makes smaller although nothing agrees any better. (A gyro has next to none over a second.)
-  double dvlNoiseShare() const { return dvl_noise_share_; }
   const Regression& regression(Relation relation) const { return regressions_[relation]; }
   /// What is not compared otherwise is copied from asTheyStand().
   Differences of(const Assumption& assumption) const;
@@ -88,7 +85,6 @@ class Agreement {
   Vector3d mean_up_ = Vector3d::Zero();  ///< INS axes
   Differences as_they_stand_;
   std::array<Regression, kRelations> regressions_;
-  double dvl_noise_share_ = 0;
   mutable std::map<std::array<double, 28>, double> velocity_squares_;  ///< they take longest
 };
 

@@ -42,23 +42,42 @@ bool areTheSame(const Assumption& a, const Assumption& b, const Matrix3d& R_robo
          a.dvl_later_s == b.dvl_later_s && a.rise == b.rise && attitude(a).isApprox(attitude(b), 0.05);
 }
 
-/// Squared, of an instrument's readings.
-double scaleSquare(const Matrix3d& axes) { return std::pow(std::abs(axes.determinant()), 2.0 / 3); }
+/// Of a DVL that is in another unit: by how much more likely its ratio to what it is compared with becomes,
+/// whose logarithm ordinary scale errors and noise of either side (which of them has it is not known: between
+/// the one regression's slope and the other's) leave so uncertain. Differences would not do: a smaller unit
+/// makes noise smaller, too.
+double unitGain(const Regression& regression, double unit) {
+  constexpr double kScaleErrors = 0.08, kLeastCorrelation = 0.6, kMost = 120;
+  const double correlation = regression.correlation();
+  if (correlation < kLeastCorrelation || regression.rmsX() <= 0) return 0;
+  const double ratio = regression.rmsY() / regression.rmsX();
+  const double sigma = kScaleErrors - std::log(correlation);
+  const auto off = [&](double r) { return 0.5 * std::pow(std::log(r) / sigma, 2); };
+  return std::clamp(off(ratio) - off(ratio * unit), -kMost, kMost);
+}
 
-/// The gain of each relation. What of a difference is the DVL's own noise is weighed in the units that it
-/// reads: else what only makes that smaller would seem to be better.
+/// Of a multiple of one; 1 otherwise.
+double unitOf(const Matrix3d& axes) {
+  return axes.isApprox(axes(0, 0) * Matrix3d::Identity()) && axes(0, 0) > 0 ? axes(0, 0) : 1;
+}
+
+/// The gain of each relation.
 std::array<double, Agreement::kRelations> gainsOf(const Agreement& agreement,
                                                   const Agreement::Differences& after,
                                                   const Assumption& taken_for) {
   const Agreement::Differences& before = agreement.asTheyStand();
   std::array<double, Agreement::kRelations> gains{};
-  for (std::size_t r = 0; r < gains.size(); ++r) {
-    if (before[r].weight == 0) continue;
-    const double noise = r == Agreement::kVelocity ? agreement.dvlNoiseShare() : 0;
-    gains[r] = before[r].weight *
-               (std::log((before[r].square + before[r].floor) / (after[r].square + before[r].floor)) +
-                noise * std::log(scaleSquare(taken_for.dvl)));
-  }
+  for (std::size_t r = 0; r < gains.size(); ++r)
+    if (before[r].weight > 0)
+      gains[r] = before[r].weight *
+                 std::log((before[r].square + before[r].floor) / (after[r].square + before[r].floor));
+  const double unit = unitOf(taken_for.dvl);
+  if (unit == 1) return gains;
+  const auto weighed = [&](Agreement::Relation r, double u) {
+    if (before[r].weight > 0) gains[r] = unitGain(agreement.regression(r), u);
+  };
+  weighed(Agreement::kVelocity, unit);
+  weighed(Agreement::kRise, 1 / unit);
   return gains;
 }
 

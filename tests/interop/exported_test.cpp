@@ -17,13 +17,15 @@ using test::runFathom;
 using test::runShell;
 using test::shellQuoted;
 
+std::string shippedFile(const std::string& name) { return shellQuoted((test::kSource / name).string()); }
+
 bool isThere(const std::string& program) { return runShell("command -v " + program).status == 0; }
 
 TEST(Exported, ColmapReadsTheModel) {
   if (!isThere("colmap")) GTEST_SKIP() << "needs colmap";
   const fs::path out = test::scratchFolder() / "colmap";
-  const auto exported =
-      runFathom("export colmap rawlogs/trial/trial.rawlog --out " + shellQuoted(out.string()));
+  const auto exported = runFathom("export colmap " + shippedFile("rawlogs/trial/trial.rawlog") + " --out " +
+                                  shellQuoted(out.string()));
   ASSERT_EQ(exported.status, 0) << exported.err;
   const auto read = runShell("QT_QPA_PLATFORM=offscreen colmap model_analyzer --path " +
                              shellQuoted(out.string()) + " 2>&1");
@@ -42,7 +44,9 @@ TEST(Exported, GpsbabelReadsThePath) {
   const std::string tum = shellQuoted((folder / "path.tum").string()),
                     kml = shellQuoted((folder / "path.kml").string()),
                     csv = shellQuoted((folder / "path.csv").string());
-  ASSERT_EQ(runFathom("export tum rawlogs/dive/dive.rawlog --label TRUTH --out " + tum).status, 0);
+  ASSERT_EQ(runFathom("export tum " + shippedFile("rawlogs/dive/dive.rawlog") + " --label TRUTH --out " + tum)
+                .status,
+            0);
   ASSERT_EQ(
       runFathom("export kml " + tum + " --latitude 43.2 --longitude 5.1 --spacing 0 --out " + kml).status, 0);
   ASSERT_EQ(runShell("gpsbabel -t -i kml -f " + kml + " -o unicsv -F " + csv).status, 0);
