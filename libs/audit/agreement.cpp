@@ -31,6 +31,22 @@ DvlStream withoutOutliers(const DvlStream& dvl) {
   return clean;
 }
 
+/// Third differences of white noise have variance 20 sigma², and motion slower than the readings hardly
+/// enters.
+double whiteNoiseSquare(const DvlStream& dvl) {
+  const auto& v = dvl.velocities;
+  double sum = 0;
+  for (std::size_t k = 3; k < v.size(); ++k)
+    sum += (v[k].value - 3 * v[k - 1].value + 3 * v[k - 2].value - v[k - 3].value).squaredNorm() / 20;
+  return v.size() > 3 ? sum / static_cast<double>(v.size() - 3) : 0;
+}
+
+double rmsSpeed(const DvlStream& dvl) {
+  double sum = 0;
+  for (const auto& reading : dvl.velocities) sum += reading.value.squaredNorm();
+  return dvl.velocities.empty() ? 0 : std::sqrt(sum / static_cast<double>(dvl.velocities.size()));
+}
+
 }  // namespace
 
 double Agreement::Difference::rms() const { return std::sqrt(square); }
@@ -67,11 +83,15 @@ Agreement::Agreement(const InsStream& ins, bool with_attitude, const DvlStream* 
     const double moves = std::min(all.rmsX(), all.rmsY());
     as_they_stand_[kVelocity] = {velocitySquare(none), squared(0.01) + 0.01 * squared(moves), squared(moves),
                                  weight(0.5 * static_cast<double>(evidence.changes.size()))};
+    dvl_noise_square_ = whiteNoiseSquare(*dvl_);
   }
   if (dvl_ && depth_ != nullptr && force_scale_ > 0) {
     const Regression rise = regressions_[kRise] = riseOf(none);
     const double moves = std::min(rise.rmsX(), rise.rmsY());
-    as_they_stand_[kRise] = {riseSquare(none), squared(0.03) + 0.01 * squared(moves), squared(moves),
+    // A misalignment of five degrees or so rises as the robot goes ahead.
+    const double by_misalignment = 0.09 * kVerticalStep_s * rmsSpeed(*dvl_);
+    as_they_stand_[kRise] = {riseSquare(none),
+                             squared(0.03) + 0.01 * squared(moves) + squared(by_misalignment), squared(moves),
                              weight(static_cast<double>(rise.count()))};
   }
   // One glance at a robot that may be tilted by twenty degrees; one of three that are not upright means it.

@@ -46,6 +46,9 @@ class Agreement {
   /// What is not compared otherwise is copied from asTheyStand().
   Differences of(const Assumption& assumption) const;
 
+  /// Of kVelocity's square what is white noise of the DVL's readings, which no assumption changes; (m/s)².
+  double dvlNoiseSquare() const { return dvl_noise_square_; }
+
   /// The best fit of a DVL's velocity turned about its z axis, and scaled: rad; nothing where it hardly
   /// moves.
   struct Turn {
@@ -85,6 +88,7 @@ class Agreement {
   Vector3d mean_up_ = Vector3d::Zero();  ///< INS axes
   Differences as_they_stand_;
   std::array<Regression, kRelations> regressions_;
+  double dvl_noise_square_ = 0;
   mutable std::map<std::array<double, 28>, double> velocity_squares_;  ///< they take longest
 };
 

@@ -57,10 +57,7 @@ class DriverFaults {
   /// Of an attitude, alone or with the INS's axes; and of a gyro and an accelerometer whose attitude is
   /// right.
   void addAttitude(const Matrix3d& R_robot_ins) {
-    const Matrix3d some = rotationFromYawPitchRoll(0.4, 0.3, 0.2);
-    std::vector<const AttitudeReading*> readings;
-    for (const AttitudeReading& reading : attitudeReadings().subspan(1))
-      if (angleBetween(reading.read(some, R_robot_ins), some) > radians(10)) readings.push_back(&reading);
+    const std::vector<const AttitudeReading*> readings = readingsThatDiffer(R_robot_ins);
     for (const AttitudeReading* reading : readings)
       add(reading->name, reading->says, kAgree, 5).taken_for.attitude = reading;
     for (const SignedAxes& axes : allAxes()) {
@@ -84,6 +81,20 @@ class DriverFaults {
     }
   }
 
+  /// An attitude's convention and a DVL's axes, which an INS's axes could be taken for.
+  void addAttitudeAndDvl(const Matrix3d& R_robot_ins) {
+    for (const AttitudeReading* reading : readingsThatDiffer(R_robot_ins))
+      for (const SignedAxes& axes : allAxes()) {
+        if (axes == SignedAxes{} || !axes.proper()) continue;
+        DriverFault& both = all.emplace_back();
+        both.parts = {{reading->name, reading->says, kAgree},
+                      {correction("dvl-axes", axes), "the DVL's axes are " + axes.text(), kAgree}};
+        both.taken_for.attitude = reading;
+        both.taken_for.dvl = axes.matrix();
+        both.unusual = unusualOf(axes) + kTwoFaults;
+      }
+  }
+
   void addDvl() {
     for (const SignedAxes& axes : allAxes())
       if (axes != SignedAxes{})
@@ -96,6 +107,15 @@ class DriverFaults {
   void addDepth() { add("pressure-falls", "it falls as the vehicle dives", "", 5).taken_for.rise = -1; }
 
  private:
+  /// Others than as it stands, with an INS so mounted.
+  static std::vector<const AttitudeReading*> readingsThatDiffer(const Matrix3d& R_robot_ins) {
+    const Matrix3d some = rotationFromYawPitchRoll(0.4, 0.3, 0.2);
+    std::vector<const AttitudeReading*> readings;
+    for (const AttitudeReading& reading : attitudeReadings().subspan(1))
+      if (angleBetween(reading.read(some, R_robot_ins), some) > radians(10)) readings.push_back(&reading);
+    return readings;
+  }
+
   static std::string correction(const std::string& name, const SignedAxes& axes) {
     return name + ":" + plainText(axes);
   }
@@ -109,6 +129,7 @@ std::vector<DriverFault> driverFaults(bool has_attitude, bool has_dvl, bool has_
   faults.addInertial();
   if (has_attitude) faults.addAttitude(R_robot_ins);
   if (has_dvl) faults.addDvl();
+  if (has_dvl && has_attitude) faults.addAttitudeAndDvl(R_robot_ins);
   if (has_dvl && has_depth) faults.addDepth();
   return faults.all;
 }

@@ -10,9 +10,10 @@
 namespace fathom {
 namespace {
 
-// Of the gain in log likelihood, priors included: less is silence; a sure one needs more, and a relation
-// whose difference becomes half of what it was; within kClear of the best nothing is told apart.
-constexpr double kLikelyGain = 8, kSureGain = 20, kSureRatio = 4, kClear = 3;
+// Of the gain in log likelihood, priors included, and of the ratio of squares: less is silence; a sure one
+// needs more, and a relation whose difference becomes half of what it was; within kClear of the best nothing
+// is told apart.
+constexpr double kLikelyGain = 8, kLikelyRatio = 1.7, kSureGain = 20, kSureRatio = 4, kClear = 3;
 constexpr double kMostOffset_s = 5, kOffsetStep_s = 0.25, kFineOffset_s = 0.05;
 // Instruments take up to a second and more for a reading, which is for diagnosis to find; clocks are off by
 // any time.
@@ -42,10 +43,10 @@ bool areTheSame(const Assumption& a, const Assumption& b, const Matrix3d& R_robo
          a.dvl_later_s == b.dvl_later_s && a.rise == b.rise && attitude(a).isApprox(attitude(b), 0.05);
 }
 
-/// Of a DVL that is in another unit: by how much more likely its ratio to what it is compared with becomes,
-/// whose logarithm ordinary scale errors and noise of either side (which of them has it is not known: between
-/// the one regression's slope and the other's) leave so uncertain. Differences would not do: a smaller unit
-/// makes noise smaller, too.
+/// Of an instrument that is in another unit: by how much more likely its ratio to what it is compared with
+/// becomes, whose logarithm ordinary scale errors and noise of either side (which of them has it is not
+/// known: between the one regression's slope and the other's) leave so uncertain. Differences would not do: a
+/// smaller unit makes noise smaller, too.
 double unitGain(const Regression& regression, double unit) {
   constexpr double kScaleErrors = 0.08, kLeastCorrelation = 0.6, kMost = 120;
   const double correlation = regression.correlation();
@@ -71,13 +72,14 @@ std::array<double, Agreement::kRelations> gainsOf(const Agreement& agreement,
     if (before[r].weight > 0)
       gains[r] = before[r].weight *
                  std::log((before[r].square + before[r].floor) / (after[r].square + before[r].floor));
-  const double unit = unitOf(taken_for.dvl);
-  if (unit == 1) return gains;
-  const auto weighed = [&](Agreement::Relation r, double u) {
-    if (before[r].weight > 0) gains[r] = unitGain(agreement.regression(r), u);
+  const auto weighed = [&](Agreement::Relation r, double unit) {
+    if (before[r].weight > 0) gains[r] = unitGain(agreement.regression(r), unit);
   };
-  weighed(Agreement::kVelocity, unit);
-  weighed(Agreement::kRise, 1 / unit);
+  if (const double unit = unitOf(taken_for.dvl); unit != 1) {
+    weighed(Agreement::kVelocity, unit);
+    weighed(Agreement::kRise, 1 / unit);
+  }
+  if (const double unit = unitOf(taken_for.gyro); unit != 1) weighed(Agreement::kTurning, 1 / unit);
   return gains;
 }
 
@@ -92,7 +94,7 @@ class Explainer {
     for (DriverFault& fault : faults_) consider(std::move(fault));
     std::stable_sort(all_.begin(), all_.end(),
                      [](const Explanation& a, const Explanation& b) { return a.gain > b.gain; });
-    if (all_.empty() || all_[0].gain < kLikelyGain) return {};
+    if (all_.empty() || all_[0].gain < kLikelyGain || all_[0].largest_ratio < kLikelyRatio) return {};
     std::vector<Explanation> best;
     for (Explanation& e : all_) {
       const bool known = std::any_of(best.begin(), best.end(), [&](const Explanation& other) {
@@ -117,12 +119,14 @@ class Explainer {
     e.witnessed = e.gain + e.fault.unusual - e.gains[Agreement::kUpright];
     for (std::size_t r = 0; r < Agreement::kUpright; ++r) {
       if (before[r].weight == 0) continue;
-      e.largest_ratio = std::max(e.largest_ratio, std::exp(e.gains[r] / before[r].weight));
+      if (e.gains[r] > 0) e.largest_ratio = std::max(e.largest_ratio, ratioOf(r, e));
       // Accelerations turn the specific force as much as the robot's own turning does.
       const double usual = r == Agreement::kGravity ? 1 : 0.25;
       const double most_left = std::max(usual * before[r].moves, 4 * before[r].floor);
       if (e.gains[r] != 0 && e.differences[r].square > most_left) e.leaves_little = false;
     }
+    // A smaller unit leaves less of a gyro that is wrong otherwise.
+    if (unitOf(e.fault.taken_for.gyro) != 1 && !e.leaves_little) return;
     all_.push_back(std::move(e));
   }
 
@@ -196,6 +200,14 @@ class Explainer {
 
  private:
   static constexpr double kLeastUnusual = 5, kUnusualNumber = 6;
+
+  /// Of squares, before and after, beyond what is noise in both.
+  double ratioOf(std::size_t relation, const Explanation& e) const {
+    const Agreement::Difference& before = agreement_.asTheyStand()[relation];
+    const double after = e.differences[relation].square;
+    const double noise = relation == Agreement::kVelocity ? std::min(agreement_.dvlNoiseSquare(), after) : 0;
+    return (before.square + before.floor - noise) / (after + before.floor - noise);
+  }
 
   /// If all differences vanished.
   double mostGain() const {

@@ -203,6 +203,17 @@ TEST(CommandLine, ANameIsOneOfAFileInTheFolder) {
   EXPECT_TRUE(fs::is_empty(folder));
 }
 
+TEST(CommandLine, AnInputInTheFolderOfOutputsIsNotWrittenOver) {
+  const auto folder = scratchFolder();
+  ASSERT_EQ(runFathom(simulateArguments(folder)).status, 0);
+  const std::string before = readTextFile(folder / "sim_truth.tum");
+  test::expectBadInput(
+      runFathom("simulate --trajectory " + shellQuoted((folder / "sim_truth.tum").string()) + " --vehicle " +
+                shellQuoted(test::kRov.string()) + " --name sim --out " + shellQuoted(folder.string())),
+      "--trajectory names: an input is not written over");
+  EXPECT_EQ(readTextFile(folder / "sim_truth.tum"), before);
+}
+
 TEST(CommandLine, AnInputIsNotWrittenOver) {
   const auto folder = scratchFolder();
   const fs::path tum = folder / "path.tum", link = folder / "link.tum";
