@@ -67,7 +67,6 @@ TEST(Correction, PressuresAreOneAfterwards) {
   }
 }
 
-
 TEST(CorrectedSource, OffsetClocksComeInOrder) {
   std::vector<Sample> samples;
   for (int i = 0; i < 100; ++i) {

@@ -81,8 +81,7 @@ TEST(MarkerFamily, WhiteOnBlackIsTheReverseWithItsQuietZone) {
     for (int row = 0; row < reverse.cells; ++row)
       for (int column = 0; column < reverse.cells; ++column) {
         const bool inside = std::min(row, column) >= 1 && std::max(row, column) < reverse.cells - 1;
-        EXPECT_EQ(reverse.whiteAt(row, column),
-                  inside && !usual.whiteAt(row - 1 + ring, column - 1 + ring));
+        EXPECT_EQ(reverse.whiteAt(row, column), inside && !usual.whiteAt(row - 1 + ring, column - 1 + ring));
       }
   }
 }
