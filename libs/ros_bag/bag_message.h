@@ -59,7 +59,7 @@ class BagMessage {
   /// Of those that have no header.
   template <class M>
   boost::shared_ptr<M> asUnstamped() const {
-    const auto message = decoded<M>();
+    auto message = decoded<M>();
     if (!message) throw error("its definition is not that of " + instance_.getDataType());
     return message;
   }
