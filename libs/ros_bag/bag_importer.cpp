@@ -15,7 +15,7 @@ constexpr const char* kStaticTransforms = "/tf_static";  // by REP 105's convent
 
 }  // namespace
 
-void BagImporter::checkTopics(const rosbag::Bag& bag) const {
+void BagImporter::checkTopics(const rosbag::Bag& bag) {
   rosbag::View view(bag);
   std::map<std::string, std::string> types;
   for (const auto* connection : view.getConnections()) types[connection->topic] = connection->datatype;
@@ -28,6 +28,8 @@ void BagImporter::checkTopics(const rosbag::Bag& bag) const {
     if (found == types.end())
       throw Error(bag_, topic.topic,
                   "no such topic (" + map_.file + " asks for it); the bag has " + present.str());
+    if (topic.as == TopicRole::reference)
+      of_transforms_ = isTransforms(found->second) || found->second == "geometry_msgs/TransformStamped";
     const auto& suitable = messageTypesOf(topic.as);
     if (std::find(suitable.begin(), suitable.end(), found->second) != suitable.end()) continue;
     std::string wanted;
@@ -75,10 +77,12 @@ void BagImporter::takeOrLeaveOut(const std::string& topic, const std::function<v
   }
 }
 
-/// Of which no message at all can be used.
+/// Those asked for of which no message at all can be used.
 void BagImporter::refuseUnusableTopics() const {
-  for (const auto& [topic, count] : bad_count_)
-    if (count >= count_.at(topic)) throw Error(bad_.at(topic).front());
+  for (const BagTopic& asked : map_.topics)
+    if (const auto bad = bad_count_.find(asked.topic);
+        bad != bad_count_.end() && bad->second >= count_.at(asked.topic))
+      throw Error(bad_.at(asked.topic).front());
 }
 
 std::vector<std::string> BagImporter::remarks() const {
@@ -113,18 +117,17 @@ ImportedRecording BagImporter::run() {
   checkTopics(bag);
   std::vector<std::string> topics;
   for (const BagTopic& topic : map_.topics) topics.push_back(topic.topic);
-  const bool compares = std::any_of(map_.topics.begin(), map_.topics.end(),
-                                    [](const BagTopic& t) { return t.as == TopicRole::reference; });
-  if (compares) topics.emplace_back(kStaticTransforms);
+  if (of_transforms_) topics.emplace_back(kStaticTransforms);
   rosbag::View view(bag, rosbag::TopicQuery(topics));
   for (const rosbag::MessageInstance& instance : view) {
     const std::size_t number = ++count_[instance.getTopic()];
     for (const BagTopic& topic : map_.topics)
       if (topic.topic == instance.getTopic())
         takeOrLeaveOut(topic.topic, [&] { take(topic, {instance, bag_, number, topic.stamps}); });
-    if (const BagMessage message(instance, bag_, number, TopicStamps::header);
-        instance.getTopic() == kStaticTransforms && isTransforms(message))
-      takeOrLeaveOut(kStaticTransforms, [&] { takeTransforms(message, true); });
+    if (of_transforms_ && instance.getTopic() == kStaticTransforms && isTransforms(instance.getDataType()))
+      takeOrLeaveOut(kStaticTransforms, [&] {
+        takeTransforms({instance, bag_, number, TopicStamps::header}, true);
+      });
   }
   order_.flush();
   refuseUnusableTopics();

@@ -20,8 +20,9 @@
 /// has the bag as a whole, bag_sensors.cpp each sensor's messages, bag_reference.cpp those of a reference.
 namespace fathom {
 
-inline bool isTransforms(const BagMessage& message) {
-  return message.is("tf2_msgs/TFMessage") || message.is("tf/tfMessage");
+/// Of messages with many transforms.
+inline bool isTransforms(const std::string& type) {
+  return type == "tf2_msgs/TFMessage" || type == "tf/tfMessage";
 }
 
 class BagImporter {
@@ -41,7 +42,7 @@ class BagImporter {
   ImportedRecording run();
 
  private:
-  void checkTopics(const rosbag::Bag& bag) const;
+  void checkTopics(const rosbag::Bag& bag);
   void take(const BagTopic& topic, const BagMessage& message);
   void takeOrLeaveOut(const std::string& topic, const std::function<void()>& take);
   void refuseUnusableTopics() const;
@@ -71,6 +72,7 @@ class BagImporter {
   MessageSigmas sigmas_;
   std::vector<StampedPose> reference_;
   TransformTree transforms_;
+  bool of_transforms_ = false;                                          ///< the reference is
   std::map<std::string, std::size_t> without_lock_, without_attitude_;  ///< by topic
   std::map<std::string, std::vector<BadMessage>> bad_;                  ///< by topic, the first ones
   std::map<std::string, std::size_t> bad_count_, count_;                ///< by topic

@@ -24,7 +24,7 @@ void BagImporter::takeTransforms(const BagMessage& message, bool for_good) {
 void BagImporter::takeReference(const BagTopic& topic, const BagMessage& message) {
   if (message.is("geometry_msgs/TransformStamped"))
     return takeTransform(*message.as<ros1::TransformStamped>(), message, false);
-  if (isTransforms(message)) return takeTransforms(message, false);
+  if (of_transforms_) return takeTransforms(message, false);
   const BagPose pose = poseOf(message);
   const Pose T_odom_sensor{message.rotation(pose.orientation), message.finite(pose.position, "position")};
   reference_.push_back({pose.time, T_odom_sensor * topic.T_robot_sensor.inverse()});
@@ -32,7 +32,7 @@ void BagImporter::takeReference(const BagTopic& topic, const BagMessage& message
 
 void BagImporter::finishReference() {
   for (const BagTopic& topic : map_.topics)
-    if (topic.as == TopicRole::reference && !transforms_.empty())
+    if (topic.as == TopicRole::reference && of_transforms_)
       for (const StampedPose& at : transforms_.path(topic.frame, topic.child_frame, bag_, topic.topic))
         reference_.push_back({at.time, at.T_odom_robot * topic.T_robot_sensor.inverse()});
   stableSort(reference_, [](const StampedPose& a, const StampedPose& b) { return a.time < b.time; });

@@ -16,7 +16,6 @@ class TransformTree {
   /// for_good: of /tf_static.
   void add(const std::string& parent, const std::string& child, const StampedPose& T_parent_child,
            bool for_good);
-  bool empty() const { return edges_.empty(); }
 
   /// The poses of `child` in `parent`, whatever frames lie between, at the stamps of the fastest of the
   /// transforms on the way: the others are interpolated, and where one of them does not reach there is no

@@ -121,5 +121,21 @@ TEST_F(BagTransforms, OfOnlyOneThatMovesNeedNoFrames) {
   expectNear(path[3].T_odom_robot, odometry(3));
 }
 
+// Most bags have it; damaged or not it is nothing to a reference that is no transform.
+TEST_F(BagTransforms, OfStaticFramesAloneDoNotMatterToAnotherReference) {
+  rosbag::Bag bag(file_.string(), rosbag::bagmode::Write);
+  ros1::TFMessage statics;
+  statics.transforms.push_back(transform("base_link", "camera", rosTime(100), camera_));
+  bag.write("/tf_static", rosTime(100), statics);
+  for (unsigned k = 0; k < 5; ++k) {
+    bag.write("/imu", rosTime(100 + k), test::imuMessage(rosTime(100 + k)));
+    auto pose = test::stamped<ros1::PoseStamped>(rosTime(100 + k));
+    pose.pose.orientation.w = 1;
+    bag.write("/tf", rosTime(100 + k), pose);
+  }
+  bag.close();
+  EXPECT_EQ(referenceOf("", "").size(), 5U);
+}
+
 }  // namespace
 }  // namespace fathom
