@@ -60,15 +60,6 @@ Regression AccelerationEvidence::all() const {
   return r;
 }
 
-double AccelerationEvidence::left() const {
-  double left = 0, whole = 0;
-  for (const Change& c : changes) {
-    left += (c.by_ins - c.by_dvl).squaredNorm();
-    whole += c.by_ins.squaredNorm();
-  }
-  return whole > 0 ? left / whole : 1;
-}
-
 AccelerationEvidence accelerationEvidence(const DvlStream& dvl, const InsStream& ins,
                                           const AssumedAxes& axes) {
   AccelerationEvidence evidence;

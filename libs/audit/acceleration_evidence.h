@@ -19,8 +19,6 @@ struct AccelerationEvidence {
 
   /// by_dvl over by_ins.
   Regression all() const;
-  /// Sum of squares of by_ins - by_dvl over that of by_ins.
-  double left() const;
 };
 
 /// What the sensors' entries are taken for, before their mountings: axes times the unit, and when.

@@ -11,6 +11,11 @@ constexpr double kMostWeight = 60;  // what one relation says is never more cert
 
 double squared(double x) { return x * x; }
 
+/// Of y from slope x; 0 of nothing.
+double meanSquareOff(const Regression& r, double slope) {
+  return r.count() == 0 ? 0 : r.squareOff(slope) / static_cast<double>(r.count());
+}
+
 /// Over so many windows from one on; nothing where there is a gap.
 template <class F>
 void forEachSpan(const std::vector<InsWindow>& windows, std::size_t length, std::size_t step, F&& f) {
@@ -78,11 +83,10 @@ Agreement::Agreement(const InsStream& ins, bool with_attitude, const DvlStream* 
   as_they_stand_[kGravity] = {gravitySquare(none), squared(radians(0.5)) + 0.01 * tipped, tipped,
                               weight(static_cast<double>(gravities_.size()))};
   if (dvl_ && force_scale_ > 0) {
-    const AccelerationEvidence evidence = accelerationEvidence(*dvl_, ins_, axesOf(none));
-    const Regression all = regressions_[kVelocity] = evidence.all();
+    const Regression all = regressions_[kVelocity] = velocityOf(none);
     const double moves = std::min(all.rmsX(), all.rmsY());
     as_they_stand_[kVelocity] = {velocitySquare(none), squared(0.01) + 0.01 * squared(moves), squared(moves),
-                                 weight(0.5 * static_cast<double>(evidence.changes.size()))};
+                                 weight(0.5 * static_cast<double>(all.count()))};
     dvl_noise_square_ = whiteNoiseSquare(*dvl_);
   }
   if (dvl_ && depth_ != nullptr && force_scale_ > 0) {
@@ -90,7 +94,7 @@ Agreement::Agreement(const InsStream& ins, bool with_attitude, const DvlStream* 
     const double moves = std::min(rise.rmsX(), rise.rmsY());
     // A misalignment of five degrees or so rises as the robot goes ahead.
     const double by_misalignment = 0.09 * kVerticalStep_s * rmsSpeed(*dvl_);
-    as_they_stand_[kRise] = {riseSquare(none),
+    as_they_stand_[kRise] = {meanSquareOff(rise, 1),
                              squared(0.03) + 0.01 * squared(moves) + squared(by_misalignment), squared(moves),
                              weight(static_cast<double>(rise.count()))};
   }
@@ -175,31 +179,25 @@ AssumedAxes Agreement::axesOf(const Assumption& a) const {
   return {a.gyro, force_scale_ * a.accelerometer, a.dvl, a.dvl_later_s};
 }
 
-double Agreement::velocitySquare(const Assumption& a) const {
+const Regression& Agreement::velocityOf(const Assumption& a) const {
   std::array<double, 28> key{};
   const auto put = [&](const Matrix3d& m, std::ptrdiff_t at) {
     std::copy(m.data(), m.data() + 9, key.begin() + at);
   };
   put(a.gyro, 0), put(a.accelerometer, 9), put(a.dvl, 18);
   key[27] = a.dvl_later_s;
-  const auto [known, is_new] = velocity_squares_.try_emplace(key);
-  if (is_new) {
-    const AccelerationEvidence evidence = accelerationEvidence(*dvl_, ins_, axesOf(a));
-    double sum = 0;
-    for (const auto& change : evidence.changes) sum += (change.by_ins - change.by_dvl).squaredNorm();
-    known->second = evidence.changes.empty() ? 0 : sum / static_cast<double>(evidence.changes.size());
-  }
+  const auto [known, is_new] = velocities_.try_emplace(key);
+  if (is_new) known->second = accelerationEvidence(*dvl_, ins_, axesOf(a)).all();
   return known->second;
 }
+
+double Agreement::velocitySquare(const Assumption& a) const { return meanSquareOff(velocityOf(a), 1); }
 
 Regression Agreement::riseOf(const Assumption& a) const {
   return verticalEvidence(*dvl_, ins_, *depth_, vehicle_, a.dvl, a.accelerometer);
 }
 
-double Agreement::riseSquare(const Assumption& a) const {
-  const Regression rise = riseOf(a);
-  return rise.count() == 0 ? 0 : rise.squareOff(a.rise) / static_cast<double>(rise.count());
-}
+double Agreement::riseSquare(const Assumption& a) const { return meanSquareOff(riseOf(a), a.rise); }
 
 double Agreement::uprightSquare(const Assumption& a) const {
   const Vector3d up = ins_.T_robot_ins.rotation * a.accelerometer * mean_up_.normalized();

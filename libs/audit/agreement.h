@@ -73,6 +73,7 @@ class Agreement {
   double velocitySquare(const Assumption& a) const;
   double riseSquare(const Assumption& a) const;
   double uprightSquare(const Assumption& a) const;
+  const Regression& velocityOf(const Assumption& a) const;
   Regression riseOf(const Assumption& a) const;
   AssumedAxes axesOf(const Assumption& a) const;
 
@@ -89,7 +90,7 @@ class Agreement {
   Differences as_they_stand_;
   std::array<Regression, kRelations> regressions_;
   double dvl_noise_square_ = 0;
-  mutable std::map<std::array<double, 28>, double> velocity_squares_;  ///< they take longest
+  mutable std::map<std::array<double, 28>, Regression> velocities_;  ///< they take longest
 };
 
 }  // namespace fathom

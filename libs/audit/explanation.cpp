@@ -88,9 +88,16 @@ class Explainer {
   Explainer(const Agreement& agreement, const Matrix3d& R_robot_ins, std::vector<DriverFault> faults)
       : agreement_(agreement), R_robot_ins_(R_robot_ins), faults_(std::move(faults)) {}
 
+  /// Whether anything could be enough better than no fault: if all differences vanished.
+  bool mayExplain() const {
+    double most = 0;
+    for (const Agreement::Difference& d : agreement_.asTheyStand())
+      if (d.weight > 0) most += d.weight * std::log((d.square + d.floor) / d.floor);
+    return most >= kLikelyGain + kLeastUnusual;
+  }
+
   /// The best and those that are as good, best first; none where nothing is better enough than no fault.
   std::vector<Explanation> explanations() {
-    if (mostGain() < kLikelyGain + kLeastUnusual) return {};
     for (DriverFault& fault : faults_) consider(std::move(fault));
     std::stable_sort(all_.begin(), all_.end(),
                      [](const Explanation& a, const Explanation& b) { return a.gain > b.gain; });
@@ -133,7 +140,6 @@ class Explainer {
   /// Vectors that a driver has turned into the world.
   void considerInWorld(const InsStream& ins, const DvlStream* dvl,
                        const std::function<Agreement(const InsStream&, const DvlStream*)>& agreementOf) {
-    if (mostGain() < kLikelyGain + kLeastUnusual) return;
     const auto consider = [&](const char* name, const char* says, const char* corrected,
                               const Agreement& other) {
       DriverFault fault;
@@ -159,7 +165,6 @@ class Explainer {
 
   /// A DVL at any angle about its z axis; right ones are among the axes.
   void considerDvlTurned() {
-    if (mostGain() < kLikelyGain + kLeastUnusual) return;
     const auto turn = agreement_.bestTurn();
     if (!turn) return;
     const double angle_deg = std::round(degrees(turn->angle_rad) * 10) / 10;
@@ -174,7 +179,6 @@ class Explainer {
   }
 
   void considerDvlLate() {
-    if (mostGain() < kLikelyGain + kLeastUnusual) return;
     if (agreement_.asTheyStand()[Agreement::kVelocity].weight == 0) return;
     double best_s = 0, least = agreement_.asTheyStand()[Agreement::kVelocity].square;
     const auto look = [&](double around_s, double most_s, double step_s) {
@@ -209,14 +213,6 @@ class Explainer {
     return (before.square + before.floor - noise) / (after + before.floor - noise);
   }
 
-  /// If all differences vanished.
-  double mostGain() const {
-    double most = 0;
-    for (const Agreement::Difference& d : agreement_.asTheyStand())
-      if (d.weight > 0) most += d.weight * std::log((d.square + d.floor) / d.floor);
-    return most;
-  }
-
   const Agreement& agreement_;
   const Matrix3d R_robot_ins_;
   std::vector<DriverFault> faults_;
@@ -233,6 +229,7 @@ bool Explanation::isSure() const {
 
 std::vector<Explanation> explanationsOf(ExplanationSearch search) {
   Explainer explainer(search.agreement, search.ins.T_robot_ins.rotation, std::move(search.faults));
+  if (!explainer.mayExplain()) return {};
   if (search.vectors_in_world) explainer.considerInWorld(search.ins, search.dvl, search.agreementOf);
   if (search.dvl != nullptr && search.dvl_turned) explainer.considerDvlTurned();
   if (search.dvl != nullptr && search.dvl_late) explainer.considerDvlLate();
