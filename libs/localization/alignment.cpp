@@ -1,10 +1,6 @@
 #include "localization/alignment.h"
 
-#include <functional>
-
-#include "core/affine.h"
-#include "localization/measurements.h"
-#include "recording/instrument_entries.h"
+#include "localization/seen.h"
 
 namespace fathom {
 namespace {
@@ -40,51 +36,6 @@ struct FirstMotion {
   std::string position_label;
   Mean floor_z;  ///< z only: the sea floor's height
 };
-
-/// What a measurement is taken at: its channel, its entry's time, the instant's nominal state.
-struct Seen {
-  Channel channel;
-  const Observation& observation;
-  const Vehicle& vehicle;
-  const Inputs<double>& at;
-
-  /// What `field` of the inputs was, from what was measured: models are affine in it, effects included. In as
-  /// many components as the measurement has, from `first` on.
-  using Field = std::function<void(Inputs<double>&, const Vector3d&)>;
-  Vector3d where(const Field& field, int first = 0) const {
-    return observation.value.size() == 1 ? where<1>(field, first) : where<3>(field, first);
-  }
-
- private:
-  template <int N>
-  Vector3d where(const Field& field, int first) const {
-    using Part = Eigen::Matrix<double, N, 1>;
-    const auto whole = [first](const Part& part) {
-      Vector3d value = Vector3d::Zero();
-      value.segment<N>(first) = part;
-      return value;
-    };
-    const auto model = [&](const Part& part) {
-      Inputs<double> in = at;
-      field(in, whole(part));
-      return Part(modelOf(channel).predict(in, vehicle, observation));
-    };
-    return whole(affineInverse<N>(model, Part(observation.value)));
-  }
-};
-
-void forEachSeen(const LocalizationSetup& setup, const std::vector<Sample>& samples,
-                 const KinematicState<double>& state, const std::function<void(const Seen&)>& f) {
-  Inputs<double> at{state, {setup.vehicle.gravityOdom()}, {}};
-  for (const Sample& sample : samples) {
-    at.t_s = secondsBetween(setup.time_zero, sample.time);
-    forEachObservation(sample, setup.vehicle, [&]<class C>(const Observation& observation) {
-      Inputs<double> own = at;
-      own.effects = setup.calibration.of(observation.instance);
-      f(Seen{kChannel<C>, observation, setup.vehicle, own});
-    });
-  }
-}
 
 FirstReadings readAll(const LocalizationSetup& setup, const std::vector<Sample>& samples) {
   FirstReadings first;
@@ -168,6 +119,7 @@ void alignOrientation(const LocalizationSetup& setup, const FirstReadings& first
     motion.R_odom_robot = level(first.specific_force.value());
     tilt_sigma = radians(1.0);
     yaw_sigma = radians(0.01);
+    initial.defined.heading = !first.heading.any();
     initial.source = "orientation: leveled by gravity, heading zero by definition";
     if (first.heading.any()) {
       const Vector3d mean = first.heading.value();
@@ -179,6 +131,7 @@ void alignOrientation(const LocalizationSetup& setup, const FirstReadings& first
   } else {
     tilt_sigma = radians(5.0);
     yaw_sigma = radians(0.01);
+    initial.defined.heading = true;
     initial.source = "orientation: assumed level, heading zero by definition";
   }
   initial.sigma.segment<3>(kOrientation) << tilt_sigma, tilt_sigma, yaw_sigma;
@@ -195,6 +148,9 @@ void alignPosition(const LocalizationSetup& setup, const FirstReadings& first, c
     sigma.segment<3>(kPosition).setConstant(setup.start->position_sigma_m);
     return;
   }
+  // In a frame whose heading is not known positions go on to shift it.
+  initial.defined.position = !motion.position.any() || initial.defined.heading;
+  initial.defined.height = !motion.position.any() && !first.height_z.any();
   if (motion.position.any()) {
     position = motion.position.value();
     sigma.segment<3>(kPosition).setConstant(motion.position_sigma_m);

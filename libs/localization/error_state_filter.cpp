@@ -379,6 +379,35 @@ void ErrorStateFilter<N>::resetMotion(int block, double sigma) {
   attached.cross.template middleCols<3>(block).setZero();
 }
 
+template <int N>
+void ErrorStateFilter<N>::moveFrame(const FrameMove& move) {
+  const Matrix3d& turn = move.T_new_old.rotation;
+  const auto attached_count = std::ssize(attached.T_odom);
+  x.motion.position_odom = move.T_new_old * x.motion.position_odom;
+  x.motion.R_odom_robot = turn * x.motion.R_odom_robot;
+  if constexpr (N == kFullSize) x.sea_floor_z_m += move.T_new_old.position.z();
+  for (Pose& pose : attached.T_odom) pose = move.T_new_old * pose;
+
+  // Positions' errors are in odom's axes; rotations' are in their own.
+  Eigen::MatrixXd turned = Eigen::MatrixXd::Identity(N + 6 * attached_count, N + 6 * attached_count);
+  // What the errors of all are by those of the move: shift along three axes, turn about z through the pivot.
+  Eigen::MatrixXd by_move = Eigen::MatrixXd::Zero(turned.rows(), 4);
+  const auto addPose = [&](Eigen::Index row, const Matrix3d& R, const Vector3d& position) {
+    turned.block<3, 3>(row, row) = turn;
+    by_move.block<3, 3>(row, 0).setIdentity();
+    by_move.block<3, 1>(row, 3) = Vector3d::UnitZ().cross(position - move.pivot_new);
+    by_move.block<3, 1>(row + 3, 3) = R.transpose() * Vector3d::UnitZ();
+  };
+  addPose(kPosition, x.motion.R_odom_robot, x.motion.position_odom);
+  if constexpr (N == kFullSize) by_move(kSeaFloor, 2) = 1.0;
+  for (std::ptrdiff_t i = 0; i < attached_count; ++i) {
+    const Pose& pose = attached.T_odom[static_cast<std::size_t>(i)];
+    addPose(N + 6 * i, pose.rotation, pose.position);
+  }
+  setWholeCovariance(turned * wholeCovariance() * turned.transpose() +
+                     by_move * move.sigma.cwiseAbs2().asDiagonal() * by_move.transpose());
+}
+
 template struct detail::Correction<kCoreSize, 1>;
 template struct detail::Correction<kCoreSize, 3>;
 template struct detail::Correction<kCoreSize, 6>;

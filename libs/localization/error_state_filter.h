@@ -7,6 +7,7 @@
 
 #include "core/linear_algebra.h"
 #include "core/uncertain_pose.h"
+#include "localization/frame_move.h"
 #include "localization/navigation_state.h"
 
 namespace fathom {
@@ -106,6 +107,9 @@ class ErrorStateFilter {
   /// Velocity, angular velocity or acceleration (kVelocity …) is zero with this sigma in each axis, whatever
   /// it was before.
   void resetMotion(int block, double sigma);
+
+  /// Everything in the new frame, which is as uncertain as the move is.
+  void moveFrame(const FrameMove& move);
 
   /// Covariance of all: N coordinates of the motion, six of each attached pose.
   Eigen::MatrixXd wholeCovariance() const;

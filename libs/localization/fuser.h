@@ -9,6 +9,7 @@
 #include "localization/error_state_filter.h"
 #include "localization/landmark_fuser.h"
 #include "localization/measurements.h"
+#include "localization/pose_fixes.h"
 #include "recording/instrument_entries.h"
 
 /// What a reading does to the filter, gates included. Used within this room only.
@@ -40,6 +41,7 @@ struct GatedFilter {
   ErrorStateFilter<N> filter;
   std::array<Rejections, kChannelCount> rejected{};
   typename LandmarkFuser<N>::Memory landmarks;
+  OdomFrame frame;
 };
 
 /// One rejected reading is an outlier. This many in a row that agree are a filter that has gone astray: the
@@ -63,6 +65,7 @@ class Fuser {
 
   void fuse(GatedFilter<N>& state, const Sample& sample, double t_s, FusionLog& log) const {
     ErrorStateFilter<N>& filter = state.filter;
+    if (state.frame.defined().any() && meetFrame(state, sample, t_s, log)) return;
     MeasurementContext context = context_;
     context.t_s = secondsBetween(setup_.time_zero, sample.time);
     const auto update = [&](Channel channel, const auto& m) {
@@ -89,9 +92,45 @@ class Fuser {
       landmarks_.fuse(filter, state.landmarks, *panels, t_s, log);
   }
 
+  /// Where the filter is, and all of its fixes.
+  std::vector<ReckonedFix> fixes(const GatedFilter<N>& state, const Sample& sample, double t_s) const {
+    std::vector<ReckonedFix> reckoned;
+    const auto& motion = state.filter.x.motion;
+    for (PoseFix& fix : poseFixes(setup_, sample, t_s, motion))
+      reckoned.push_back({std::move(fix), {motion.R_odom_robot, motion.position_odom}});
+    return reckoned;
+  }
+
   typename LandmarkFuser<N>::Memory startLandmarks() const { return landmarks_.start(); }
 
  private:
+  /// Where the sample tells what is a definition only. True: it is not to be fused. (What this filter does
+  /// not fuse says where it starts, and nothing after that.)
+  bool meetFrame(GatedFilter<N>& state, const Sample& sample, double t_s, FusionLog& log) const {
+    bool used_up = false;
+    for (const auto& [fix, T_odom_robot] : fixes(state, sample, t_s)) {
+      if (!uses(fix.channel)) continue;
+      const bool was_turned = state.frame.isTurned();
+      const auto [move, is_used_up] = state.frame.meet(T_odom_robot, fix);
+      if (!move) continue;
+      used_up = used_up || is_used_up;
+      state.filter.moveFrame(*move);
+      log.frame_moves.push_back(*move);
+      if (fix.tells.heading) LandmarkFuser<N>::startByFix(state.landmarks);
+      if (was_turned && state.frame.isTurned()) continue;  // one more of many
+      log.events.push_back({t_s, "frame-moved", textOf(*move, fix.by, state.frame)});
+    }
+    return used_up;
+  }
+
+  static std::string textOf(const FrameMove& move, const std::string& by, const OdomFrame& frame) {
+    const Vector3d& shift = move.T_new_old.position;
+    return by +
+           print(" tells where odom is: moved by (%.3f, %.3f, %.3f) m, turned by %.2f deg", shift.x(),
+                 shift.y(), shift.z(), degrees(logSO3<double>(move.T_new_old.rotation).z())) +
+           (frame.isTurned() ? "; its heading is not known until the robot has come some way" : "");
+  }
+
   bool uses(Channel channel) const { return fused_[indexOf(channel)]; }
 
   /// Without a state for the sea floor a range says nothing of the vehicle's height.

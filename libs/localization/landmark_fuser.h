@@ -8,6 +8,7 @@
 #include "core/text.h"
 #include "localization/landmark_monitor.h"
 #include "localization/measurements.h"
+#include "localization/pose_fixes.h"
 #include "localization/result.h"
 #include "localization/setup.h"
 
@@ -18,6 +19,7 @@ struct FusionLog {
   std::vector<Innovation> innovations;
   std::vector<Event> events;
   std::vector<std::pair<std::size_t, PanelMove>> moves;  ///< panel, move
+  std::vector<FrameMove> frame_moves;                    ///< one after the other, before anything is fused
   std::vector<int> anew;                                 ///< error coordinates that were reset
   bool corrected = false;                                ///< the robot's pose or a panel's was put right
 
@@ -26,6 +28,7 @@ struct FusionLog {
     innovations.clear();
     events.clear();
     moves.clear();
+    frame_moves.clear();
     anew.clear();
     corrected = false;
   }
@@ -48,7 +51,6 @@ class LandmarkFuser {
 
   explicit LandmarkFuser(const LocalizationSetup& setup)
       : setup_(setup),
-        options_(setup.options.landmarks),
         gate_(setup.options.gate.kind == Gate::Kind::chi_square
                   ? chiSquareQuantile(6, setup.options.gate.probability)
                   : kAlways) {}
@@ -58,6 +60,13 @@ class LandmarkFuser {
     for (const PanelPrior& panel : setup_.panels)
       memory.attached.push_back(isExact(panel) ? LandmarkMemory::kExact : LandmarkMemory::kUnseen);
     return std::make_shared<const LandmarkMemory>(std::move(memory));
+  }
+
+  /// The frame is where one fix says: see LandmarkMonitor.
+  static void startByFix(Memory& shared) {
+    LandmarkMemory memory = *shared;
+    memory.monitor.startByFix();
+    shared = std::make_shared<const LandmarkMemory>(std::move(memory));
   }
 
   void fuse(ErrorStateFilter<N>& filter, Memory& memory, const PoseSample& markers, double t_s,
@@ -98,10 +107,7 @@ class LandmarkFuser {
   std::string nameOf(int panel) const { return panel == kNoPanel ? "markers" : "panel " + prior(panel).name; }
 
   Fix fixOf(const PoseSample& markers) const {
-    UncertainPose T_odom_robot{markers.T_odom_robot.mean};
-    T_odom_robot.covariance.diagonal() << Vector3d::Constant(options_.position_sigma_m),
-        Vector3d::Constant(options_.angle_sigma_rad);
-    T_odom_robot.covariance.diagonal() = T_odom_robot.covariance.diagonal().cwiseAbs2().eval();
+    const UncertainPose T_odom_robot = markersPose(setup_, markers);
     Fix fix{setup_.panels.size() == 1 ? 0 : kNoPanel, {}, T_odom_robot};
     const auto [T_robot_panel, J, unused] =
         between(T_odom_robot.pose, fix.panel == kNoPanel ? Pose{} : prior(fix.panel).T_odom_panel);
@@ -350,7 +356,6 @@ class LandmarkFuser {
   }
 
   const LocalizationSetup& setup_;
-  const LandmarkOptions& options_;
   double gate_;
 };
 

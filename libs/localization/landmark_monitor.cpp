@@ -88,7 +88,7 @@ auto LandmarkMonitor::rejected(int index, const JudgedFix& fix) -> Judgement {
 
   Judgement judgement{Verdict::outlier, static_cast<int>(streak.size()), streak.front().t_s, last_fused_s_,
                       leading_};
-  if (judgement.agreeing == kAgreeing) judgement.verdict = verdict(seen, fix);
+  if (judgement.agreeing >= enough()) judgement.verdict = verdict(seen, fix);
   if (judgement.verdict == Verdict::outlier && leads) judgement.verdict = Verdict::lead;
   if (judgement.verdict == Verdict::outlier) return judgement;
   streak.clear();
@@ -96,6 +96,11 @@ auto LandmarkMonitor::rejected(int index, const JudgedFix& fix) -> Judgement {
   if (judgement.verdict == Verdict::panel_moved || judgement.verdict == Verdict::panel_restart)
     seen.confirmations = 0;
   return judgement;
+}
+
+/// How many fixes that agree are believed.
+int LandmarkMonitor::enough() const {
+  return by_fix_ ? std::clamp(confirmations_ + 1, 2, kAgreeing) : kAgreeing;
 }
 
 auto LandmarkMonitor::verdict(const Panel& seen, const JudgedFix& fix) const -> Verdict {
@@ -151,6 +156,7 @@ bool LandmarkMonitor::vouched(const Panel& seen) const {
 void LandmarkMonitor::startAnew() {
   for (Panel& known : panels_) known.streak.clear();
   confirmations_ = 0;
+  by_fix_ = false;
   recent_innovations_.clear();
   last_fused_s_.reset();
 }

@@ -52,6 +52,9 @@ struct JudgedFix {
 /// kPlausible_m_s, kPlausible_rad_s) lead: each sets the pose, until the filter agrees with them again. It is
 /// lost meanwhile.
 ///
+/// Where odom is what one fix says, because nothing else told it (OdomFrame), that fix may have been the
+/// false one: until kAgreeing fixes have confirmed it, it takes as many that agree as outnumber those.
+///
 /// An estimated panel that fewer than kConfirming fixes have confirmed was attached by a false sighting: it
 /// starts anew.
 class LandmarkMonitor {
@@ -77,6 +80,8 @@ class LandmarkMonitor {
 
   void fused(int panel, const JudgedFix& fix);
   Judgement rejected(int panel, const JudgedFix& fix);
+  /// Before the first fix is fused, which says where odom is.
+  void startByFix() { by_fix_ = true; }
   /// After a reset, by which everything known of the robot's pose starts anew.
   void startAnew();
 
@@ -88,12 +93,14 @@ class LandmarkMonitor {
     std::optional<double> last_fused_s;
   };
   Panel& panel(int index);
+  int enough() const;
   Verdict verdict(const Panel& seen, const JudgedFix& fix) const;
   bool vouched(const Panel& seen) const;
   bool plausible(const JudgedFix& fix);
 
   std::vector<Panel> panels_;
   int confirmations_ = 0;
+  bool by_fix_ = false;
   std::vector<Vector6d> recent_innovations_;  ///< of fused fixes
   std::optional<double> last_fused_s_;
   /// The robot's poses by the last fixes rejected, kAgreeing at most, since when, and whether they lead.

@@ -3,6 +3,7 @@
 #include <deque>
 #include <limits>
 
+#include "core/stable_sort.h"
 #include "localization/alignment.h"
 #include "localization/fuser.h"
 #include "localization/input_watch.h"
@@ -72,8 +73,8 @@ class Localizer::RunOf : public Run {
       return insert(t_s, sample);
     }
     waiting_.push_back(sample);
-    if (stamp_s - secondsBetween(setup_.time_zero, waiting_.front().time) >= setup_.options.alignment_s)
-      start();
+    if (isLandmark(sample)) ++waiting_landmarks_;
+    if (isAligned(secondsBetween(waiting_.front().time, sample.time))) start();
   }
 
   LocalizationSummary finish() override {
@@ -119,22 +120,73 @@ class Localizer::RunOf : public Run {
     return valid_s;
   }
 
+  bool isAligned(double waited_s) const {
+    if (waited_s < setup_.options.alignment_s) return false;
+    constexpr int kEnough = 3;  // of which two agree where one is false
+    const bool comes_a_fix = !setup_.start && waiting_landmarks_ < kEnough &&
+                             std::any_of(setup_.panels.begin(), setup_.panels.end(),
+                                         [](const PanelPrior& p) { return p.isKnown(); });
+    return !comes_a_fix || waited_s >= setup_.options.first_fix_s;
+  }
+
+  /// How it stands and moves at first is told by the first seconds, however long it waits for a fix.
+  std::vector<Sample> firstSeconds() const {
+    std::vector<Sample> first;
+    std::copy_if(waiting_.begin(), waiting_.end(), std::back_inserter(first), [this](const Sample& sample) {
+      return secondsBetween(waiting_.front().time, sample.time) <= setup_.options.alignment_s;
+    });
+    return first;
+  }
+
   void start() {
-    const InitialState initial = alignInitially(setup_, waiting_);
+    const InitialState initial = alignInitially(setup_, firstSeconds());
     summary_.started = true;
     summary_.failure.clear();
     summary_.start_source = initial.source;
     summary_.start_t_s = initial.t_s;
-    report(initial.t_s, "start", initial.source);
     before_->after.filter.x = initial.state;
     before_->after.filter.P = initial.sigma.template head<N>().cwiseAbs2().asDiagonal();
+    before_->after.frame = OdomFrame(initial.defined);
     before_->t_s = initial.t_s;
+    startWhereFixesAgree();
+    report(initial.t_s, "start", summary_.start_source);
     lost_.start(initial.t_s);
     next_output_s_ = initial.t_s;
     for (const Sample& sample : std::exchange(waiting_, {})) {
       const double t_s = validity_s(sample);
       insert(t_s, sample);
     }
+  }
+
+  /// Where the fixes among the waiting samples put the start, most of them, by the dead reckoning between.
+  void startWhereFixesAgree() {
+    GatedFilter<N>& start = before_->after;
+    if (!start.frame.defined().any()) return;
+    const std::vector<ReckonedFix> fixes = reckonedFixes();
+    const auto agreed = consensus(start.frame, fixes);
+    if (!agreed) return;
+    start.filter.moveFrame(agreed->move);
+    start.frame.meet({}, *agreed->by);
+    if (agreed->by->tells.heading) LandmarkFuser<N>::startByFix(start.landmarks);
+    summary_.start_source += print("; moved to where %s is seen: %zu of %zu fixes agree",
+                                   agreed->by->by.c_str(), agreed->agreeing, agreed->of);
+  }
+
+  std::vector<ReckonedFix> reckonedFixes() const {
+    Entry now = *before_;
+    std::vector<const Sample*> by_time;
+    for (const Sample& sample : waiting_) by_time.push_back(&sample);
+    stableSort(by_time, [this](const Sample* a, const Sample* b) { return validity_s(*a) < validity_s(*b); });
+    std::vector<ReckonedFix> fixes;
+    for (const Sample* sample : by_time) {
+      const double t_s = validity_s(*sample);
+      if (t_s > now.t_s) now.after.filter.predict(t_s - now.t_s, noise_);
+      now.t_s = std::max(now.t_s, t_s);
+      const std::vector<ReckonedFix> seen = fuser_.fixes(now.after, *sample, t_s);
+      fixes.insert(fixes.end(), seen.begin(), seen.end());
+      if (seen.empty()) fuser_.fuse(now.after, *sample, t_s, now.log);
+    }
+    return fixes;
   }
 
   void insert(double t_s, const Sample& sample) {
@@ -218,6 +270,7 @@ class Localizer::RunOf : public Run {
   }
 
   void account(const Entry& entry) {
+    for (const FrameMove& move : entry.log.frame_moves) smoother_.moveFrame(move);
     for (const Innovation& innovation : entry.log.innovations) account(innovation);
     for (const Event& event : entry.log.events) report(event.t_s, event.kind, event.text);
     for (const auto& [panel, move] : entry.log.moves) summary_.panels[panel].moves.push_back(move);
@@ -245,7 +298,8 @@ class Localizer::RunOf : public Run {
     const auto sigma = [&](int first) {
       return std::sqrt(entry.after.filter.P.diagonal().template segment<3>(first).sum());
     };
-    const auto reason = lost_.judge(entry.t_s, sigma(kPosition), sigma(kOrientation));
+    const auto reason =
+        lost_.judge(entry.t_s, sigma(kPosition), sigma(kOrientation), entry.after.frame.isTurned());
     if (reason && !summary_.lost_since_s) {
       report(entry.t_s, "lost", *reason);
       summary_.lost_since_s = entry.t_s;
@@ -282,7 +336,8 @@ class Localizer::RunOf : public Run {
   InputWatch watch_;
   LocalizationSummary summary_;
   std::array<ChannelSummary, kChannelCount> channels_{};
-  std::vector<Sample> waiting_;                                ///< until alignment
+  std::vector<Sample> waiting_;  ///< until alignment
+  int waiting_landmarks_ = 0;
   std::unique_ptr<Entry> before_ = std::make_unique<Entry>();  ///< what the first of the entries starts from
   std::deque<std::unique_ptr<Entry>> entries_;
   std::vector<std::unique_ptr<Entry>> unused_;

@@ -9,6 +9,7 @@
 namespace fathom {
 
 /// Says when an estimate is not to be relied on. It looks at final results in time order:
+///   - positions are seen in a frame whose heading is not known yet (OdomFrame);
 ///   - the filter's own sigma of position or orientation is above its limit, or is no number;
 ///   - nothing has told velocity or position (DVL, USBL, landmark) for blind_s;
 ///   - a channel contradicts the filter: for contradiction_s most of its readings (kMost) had an innovation
@@ -29,7 +30,8 @@ class LostMonitor {
   void corrected(double t_s);
 
   /// Why the estimate is lost at that time; nothing where it is not. Sigma: root of the covariance's trace.
-  std::optional<std::string> judge(double t_s, double position_sigma_m, double angle_sigma_rad);
+  std::optional<std::string> judge(double t_s, double position_sigma_m, double angle_sigma_rad,
+                                   bool is_turned = false);
 
  private:
   struct Contradiction {

@@ -104,6 +104,7 @@ LocalizationOptions readOnto(LocalizationOptions options, const std::filesystem:
   if (y.has("history_s")) options.history_s = y.notNegative("history_s");
   readPositive(y, "gap_s", options.gap_s);
   readPositive(y, "alignment_s", options.alignment_s);
+  if (y.has("first_fix_s")) options.first_fix_s = y.notNegative("first_fix_s");
   readPositive(y, "output_rate_hz", options.output_rate_hz);
   y.read("smooth", options.smooth);
   yaml.rejectUnknownKeys();
@@ -152,8 +153,9 @@ std::string formatLocalizationOptions(const LocalizationOptions& o) {
     << ", angle_sigma_deg: " << shortest(degrees(o.lost.angle_sigma_rad))
     << ", contradiction_s: " << shortest(o.lost.contradiction_s) << ", blind_s: " << shortest(o.lost.blind_s)
     << "}\nhistory_s: " << shortest(o.history_s) << "\ngap_s: " << shortest(o.gap_s)
-    << "\nalignment_s: " << shortest(o.alignment_s) << "\noutput_rate_hz: " << shortest(o.output_rate_hz)
-    << "\nsmooth: " << (o.smooth ? "true" : "false") << "\n";
+    << "\nalignment_s: " << shortest(o.alignment_s) << "\nfirst_fix_s: " << shortest(o.first_fix_s)
+    << "\noutput_rate_hz: " << shortest(o.output_rate_hz) << "\nsmooth: " << (o.smooth ? "true" : "false")
+    << "\n";
   return y.str();
 }
 

@@ -41,8 +41,9 @@ struct Innovation {
 /// Something about the input that must not pass in silence.
 struct Event {
   double t_s = 0.0;
-  /// start, gap, silent, time-jump, duplicate, not-a-number, impossible, too-late, rejected; of landmarks:
-  /// fix-rejected, reacquired, panel-moved, panel-prior, panel-restarted, unknown-panel; lost, found
+  /// start, frame-moved, gap, silent, time-jump, duplicate, not-a-number, impossible, too-late, rejected; of
+  /// landmarks: fix-rejected, reacquired, panel-moved, panel-prior, panel-restarted, unknown-panel; lost,
+  /// found
   std::string kind;
   std::string text;
 };

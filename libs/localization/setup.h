@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,8 @@ struct PanelPrior {
   Pose T_odom_panel;
   /// Of each axis. Both zero: the pose is exact. Both infinite: it is not known, and T_odom_panel not used.
   double position_sigma_m = 0.0, angle_sigma_rad = 0.0;
+
+  bool isKnown() const { return std::isfinite(position_sigma_m) && std::isfinite(angle_sigma_rad); }
 };
 
 struct LocalizationSetup {

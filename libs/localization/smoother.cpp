@@ -1,5 +1,7 @@
 #include "localization/smoother.h"
 
+#include <optional>
+
 #include "core/linear_algebra.h"
 
 namespace fathom {
@@ -31,14 +33,42 @@ auto Smoother<N>::covariance(std::size_t k) const -> typename Filter::Matrix {
 }
 
 template <int N>
+auto Smoother<N>::filterAt(std::size_t k) const -> Filter {
+  Filter filter;
+  filter.x = states_[k];
+  filter.P = covariance(k);
+  if (const auto found = attached_.find(k); found != attached_.end()) filter.attached = found->second;
+  return filter;
+}
+
+template <int N>
+void Smoother<N>::keep(std::size_t k, const Filter& filter) {
+  states_[k] = filter.x;
+  setCovariance(k, filter.P);
+  if (attached_.contains(k)) attached_.at(k) = filter.attached;
+}
+
+template <int N>
+void Smoother<N>::moveFrame(const FrameMove& move) {
+  const auto [at, is_first] = moves_.try_emplace(size(), move);
+  if (!is_first) at->second = move.after(at->second);
+}
+
+template <int N>
+void Smoother<N>::moveFrames() {
+  std::optional<FrameMove> move;  // by all that came later
+  for (std::size_t k = size(); k-- > 0;) {
+    if (const auto found = moves_.find(k + 1); found != moves_.end())
+      move = move ? move->after(found->second) : found->second;
+    if (!move) continue;
+    Filter filter = filterAt(k);
+    filter.moveFrame(*move);
+    keep(k, filter);
+  }
+}
+
+template <int N>
 void Smoother<N>::smoothStep(std::size_t k, const ProcessNoise& noise) {
-  const auto filterAt = [&](std::size_t step) {
-    Filter filter;
-    filter.x = states_[step];
-    filter.P = covariance(step);
-    if (const auto found = attached_.find(step); found != attached_.end()) filter.attached = found->second;
-    return filter;
-  };
   // The filter's prediction from k to k + 1, made again, with the product of its transitions. Sizes are those
   // of the motion and of what is attached; they cost little beside the products.
   Filter now = filterAt(k), predicted = now;
@@ -82,9 +112,7 @@ void Smoother<N>::smoothStep(std::size_t k, const ProcessNoise& noise) {
   }
   now.setWholeCovariance(P + G * (next.wholeCovariance().topLeftCorner(size, size) - P_predicted) *
                                  G.transpose());
-  states_[k] = now.x;
-  setCovariance(k, now.P);
-  if (attached_.contains(k)) attached_.at(k) = now.attached;
+  keep(k, now);
 }
 
 template class Smoother<kCoreSize>;

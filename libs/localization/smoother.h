@@ -24,6 +24,8 @@ class Smoother {
   /// `anew`: error coordinates (motion, then six of each attached pose) that do not follow from the record
   /// before.
   void record(double t_s, const Filter& filter, const std::vector<int>& anew = {});
+  /// All of the record so far is to be in a new frame, as if it had been in it from the start.
+  void moveFrame(const FrameMove& move);
   std::size_t size() const { return times_.size(); }
   double time(std::size_t k) const { return times_[k]; }
   const NavigationState<double>& state(std::size_t k) const { return states_[k]; }
@@ -34,6 +36,9 @@ class Smoother {
   void smooth(const ProcessNoise& noise, F&& progress);
 
  private:
+  Filter filterAt(std::size_t k) const;
+  void keep(std::size_t k, const Filter& filter);
+  void moveFrames();
   void smoothStep(std::size_t k, const ProcessNoise& noise);
   void setCovariance(std::size_t k, const typename Filter::Matrix& P);
 
@@ -43,11 +48,13 @@ class Smoother {
   std::vector<double> packed_;                     ///< lower triangles
   std::map<std::size_t, AttachedPoses> attached_;  ///< of the steps that have any
   std::map<std::size_t, std::vector<int>> anew_;   ///< of the steps that have any
+  std::map<std::size_t, FrameMove> moves_;         ///< of the frame, before the step
 };
 
 template <int N>
 template <class F>
 void Smoother<N>::smooth(const ProcessNoise& noise, F&& progress) {
+  moveFrames();
   for (std::size_t k = size(); k-- > 0;) {
     if (k + 1 < size()) smoothStep(k, noise);
     if (k % 1000 == 0) progress(1.0 - static_cast<double>(k) / static_cast<double>(size()));

@@ -18,7 +18,8 @@ namespace {
 double delay_s(const std::vector<TaskSpec>& tasks) {
   double longest_s = 0;
   for (const TaskSpec& task : tasks)
-    longest_s = std::max(longest_s, task.options.history_s + task.options.alignment_s);
+    longest_s = std::max(
+        longest_s, task.options.history_s + std::max(task.options.alignment_s, task.options.first_fix_s));
   return longest_s + 1.0;
 }
 

@@ -18,6 +18,9 @@ struct LandmarkRun {
   double sighting_sigma_m = 0.01, sighting_sigma_rad = radians(0.5);  ///< robot axes; panel axes
   double wrong_start_m = 0.0, wrong_start_rad = 0.0;  ///< the start pose given is off by so much
   double start_error = 1.0;                           ///< random error of the start pose given, in its sigmas
+  bool start_is_given = true;
+  /// The frame that fixes and truth are told in, seen from the simulation's: upright, at its height.
+  Pose T_odom_simulated;
   LocalizationOptions options;
   std::vector<PanelPrior> priors;  ///< empty: all exact
   std::uint64_t seed = 1;
@@ -89,9 +92,14 @@ inline auto LandmarkRun::run(double duration_s) const -> Outcome {
   Outcome outcome;
   simulateNavigation(simulated, trajectory, [&](const Sample& sample) {
     if (sample.label == labels::kTruth)
-      outcome.truth.push_back({sample.time, std::get<PoseSample>(sample.reading).T_odom_robot.mean});
+      outcome.truth.push_back(
+          {sample.time, T_odom_simulated * std::get<PoseSample>(sample.reading).T_odom_robot.mean});
     else
       samples.push_back(sample);
+    if (sample.label == labels::kUsbl) {
+      Vector3d& seen = std::get<PoseSample>(samples.back().reading).T_odom_robot.mean.position;
+      seen = T_odom_simulated * seen;
+    }
   });
   const Time zero = samples.front().time;
   Vector6d variance;
@@ -117,8 +125,8 @@ inline auto LandmarkRun::run(double duration_s) const -> Outcome {
     samples.push_back({after(zero, t), labels::kPanel, sample});
     // Of the same image: the robot's pose by the first panel's map, as markers give it.
     const SeenPanel& seen = sample.panels.front();
-    const Pose T_odom_robot =
-        panels[static_cast<std::size_t>(seen.panel)] * (T_robot_camera * seen.T_camera_panel.pose).inverse();
+    const Pose T_odom_robot = T_odom_simulated * panels[static_cast<std::size_t>(seen.panel)] *
+                              (T_robot_camera * seen.T_camera_panel.pose).inverse();
     samples.push_back({after(zero, t), labels::kMarkers, PoseSample{{T_odom_robot}}});
   }
   std::stable_sort(samples.begin(), samples.end(),
@@ -131,14 +139,14 @@ inline auto LandmarkRun::run(double duration_s) const -> Outcome {
   setup.time_zero = zero;
   setup.panels = priors;
   for (std::size_t i = priors.size(); i < panels.size(); ++i)
-    setup.panels.push_back({std::string("P").append(std::to_string(i)), panels[i]});
+    setup.panels.push_back({std::string("P").append(std::to_string(i)), T_odom_simulated * panels[i]});
   StartPose start{outcome.truth.front().T_odom_robot};
   start.T_odom_robot.position += start_error * start.position_sigma_m * random.normal3();
   start.T_odom_robot.rotation =
       start.T_odom_robot.rotation * expSO3<double>(start_error * start.angle_sigma_rad * random.normal3());
   start.T_odom_robot.position.x() += wrong_start_m;
   start.T_odom_robot.rotation = rotationFromYawPitchRoll(wrong_start_rad, 0, 0) * start.T_odom_robot.rotation;
-  setup.start = start;
+  if (start_is_given) setup.start = start;
 
   LocalizationSink sink;
   sink.estimate = [&](const Estimate& e) { outcome.estimates.push_back(e); };
