@@ -4,10 +4,12 @@
 
 #include "core/error.h"
 #include "core/progress.h"
+#include "core/text.h"
 #include "localization/dead_reckoning.h"
 #include "localization/run_tasks.h"
 #include "recording/time_text.h"
 #include "sources/degraded_source.h"
+#include "tasks/reference_clock.h"
 #include "tasks/start_pose.h"
 
 namespace fathom {
@@ -87,6 +89,15 @@ void remarkIdleReference(const RecordingJob& job, LocalizedRecording& done) {
       " s since 1970, the recording begins at " + seconds(story.time_zero) + " s");
 }
 
+/// Errors against it are partly of the time between.
+void remarkReferenceClock(const RecordingJob& job, RecordingStory& story) {
+  if (const auto offset_s = referenceClockOffset(job.chain.rawlog, story.reference))
+    story.remarks.push_back(
+        print("%s: its clock is off: it turns as the gyro does %+.2f s from its stamps; errors are "
+              "against it as it is stamped",
+              story.reference_name.c_str(), *offset_s));
+}
+
 LocalizedRecording localizeRecording(const RecordingJob& job) {
   LocalizedRecording done;
   done.story = std::make_unique<RecordingStory>();
@@ -100,6 +111,7 @@ LocalizedRecording localizeRecording(const RecordingJob& job) {
 
   const SampleChain chain(job.chain, needsLandmarks(job));
   story.remarks = chain.remarks();
+  remarkReferenceClock(job, story);
   story.panels = chain.panels();
   LocalizationSetup setup = chain.setup();
   setup.start = startPose(job.start, job.chain.rawlog, story.reference);

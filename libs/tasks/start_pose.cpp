@@ -5,8 +5,10 @@
 #include <sstream>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "recording/rawlog.h"
 #include "recording/tum.h"
+#include "tasks/reference_clock.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
@@ -45,10 +47,15 @@ std::optional<Pose> poseBefore(const std::vector<StampedPose>& reference, const 
 StartPose startFromReference(const fs::path& rawlog, const std::vector<StampedPose>& reference) {
   const Time begin = firstReading(rawlog);
   if (!reference.empty()) {
-    if (const auto pose = poseAt(reference, begin))
-      return StartPose{.T_odom_robot = *pose, .source = "first pose of the reference"};
-    if (const auto pose = poseBefore(reference, begin))
-      return StartPose{.T_odom_robot = *pose, .source = "just before the first pose of the reference"};
+    const double offset_s = referenceClockOffset(rawlog, reference).value_or(0.0);
+    const Time there = after(begin, offset_s);
+    const std::string clock =
+        offset_s == 0.0 ? "" : print(", %+.2f s from its stamp: so it turns as the gyro does", offset_s);
+    if (const auto pose = poseAt(reference, there))
+      return StartPose{.T_odom_robot = *pose, .source = "first pose of the reference" + clock};
+    if (const auto pose = poseBefore(reference, there))
+      return StartPose{.T_odom_robot = *pose,
+                       .source = "just before the first pose of the reference" + clock};
     throw Error("--start", "reference", "the reference has no pose at the recording's first reading");
   }
   const auto truth = firstTruth(rawlog);

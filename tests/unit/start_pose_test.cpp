@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "recording/rawlog.h"
 #include "support/shipped.h"
+#include "tasks/reference_clock.h"
 
 namespace fathom {
 namespace {
@@ -40,6 +41,24 @@ TEST(StartPose, IsTheReferencesAtTheFirstReading) {
   }
   EXPECT_THROW(startPose("reference", kStartedDive, referenceFrom(1.1)), Error);
   EXPECT_THROW(startPose("reference", kStartedDive, {{after(firstReading(), 0.1), poseOf(0.1)}}), Error);
+}
+
+/// The truth of a robot that turns back and forth, and its rawlog beside.
+TEST(StartPose, IsAtTheGyrosTimeWhereTheReferencesClockIsAnother) {
+  const std::filesystem::path rawlog = test::kSource / "rawlogs/trial/trial.rawlog";
+  std::vector<StampedPose> truth;
+  RawlogReader reader(rawlog);
+  while (const auto sample = reader.next())
+    if (sample->label == labels::kTruth)
+      truth.push_back({sample->time, std::get<PoseSample>(sample->reading).T_odom_robot.mean});
+  EXPECT_FALSE(referenceClockOffset(rawlog, truth));
+  for (const double late_s : {0.45, -1.2}) {
+    std::vector<StampedPose> reference = truth;
+    for (StampedPose& pose : reference) pose.time = after(pose.time, late_s);
+    const auto offset_s = referenceClockOffset(rawlog, reference);
+    ASSERT_TRUE(offset_s) << late_s;
+    EXPECT_NEAR(*offset_s, late_s, 0.015) << late_s;  // its grid, and half an interval of the gyro
+  }
 }
 
 }  // namespace
