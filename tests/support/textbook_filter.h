@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "core/linear_algebra.h"
 #include "localization/error_state_filter.h"
 
@@ -25,7 +27,8 @@ class TextbookFilter {
   }
 
   template <class Measurement>
-  double update(const Measurement& m, const std::vector<int>& columns) {
+  double update(const Measurement& m, const std::vector<int>& columns,
+                double gate = std::numeric_limits<double>::infinity()) {
     Eigen::MatrixXd H = Eigen::MatrixXd::Zero(m.residual.size(), N);
     for (std::size_t k = 0; k < columns.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
@@ -38,6 +41,8 @@ class TextbookFilter {
     const Eigen::VectorXd residual = m.residual;
     const Eigen::MatrixXd S = H * P * H.transpose() + R;
     const Eigen::MatrixXd S_inverse = inverseOf(S);
+    const double nis = residual.dot(S_inverse * residual);
+    if (!(nis <= gate)) return nis;
     const Eigen::MatrixXd K = P * H.transpose() * S_inverse;
     const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(N, N);
     P = (I - K * H) * P * (I - K * H).transpose() + K * R * K.transpose();
@@ -46,7 +51,7 @@ class TextbookFilter {
     Eigen::MatrixXd G = I;
     G.block(kOrientation, kOrientation, 3, 3) = rightJacobianSO3<double>(delta.segment<3>(kOrientation));
     P = G * P * G.transpose();
-    return residual.dot(S_inverse * residual);
+    return nis;
   }
 };
 
