@@ -6,37 +6,40 @@
 namespace fathom {
 namespace {
 
-/// The blocks of the transition Jacobian that are neither zero nor identity.
-struct TransitionBlocks {
-  Matrix3d half_turn;             ///< Exp(omega dt/2), of which the others are made
-  Matrix3d back;                  ///< Exp(omega dt)^T: orientation, velocity
-  Matrix3d half_back;             ///< Exp(omega dt/2)^T dt: acceleration to velocity
-  Matrix3d position_orientation;  ///< -R [v dt + a dt²/2]x
-  Matrix3d rate_to_angle;         ///< Jr(omega dt) dt
-  Matrix3d rate_to_velocity;      ///< d(v')/d(omega)
+/// Exp(r), the right Jacobian at r.
+struct Turn {
+  Matrix3d rotation, jacobian;
+
+  explicit Turn(const Vector3d& r) {
+    const detail::RotationCoefficients<double> c(r.squaredNorm());
+    const Matrix3d K = crossMatrix<double>(r), square = K * K;
+    rotation = Matrix3d::Identity() + c.sine * K + c.cosine * square;
+    jacobian = Matrix3d::Identity() - c.cosine * K + c.cubic * square;
+  }
 };
 
 TransitionBlocks transitionBlocks(const KinematicState<double>& m, double dt) {
-  const Vector3d turn = m.angular_velocity_robot * dt;
+  const Turn half(m.angular_velocity_robot * (0.5 * dt));
   const Vector3d way = m.velocity_robot * dt + m.acceleration_robot * (0.5 * dt * dt);
+  const Matrix3d half_back = half.rotation.transpose();
   TransitionBlocks b;
-  b.half_turn = expSO3<double>(0.5 * turn);
-  b.back = b.half_turn.transpose() * b.half_turn.transpose();
-  b.half_back = b.half_turn.transpose() * dt;
+  b.dt = dt;
+  b.back = half_back * half_back;
+  b.half_back = half_back * dt;
   b.position_orientation = -m.R_odom_robot * crossMatrix<double>(way);
-  b.rate_to_angle = rightJacobianSO3<double>(turn) * dt;
+  b.position_way = m.R_odom_robot;
+  // Jr(2 h) = (1 + Exp(h)^T) Jr(h) / 2: it is the mean of Exp(-s h) over s from 0 to 2.
+  b.rate_to_angle = (0.5 * dt) * (half.jacobian + half_back * half.jacobian);
   b.rate_to_velocity = crossMatrix<double>(b.back * m.velocity_robot) * b.rate_to_angle +
-                       crossMatrix<double>(b.half_back * m.acceleration_robot) *
-                           rightJacobianSO3<double>(0.5 * turn) * (0.5 * dt);
+                       crossMatrix<double>(b.half_back * m.acceleration_robot) * half.jacobian * (0.5 * dt);
   return b;
 }
 
-/// The motion over a step; half_turn = Exp(omega dt/2).
-void moveBy(KinematicState<double>& m, const Matrix3d& half_turn, double dt) {
+/// The motion over a step; back = Exp(omega dt)^T, half_back = Exp(omega dt/2)^T dt.
+void moveBy(KinematicState<double>& m, const Matrix3d& back, const Matrix3d& half_back, double dt) {
   m.position_odom += m.R_odom_robot * (m.velocity_robot * dt + m.acceleration_robot * (0.5 * dt * dt));
-  m.velocity_robot =
-      half_turn.transpose() * (half_turn.transpose() * m.velocity_robot + m.acceleration_robot * dt);
-  m.R_odom_robot = m.R_odom_robot * half_turn * half_turn;
+  m.velocity_robot = back * m.velocity_robot + half_back * m.acceleration_robot;
+  m.R_odom_robot = m.R_odom_robot * back.transpose();
 }
 
 /// What is left of a bias after a step.
@@ -70,7 +73,8 @@ auto ErrorStateFilter<N>::noiseDensity(const ProcessNoise& noise) -> Vector {
 
 template <int N>
 void ErrorStateFilter<N>::move(NavigationState<double>& x, double dt, const ProcessNoise& noise) {
-  moveBy(x.motion, expSO3<double>(x.motion.angular_velocity_robot * (0.5 * dt)), dt);
+  const Matrix3d half_back = expSO3<double>(x.motion.angular_velocity_robot * (-0.5 * dt));
+  moveBy(x.motion, half_back * half_back, half_back * dt, dt);
   if constexpr (N == kFullSize) decayBiases(x, biasDecay(dt, noise));
 }
 
@@ -92,84 +96,48 @@ auto ErrorStateFilter<N>::transition(const NavigationState<double>& x, double dt
   return F;
 }
 
-/// B F^T in place for the nine columns that move, whatever B's rows: the product by the blocks of F, as sums
-/// of columns (straight vector code). Decay of the biases is left to the caller.
-template <int Rows, int Columns>
-void timesTransitionTransposed(Eigen::Matrix<double, Rows, Columns>& columns, const TransitionBlocks& f,
-                               const Matrix3d& R, double dt) {
-  using Column = Eigen::Matrix<double, Rows, 1>;
-  std::array<Column, 3> positions, orientations, velocities;
-  std::array<Column, 3> way;  // what position gains from velocity and acceleration
-  for (int k = 0; k < 3; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    way[i] = columns.col(kVelocity + k) * dt + columns.col(kAcceleration + k) * (0.5 * dt * dt);
-  }
-  for (int j = 0; j < 3; ++j) {
-    Column position = columns.col(kPosition + j), orientation = Column::Zero(), velocity = Column::Zero();
-    for (int k = 0; k < 3; ++k) {
-      const auto angle = columns.col(kOrientation + k), rate = columns.col(kAngularVelocity + k);
-      position += angle * f.position_orientation(j, k) + way[static_cast<std::size_t>(k)] * R(j, k);
-      orientation += angle * f.back(j, k) + rate * f.rate_to_angle(j, k);
-      velocity += columns.col(kVelocity + k) * f.back(j, k) + rate * f.rate_to_velocity(j, k) +
-                  columns.col(kAcceleration + k) * f.half_back(j, k);
-    }
-    const auto i = static_cast<std::size_t>(j);
-    positions[i] = position;
-    orientations[i] = orientation;
-    velocities[i] = velocity;
-  }
-  for (int j = 0; j < 3; ++j) {
-    const auto i = static_cast<std::size_t>(j);
-    columns.col(kPosition + j) = positions[i];
-    columns.col(kOrientation + j) = orientations[i];
-    columns.col(kVelocity + j) = velocities[i];
-  }
+namespace {
+
+/// B F^T in place, whatever B's rows, decay of the biases aside.
+void timesTransitionTransposed(Eigen::MatrixXd& B, const TransitionBlocks& f) {
+  const auto angle = B.middleCols<3>(kOrientation), velocity = B.middleCols<3>(kVelocity),
+             rate = B.middleCols<3>(kAngularVelocity), push = B.middleCols<3>(kAcceleration);
+  const Eigen::MatrixX3d position =
+                             B.middleCols<3>(kPosition) + angle * f.position_orientation.transpose() +
+                             (velocity * f.dt + push * (0.5 * f.dt * f.dt)) * f.position_way.transpose(),
+                         orientation = angle * f.back.transpose() + rate * f.rate_to_angle.transpose();
+  B.middleCols<3>(kVelocity) =
+      (velocity * f.back.transpose() + rate * f.rate_to_velocity.transpose() + push * f.half_back.transpose())
+          .eval();
+  B.middleCols<3>(kPosition) = position;
+  B.middleCols<3>(kOrientation) = orientation;
 }
+
+}  // namespace
 
 template <int N>
 void ErrorStateFilter<N>::step(double dt, const ProcessNoise& noise) {
   const TransitionBlocks f = transitionBlocks(x.motion, dt);
   const Vector half_noise = (0.5 * dt) * noiseDensity(noise);
-  P.diagonal() += half_noise;
-  if constexpr (N == kFullSize) {
-    const double decay = biasDecay(dt, noise);
-    decayBiases(x, decay);
-    P.template middleCols<6>(kGyroBias) *= decay;
-    P.template middleRows<6>(kGyroBias) *= decay;
-    attached.cross.template middleCols<6>(kGyroBias) *= decay;
+  const double decay = N == kFullSize ? biasDecay(dt, noise) : 1.0;
+  kernels->propagate(P.padded(), f, half_noise.data(), decay);
+  if (!attached.T_odom.empty()) {
+    if constexpr (N == kFullSize) attached.cross.template middleCols<6>(kGyroBias) *= decay;
+    timesTransitionTransposed(attached.cross, f);
   }
-  for (Eigen::Index row = 0; row < attached.cross.rows(); row += 6) {
-    Eigen::Matrix<double, 6, kCoreSize> rows = attached.cross.template block<6, kCoreSize>(row, 0);
-    timesTransitionTransposed(rows, f, x.motion.R_odom_robot, dt);
-    attached.cross.template block<6, kCoreSize>(row, 0) = rows;
-  }
-  timesTransitionTransposed(P, f, x.motion.R_odom_robot, dt);  // P F^T; its rows from nine on are final
-  Eigen::Matrix<double, 9, kCoreSize> top = P.template topLeftCorner<kCoreSize, 9>().transpose();
-  timesTransitionTransposed(top, f, x.motion.R_odom_robot,
-                            dt);  // the first nine rows of F (P F^T), transposed
-  P.template topLeftCorner<9, 9>() = top.template leftCols<9>();
-  P.template topRightCorner<9, N - 9>() = P.template bottomLeftCorner<N - 9, 9>().transpose();
-  for (int j = 0; j < 9; ++j)
-    for (int i = j + 1; i < 9; ++i) P(i, j) = P(j, i);
-  P.diagonal() += half_noise;
-  moveBy(x.motion, f.half_turn, dt);
+  moveBy(x.motion, f.back, f.half_back, dt);
+  if constexpr (N == kFullSize) decayBiases(x, decay);
 }
 
 template <int N>
-void ErrorStateFilter<N>::correctFromLower(const Vector& delta) {
-  retract<N>(x, delta);
-  // The error is from now on measured in the tangent space at the corrected attitude (Sola 2017, eq. 287):
-  // P = G P G^T, G the identity but for the orientation's block.
-  const Matrix3d reset = rightJacobianSO3<double>(delta.template segment<3>(kOrientation));
-  constexpr int kBefore = kOrientation, kAfter = N - kOrientation - 3;
-  auto left = P.template block<3, kBefore>(kOrientation, 0);
-  auto diagonal = P.template block<3, 3>(kOrientation, kOrientation);
-  auto below = P.template block<kAfter, 3>(kOrientation + 3, kOrientation);
-  left = reset.lazyProduct(left).eval();
-  const Matrix3d orientation = diagonal.template selfadjointView<Eigen::Lower>();
-  diagonal = reset * orientation * reset.transpose();
-  below = below.lazyProduct(reset.transpose()).eval();
-  detail::mirrorLower(P);
+void ErrorStateFilter<N>::correct(const Border<N>& border) {
+  kernels->subtract(P.padded(), border);
+  Vector delta;
+  for (int k = 0; k < N; ++k) delta[k] = -P.padded()[k * (N + 1) + N];
+  const Turn turn(delta.template segment<3>(kOrientation));
+  retract<N>(x, delta, turn.rotation);
+  // The error is from now on measured in the tangent space at the corrected attitude (Sola 2017, eq. 287).
+  kernels->turn(P.padded(), turn.jacobian);
 }
 
 template <int N>
@@ -195,23 +163,21 @@ Eigen::MatrixXd moveAttached(std::vector<Pose>& poses, const Eigen::VectorXd& de
 
 }  // namespace
 
-void detail::carryAttached(AttachedPoses& attached, const MatrixView& H, const int* columns,
-                           const MatrixView& R, const MatrixView& S, const MatrixView& PHt,
-                           const MatrixView& gain, const Eigen::Ref<const Eigen::VectorXd>& residual) {
-  const auto timesHTransposed = [&] {
-    Eigen::MatrixXd product = attached.cross.col(columns[0]) * H.col(0).transpose();
-    for (int k = 1; k < H.cols(); ++k) product += attached.cross.col(columns[k]) * H.col(k).transpose();
-    return product;
-  };
-  const Eigen::MatrixXd own = timesHTransposed();
-  const Eigen::MatrixXd own_gain = solveSymmetric(S, own.transpose()).transpose();
+template <int N>
+void ErrorStateFilter<N>::carryAttached(const Eigen::VectorXd& residual, const Eigen::MatrixXd& H,
+                                        const Eigen::MatrixXd& R) {
+  const auto H_motion = H.leftCols<N>();
+  const Eigen::MatrixXd PHt = P * H_motion.transpose(), own = attached.cross * H_motion.transpose();
+  const SymmetricFactors S(H_motion * PHt + R);
+  const Eigen::MatrixXd gain = S.solve(PHt.transpose()).transpose(),
+                        own_gain = S.solve(own.transpose()).transpose();
   attached.cross -= own_gain * PHt.transpose();
-  const Eigen::MatrixXd excess = timesHTransposed() - own_gain * R;
+  const Eigen::MatrixXd excess = attached.cross * H_motion.transpose() - own_gain * R;
   attached.cross -= excess * gain.transpose();
   attached.block -= own_gain * own.transpose() + excess * own_gain.transpose();
 
   const Matrix3d robot = rightJacobianSO3<double>(gain.middleRows<3>(kOrientation) * residual);
-  attached.cross.middleCols<3>(kOrientation) *= robot.transpose();
+  attached.cross.template middleCols<3>(kOrientation) *= robot.transpose();
   const Eigen::MatrixXd reset = moveAttached(attached.T_odom, own_gain * residual);
   attached.cross = (reset * attached.cross).eval();
   const Eigen::MatrixXd block = reset * attached.block * reset.transpose();
@@ -408,12 +374,6 @@ void ErrorStateFilter<N>::moveFrame(const FrameMove& move) {
                      by_move * move.sigma.cwiseAbs2().asDiagonal() * by_move.transpose());
 }
 
-template struct detail::Correction<kCoreSize, 1>;
-template struct detail::Correction<kCoreSize, 3>;
-template struct detail::Correction<kCoreSize, 6>;
-template struct detail::Correction<kFullSize, 1>;
-template struct detail::Correction<kFullSize, 3>;
-template struct detail::Correction<kFullSize, 6>;
 template class ErrorStateFilter<kCoreSize>;
 template class ErrorStateFilter<kFullSize>;
 

@@ -1,14 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
-#include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "core/linear_algebra.h"
 #include "core/uncertain_pose.h"
+#include "localization/covariance_kernels.h"
 #include "localization/frame_move.h"
 #include "localization/navigation_state.h"
+#include "localization/padded_matrix.h"
 
 namespace fathom {
 
@@ -55,8 +56,9 @@ class ErrorStateFilter {
   using Matrix = Eigen::Matrix<double, N, N>;
 
   NavigationState<double> x;
-  Matrix P = Matrix::Identity();
+  PaddedMatrix<N> P = Matrix::Identity();
   AttachedPoses attached{N};  ///< costs nothing where there is none
+  const CovarianceKernels<N>* kernels = &fastestKernels<N>();
 
   void predict(double dt_s, const ProcessNoise& noise);
 
@@ -85,8 +87,11 @@ class ErrorStateFilter {
   };
 
   /// Normalized innovation squared r^T S^-1 r. Fuses when it is at most `gate`.
-  /// Joseph form (Bucy & Joseph 1968), expanded as P' = A - (A H^T - K R) K^T with A = P - K (P H^T)^T: the
-  /// same stabilized result in O(N² M), symmetric to the last bit.
+  ///
+  /// P' = P - W D^-1 W^T, where S = L D L^T and W = P H^T L^-T: the same as P - K S K^T, in O(N² M) and
+  /// symmetric to the last bit. It loses digits in the ratio of what a component of the reading is known to
+  /// before and after; where that is large, as of a precise reading of a state that nothing is known of, the
+  /// Joseph form (Bucy & Joseph 1968) is computed instead, which stays positive definite.
   template <class AnyMeasurement>
   double update(const AnyMeasurement& m, double gate = std::numeric_limits<double>::infinity());
 
@@ -117,196 +122,69 @@ class ErrorStateFilter {
 
  private:
   void step(double dt_s, const ProcessNoise& noise);
+  template <class AnyMeasurement>
+  void fillBorder(const AnyMeasurement& m, Border<N>& border) const;
+  /// H against all states.
+  template <class AnyMeasurement>
+  Eigen::MatrixXd wholeH(const AnyMeasurement& m) const;
+  /// What an update of the motion does to the attached poses, before P is changed: Joseph form, too.
+  void carryAttached(const Eigen::VectorXd& residual, const Eigen::MatrixXd& H, const Eigen::MatrixXd& R);
   /// Joseph form as printed, over all states.
   double updateWhole(const Eigen::VectorXd& residual, const Eigen::MatrixXd& H, const Eigen::MatrixXd& R,
                      double gate);
   int attachedRow(int index) const { return N + 6 * index; }
-  /// Moves the state by delta; P comes with its lower triangle only and is whole after.
-  void correctFromLower(const Vector& delta);
+  /// P - W D^-1 W^T, and the state moved by the correction that comes with it.
+  void correct(const Border<N>& border);
 };
 
 // ---------------------------------------------------------------------------------------------------------------
 
-namespace detail {
-
-/// What an update of the motion (H against the listed columns; P H^T and gain of the motion's rows) does to
-/// the attached poses. Same formula, same resets.
-void carryAttached(AttachedPoses& attached, const MatrixView& H, const int* columns, const MatrixView& R,
-                   const MatrixView& S, const MatrixView& PHt, const MatrixView& gain,
-                   const Eigen::Ref<const Eigen::VectorXd>& residual);
-
-// Products written as sums of columns: the compiler turns them into straight vector code, where Eigen would
-// pack the matrices for its large-product kernel.
-
-/// Calls `f.template operator()<j>()` for j = 0 … N-1.
-template <int N, class F>
-void unrolled(F&& f) {
-  [&]<int... j>(std::integer_sequence<int, j...>) { (f.template operator()<j>(), ...); }
-  (std::make_integer_sequence<int, N>());
-}
-
-/// P H^T, for H against the listed columns.
-template <int N, int M>
-Eigen::Matrix<double, N, M> timesTransposed(const Eigen::Matrix<double, N, N>& P, const StateColumns& columns,
-                                            const Eigen::Matrix<double, M, StateColumns::kMost>& H) {
-  Eigen::Matrix<double, N, M> product = P.col(columns.list[0]) * H.col(0).transpose();
-  for (int k = 1; k < columns.count; ++k) {
-    const auto column = P.col(columns.list[static_cast<std::size_t>(k)]);
-    for (int i = 0; i < M; ++i) product.col(i) += column * H(i, k);
-  }
-  return product;
-}
-
-/// The upper triangle becomes the lower one's mirror image.
-template <int N>
-void mirrorLower(Eigen::Matrix<double, N, N>& P) {
-  for (int j = 0; j < N; ++j)
-    for (int i = j + 1; i < N; ++i) P(j, i) = P(i, j);
-}
-
-/// P -= A B^T in the lower triangle; what is above it is left undefined.
-template <int N, int M>
-void subtractLower(Eigen::Matrix<double, N, N>& P, const Eigen::Matrix<double, N, M>& A,
-                   const Eigen::Matrix<double, N, M>& B) {
-  constexpr int kBlock = 4;
-  unrolled<(N + kBlock - 1) / kBlock>([&]<int block>() {
-    constexpr int kFirst = block * kBlock, kRows = N - kFirst;
-    for (int j = kFirst; j < std::min(kFirst + kBlock, N); ++j) {
-      Eigen::Matrix<double, kRows, 1> below = P.col(j).template tail<kRows>();
-      for (int i = 0; i < M; ++i) below -= A.col(i).template segment<kRows>(kFirst) * B(j, i);
-      P.col(j).template tail<kRows>() = below;
-    }
-  });
-}
-
-/// S = L D L^T, L unit lower triangular: the Cholesky factorization without square roots.
-template <int M>
-struct Factors {
-  Eigen::Matrix<double, M, M> L;           ///< below the diagonal
-  Eigen::Matrix<double, M, 1> reciprocal;  ///< 1 / D
-  bool positive = true;
-
-  explicit Factors(const Eigen::Matrix<double, M, M>& S) : L(S) {
-    unrolled<M>([&]<int j>() {
-      positive = positive && L(j, j) > 0.0;
-      reciprocal[j] = 1.0 / L(j, j);
-      if constexpr (j + 1 < M) {
-        constexpr int kRest = M - j - 1;
-        const Eigen::Matrix<double, kRest, 1> column = L.col(j).template tail<kRest>();
-        L.col(j).template tail<kRest>() *= reciprocal[j];
-        for (int k = 0; k < kRest; ++k) L.col(j + 1 + k).template tail<kRest>() -= column * L(j + 1 + k, j);
-      }
-    });
-  }
-};
-
-/// X S^-1, in place: forward, then backward substitution over whole columns.
-template <int N, int M>
-void solveInPlace(const Factors<M>& S, Eigen::Matrix<double, N, M>& X) {
-  for (int j = 1; j < M; ++j)
-    for (int k = 0; k < j; ++k) X.col(j) -= X.col(k) * S.L(j, k);
-  X *= S.reciprocal.asDiagonal();
-  for (int j = M - 2; j >= 0; --j)
-    for (int k = j + 1; k < M; ++k) X.col(j) -= X.col(k) * S.L(k, j);
-}
-
-/// An update of N states by M residuals, as far as it does not matter which columns H has: compiled once for
-/// each size.
-template <int N, int M>
-struct Correction {
-  Eigen::Matrix<double, N, M> PHt;
-  Eigen::Matrix<double, M, M> S;
-  Eigen::Matrix<double, N, M> gain;  ///< K
-  double nis = 0;
-  bool positive = false;
-
-  /// The residual rides along as one more row: one solve gives gain and NIS.
-  void solve(const Eigen::Matrix<double, M, 1>& residual);
-  /// P becomes A = P - K (P H^T)^T.
-  void reduce(Eigen::Matrix<double, N, N>& P) const;
-  /// A becomes A - (A H^T - K R) K^T in its lower triangle.
-  void stabilize(Eigen::Matrix<double, N, N>& A, const Eigen::Matrix<double, N, M>& AHt,
-                 const Eigen::Matrix<double, M, M>& R) const;
-};
-
-template <int N, int M>
-void Correction<N, M>::solve(const Eigen::Matrix<double, M, 1>& residual) {
-  Eigen::Matrix<double, N + 1, M> gain_and_weighted;
-  gain_and_weighted << PHt, residual.transpose();
-  const Factors<M> factors(S);
-  solveInPlace(factors, gain_and_weighted);
-  gain = gain_and_weighted.template topRows<N>();
-  nis = gain_and_weighted.row(N).dot(residual);
-  positive = factors.positive;
-}
-
-template <int N, int M>
-void Correction<N, M>::reduce(Eigen::Matrix<double, N, N>& P) const {
-  subtractLower(P, gain, PHt);
-  mirrorLower(P);
-}
-
-template <int N, int M>
-void Correction<N, M>::stabilize(Eigen::Matrix<double, N, N>& A, const Eigen::Matrix<double, N, M>& AHt,
-                                 const Eigen::Matrix<double, M, M>& R) const {
-  Eigen::Matrix<double, N, M> excess = AHt;  // zero but for rounding
-  for (int i = 0; i < M; ++i)
-    for (int k = 0; k < M; ++k)  // R is mostly diagonal
-      if (R(k, i) != 0.0) excess.col(i) -= gain.col(k) * R(k, i);
-  subtractLower(A, excess, gain);
-}
-
-extern template struct Correction<kCoreSize, 1>;
-extern template struct Correction<kCoreSize, 3>;
-extern template struct Correction<kCoreSize, 6>;
-extern template struct Correction<kFullSize, 1>;
-extern template struct Correction<kFullSize, 3>;
-extern template struct Correction<kFullSize, 6>;
-
-}  // namespace detail
-
 template <int N>
 template <class AnyMeasurement>
 double ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
+  Border<N> border;
+  fillBorder(m, border);
+  if (!border.isModest(m.R.diagonal()) || !kernels->eliminate(border))
+    return updateWhole(m.residual, wholeH(m), m.R, gate);
+  const double nis = border.nis();
+  if (!(nis <= gate)) return nis;
+  if (!attached.T_odom.empty()) carryAttached(m.residual, wholeH(m), m.R);
+  correct(border);
+  return nis;
+}
+
+template <int N>
+template <class AnyMeasurement>
+void ErrorStateFilter<N>::fillBorder(const AnyMeasurement& m, Border<N>& border) const {
   constexpr int M = decltype(m.residual)::RowsAtCompileTime;
   constexpr bool kSelects = !requires { m.H; };
   const auto column = [&m](int k) { return m.columns.list[static_cast<std::size_t>(k)]; };
-  const auto timesHTransposed = [&] {
-    if constexpr (kSelects) {
-      Eigen::Matrix<double, N, M> product;
-      for (int k = 0; k < M; ++k) product.col(k) = P.col(column(k));
-      return product;
-    } else {
-      return detail::timesTransposed<N, M>(P, m.columns, m.H);
-    }
-  };
-
-  detail::Correction<N, M> correction;
-  correction.PHt = timesHTransposed();
-  correction.S = m.R;
-  if constexpr (kSelects) {
-    for (int k = 0; k < M; ++k) correction.S.row(k) += correction.PHt.row(column(k));
-  } else {
-    for (int k = 0; k < m.columns.count; ++k)
-      for (int i = 0; i < M; ++i) correction.S.col(i) += m.H.col(k) * correction.PHt(column(k), i);
-  }
-  correction.solve(m.residual);
-  if (!correction.positive || !(correction.nis <= gate)) return correction.nis;
-
-  if (!attached.T_odom.empty()) {
-    const Eigen::MatrixXd H = [&] {
+  border.begin(M);
+  if constexpr (!kSelects) kernels->project(P.padded(), m.columns, m.H.data(), border);
+  for (int j = 0; j < M; ++j) {
+    double* const PHt = border.column(j);
+    double* const S = border.columnOfS(j);
+    if constexpr (kSelects) std::copy_n(P.padded() + column(j) * (N + 1), N, PHt);
+    for (int i = j; i < M; ++i) {
+      S[i] = m.R(i, j);
       if constexpr (kSelects)
-        return Eigen::MatrixXd::Identity(M, M);
+        S[i] += PHt[column(i)];
       else
-        return Eigen::MatrixXd(m.H.leftCols(m.columns.count));
-    }();
-    detail::carryAttached(attached, H, m.columns.list.data(), m.R, correction.S, correction.PHt,
-                          correction.gain, m.residual);
+        for (int k = 0; k < m.columns.count; ++k) S[i] += m.H(i, k) * PHt[column(k)];
+    }
+    PHt[N] = m.residual[j];
   }
-  correction.reduce(P);
-  correction.stabilize(P, timesHTransposed(), m.R);
-  correctFromLower(correction.gain * m.residual);
-  return correction.nis;
+}
+
+template <int N>
+template <class AnyMeasurement>
+Eigen::MatrixXd ErrorStateFilter<N>::wholeH(const AnyMeasurement& m) const {
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(m.residual.size(), N + attached.block.rows());
+  if constexpr (requires { m.H; })
+    for (int k = 0; k < m.columns.count; ++k) H.col(m.columns.list[static_cast<std::size_t>(k)]) = m.H.col(k);
+  else
+    for (int k = 0; k < m.columns.size; ++k) H(k, m.columns.list[static_cast<std::size_t>(k)]) = 1.0;
+  return H;
 }
 
 extern template class ErrorStateFilter<kCoreSize>;

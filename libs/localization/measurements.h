@@ -31,18 +31,19 @@ typename ErrorStateFilter<N>::template Measurement<M> measure(const NavigationSt
 /// coordinates count; R is its covariance, for the orientation in the tangent space at z. Moved to the
 /// tangent space at x, by the left Jacobian of the residual (which leaves the residual itself alone), the
 /// Jacobian becomes exactly the identity.
-template <int N, int... I>
+template <int N, int... I, class Covariance>
 auto directMeasurement(const NavigationState<double>& x, const NavigationState<double>& z,
-                       const Eigen::Matrix<double, sizeof...(I), sizeof...(I)>& R) {
+                       const Eigen::MatrixBase<Covariance>& R) {
   using Cols = Columns<I...>;
   typename ErrorStateFilter<N>::template Selection<Cols> m;
-  const Eigen::Matrix<double, N, 1> all = difference<N>(z, x);
+  const Eigen::Matrix<double, N, 1> all = vectorDifference<N>(z, x);
   for (int k = 0; k < Cols::size; ++k) m.residual[k] = all[Cols::list[static_cast<std::size_t>(k)]];
   m.R = R;
   constexpr int k = Cols::find(kOrientation);
   if constexpr (k >= 0) {
     static_assert(Cols::find(kOrientation + 1) == k + 1 && Cols::find(kOrientation + 2) == k + 2);
-    const Vector3d r = m.residual.template segment<3>(k);
+    const Vector3d r = attitudeDifference(z, x);
+    m.residual.template segment<3>(k) = r;
     const Matrix3d J = rightJacobianSO3<double>(-r);  // the left Jacobian at r
     m.R.template middleRows<3>(k) = (J * m.R.template middleRows<3>(k)).eval();
     m.R.template middleCols<3>(k) = (m.R.template middleCols<3>(k) * J.transpose()).eval();
@@ -58,15 +59,5 @@ auto poseMeasurement(const NavigationState<double>& x, const UncertainPose& T_od
   z.motion.R_odom_robot = T_odom_robot.pose.rotation;
   return directMeasurement<N, 0, 1, 2, 3, 4, 5>(x, z, T_odom_robot.covariance);
 }
-
-// Updates are unrolled: long to compile, so done once, in measurements.cpp.
-extern template double ErrorStateFilter<kCoreSize>::update(const Measurement<1>&, double);
-extern template double ErrorStateFilter<kCoreSize>::update(const Measurement<3>&, double);
-extern template double ErrorStateFilter<kCoreSize>::update(const Selection<Columns<0, 1, 2, 3, 4, 5>>&,
-                                                           double);
-extern template double ErrorStateFilter<kFullSize>::update(const Measurement<1>&, double);
-extern template double ErrorStateFilter<kFullSize>::update(const Measurement<3>&, double);
-extern template double ErrorStateFilter<kFullSize>::update(const Selection<Columns<0, 1, 2, 3, 4, 5>>&,
-                                                           double);
 
 }  // namespace fathom

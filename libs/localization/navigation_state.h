@@ -41,11 +41,11 @@ struct NavigationState {
   T sea_floor_z_m = T(0);
 };
 
-/// x [+] delta. N is 15 or 23; further blocks are left alone.
+/// x [+] delta, with the Exp of its orientation. N is 15 or 23; further blocks are left alone.
 template <int N>
-void retract(NavigationState<double>& x, const Eigen::Matrix<double, N, 1>& delta) {
+void retract(NavigationState<double>& x, const Eigen::Matrix<double, N, 1>& delta, const Matrix3d& rotation) {
   x.motion.position_odom += delta.template segment<3>(kPosition);
-  x.motion.R_odom_robot = x.motion.R_odom_robot * expSO3<double>(delta.template segment<3>(kOrientation));
+  x.motion.R_odom_robot = x.motion.R_odom_robot * rotation;
   x.motion.velocity_robot += delta.template segment<3>(kVelocity);
   x.motion.angular_velocity_robot += delta.template segment<3>(kAngularVelocity);
   x.motion.acceleration_robot += delta.template segment<3>(kAcceleration);
@@ -57,13 +57,24 @@ void retract(NavigationState<double>& x, const Eigen::Matrix<double, N, 1>& delt
   }
 }
 
-/// a [-] b: the delta for which b [+] delta = a.
+/// x [+] delta.
 template <int N>
-Eigen::Matrix<double, N, 1> difference(const NavigationState<double>& a, const NavigationState<double>& b) {
+void retract(NavigationState<double>& x, const Eigen::Matrix<double, N, 1>& delta) {
+  retract<N>(x, delta, expSO3<double>(delta.template segment<3>(kOrientation)));
+}
+
+/// The rotation vector that turns b's attitude into a's: Log(R_b^T R_a).
+inline Vector3d attitudeDifference(const NavigationState<double>& a, const NavigationState<double>& b) {
+  return logSO3<double>(b.motion.R_odom_robot.transpose() * a.motion.R_odom_robot);
+}
+
+/// a [-] b but for the orientation, which is left zero.
+template <int N>
+Eigen::Matrix<double, N, 1> vectorDifference(const NavigationState<double>& a,
+                                             const NavigationState<double>& b) {
   Eigen::Matrix<double, N, 1> delta;
   delta.template segment<3>(kPosition) = a.motion.position_odom - b.motion.position_odom;
-  delta.template segment<3>(kOrientation) =
-      logSO3<double>(b.motion.R_odom_robot.transpose() * a.motion.R_odom_robot);
+  delta.template segment<3>(kOrientation).setZero();
   delta.template segment<3>(kVelocity) = a.motion.velocity_robot - b.motion.velocity_robot;
   delta.template segment<3>(kAngularVelocity) =
       a.motion.angular_velocity_robot - b.motion.angular_velocity_robot;
@@ -74,6 +85,14 @@ Eigen::Matrix<double, N, 1> difference(const NavigationState<double>& a, const N
     delta[kPressureOffset] = a.pressure_offset_pa - b.pressure_offset_pa;
     delta[kSeaFloor] = a.sea_floor_z_m - b.sea_floor_z_m;
   }
+  return delta;
+}
+
+/// a [-] b: the delta for which b [+] delta = a.
+template <int N>
+Eigen::Matrix<double, N, 1> difference(const NavigationState<double>& a, const NavigationState<double>& b) {
+  Eigen::Matrix<double, N, 1> delta = vectorDifference<N>(a, b);
+  delta.template segment<3>(kOrientation) = attitudeDifference(a, b);
   return delta;
 }
 
@@ -109,6 +128,26 @@ struct StateColumns {
   }
 };
 
+/// The motion's k-th derivatives become those by an error coordinate of it, at zero error, times `factor`.
+template <int Size>
+void seed(KinematicState<ceres::Jet<double, Size>>& motion, const Matrix3d& R_odom_robot, int column, int k,
+          double factor = 1.0) {
+  const int axis = column % 3;
+  if (column / 3 * 3 == kOrientation) {
+    // R [e]x for the axis's unit vector e.
+    const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+    for (int i = 0; i < 3; ++i) {
+      motion.R_odom_robot(i, next).v[k] = factor * R_odom_robot(i, last);
+      motion.R_odom_robot(i, last).v[k] = -factor * R_odom_robot(i, next);
+    }
+  } else {
+    const std::array vectors{&motion.position_odom, &motion.position_odom, &motion.velocity_robot,
+                             &motion.angular_velocity_robot,
+                             &motion.acceleration_robot};  // by block; the orientation is dealt with above
+    (*vectors[static_cast<std::size_t>(column / 3)])[axis].v[k] = factor;
+  }
+}
+
 /// The state with derivatives against the chosen error coordinates, at zero error: the k-th of a Jet's is by
 /// the k-th column.
 template <int Size>
@@ -124,37 +163,35 @@ NavigationState<ceres::Jet<double, Size>> lift(const NavigationState<double>& x,
   y.pressure_offset_pa = Jet(x.pressure_offset_pa);
   y.sea_floor_z_m = Jet(x.sea_floor_z_m);
   for (int k = 0; k < columns.count; ++k) {
-    const int index = columns.list[static_cast<std::size_t>(k)], axis = index % 3;
-    if (index == kPressureOffset) {
-      y.pressure_offset_pa.v[k] = 1.0;
-    } else if (index == kSeaFloor) {
-      y.sea_floor_z_m.v[k] = 1.0;
-    } else if (index / 3 * 3 == kOrientation) {
-      const Matrix3d slope = x.motion.R_odom_robot * crossMatrix<double>(Vector3d::Unit(axis));
-      for (int i = 0; i < 9; ++i) y.motion.R_odom_robot(i).v[k] = slope(i);
-    } else {
-      const std::array vectors{&y.motion.position_odom,      &y.motion.position_odom,
-                               &y.motion.velocity_robot,     &y.motion.angular_velocity_robot,
-                               &y.motion.acceleration_robot, &y.gyro_bias_rad_s,
-                               &y.accelerometer_bias_m_s2};  // by block; the orientation is dealt with above
-      (*vectors[static_cast<std::size_t>(index / 3)])[axis].v[k] = 1.0;
-    }
+    const int column = columns.list[static_cast<std::size_t>(k)];
+    if (column < kCoreSize)
+      seed(y.motion, x.motion.R_odom_robot, column, k);
+    else if (column < kAccelerometerBias)
+      y.gyro_bias_rad_s[column - kGyroBias].v[k] = 1.0;
+    else if (column < kPressureOffset)
+      y.accelerometer_bias_m_s2[column - kAccelerometerBias].v[k] = 1.0;
+    else
+      (column == kPressureOffset ? y.pressure_offset_pa : y.sea_floor_z_m).v[k] = 1.0;
   }
   return y;
 }
 
-/// The calibration's effects at one time on one instance of an instrument, with the filter's bias states
-/// added where they act: a bias is the effect of its name, whether it was calibrated, simulated or is being
-/// estimated. The states are of the first instance.
+/// Adds the filter's bias states where they act: a bias is the effect of its name, whether it was calibrated,
+/// simulated or is being estimated. They are of the first instance of an instrument.
 template <class T>
-EffectParameters<T> effectsOf(const NavigationState<T>& x, const EffectParameters<double>& calibration,
-                              double t_s, const Instance& instance) {
-  auto effects = calibration.template at<T>(t_s, instance);
-  if (!instance.isFirst()) return effects;
-  effects.template add<GyroBias>({x.gyro_bias_rad_s[0], x.gyro_bias_rad_s[1], x.gyro_bias_rad_s[2]});
-  effects.template add<AccelerometerBias>(
-      {x.accelerometer_bias_m_s2[0], x.accelerometer_bias_m_s2[1], x.accelerometer_bias_m_s2[2]});
-  effects.template add<PressureOffset>({x.pressure_offset_pa});
+void addBiases(const NavigationState<double>& x, EffectParameters<T>& effects) {
+  const Vector3d &gyro = x.gyro_bias_rad_s, &accelerometer = x.accelerometer_bias_m_s2;
+  effects.template add<GyroBias>({T(gyro[0]), T(gyro[1]), T(gyro[2])});
+  effects.template add<AccelerometerBias>({T(accelerometer[0]), T(accelerometer[1]), T(accelerometer[2])});
+  effects.template add<PressureOffset>({T(x.pressure_offset_pa)});
+}
+
+/// The calibration's effects at one time on one instance of an instrument, and the bias states.
+inline EffectParameters<double> effectsOf(const NavigationState<double>& x,
+                                          const EffectParameters<double>& calibration, double t_s,
+                                          const Instance& instance) {
+  auto effects = calibration.at<double>(t_s, instance);
+  if (instance.isFirst()) addBiases(x, effects);
   return effects;
 }
 

@@ -31,7 +31,8 @@ template <int N, class F>
 auto withMeasurement(const NavigationState<double>& x, const EkfLine& line, F&& f) {
   const auto make = [&]<int... I>(Columns<I...>) {
     constexpr int M = sizeof...(I);
-    return f(directMeasurement<N, I...>(x, line.z, Eigen::Matrix<double, M, M>(line.R)));
+    return f(
+        directMeasurement<N, I...>(x, line.z, Eigen::Map<const Eigen::Matrix<double, M, M>>(line.R.data())));
   };
   const auto& index = line.index;
   if (index.size() == 9) return make(Columns<3, 4, 5, 9, 10, 11, 12, 13, 14>{});

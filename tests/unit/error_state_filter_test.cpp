@@ -4,6 +4,7 @@
 
 #include "core/linear_algebra.h"
 #include "localization/measurements.h"
+#include "support/ill_conditioned.h"
 #include "support/observed.h"
 #include "support/random_state.h"
 #include "support/textbook_filter.h"
@@ -26,6 +27,12 @@ ProcessNoise someNoise() {
   return noise;
 }
 
+std::vector<Instructions> instructionsHere() {
+  std::vector<Instructions> all{Instructions::base};
+  if (processorHas(Instructions::wide)) all.push_back(Instructions::wide);
+  return all;
+}
+
 template <class T>
 class FilterSizes : public testing::Test {};
 using Sizes = testing::Types<std::integral_constant<int, kCoreSize>, std::integral_constant<int, kFullSize>>;
@@ -38,6 +45,8 @@ TYPED_TEST(FilterSizes, EqualsTheTextbook) {
   const ProcessNoise noise = someNoise();
   for (int run = 0; run < 20; ++run) {
     ErrorStateFilter<N> ours;
+    ours.kernels =
+        &covarianceKernels<N>(instructionsHere()[static_cast<std::size_t>(run) % instructionsHere().size()]);
     TextbookFilter<N> textbook;
     ours.x = textbook.x = randomState(random);
     ours.P = randomCovariance<N>(random, 0.01);
@@ -84,6 +93,40 @@ TYPED_TEST(FilterSizes, StaysPositiveDefiniteUnderExtremeInformation) {
     ASSERT_EQ(filter.P, filter.P.transpose());
     ASSERT_GT(eigenOf(filter.P).values.minCoeff(), 0.0) << "after update " << k;
   }
+}
+
+TYPED_TEST(FilterSizes, StaysPositiveDefiniteForLong) {
+  for (const Instructions instructions : instructionsHere()) {
+    test::IllConditionedRun<TypeParam::value> run(instructions);
+    for (int k = 0; k < 20000; ++k) {
+      run.step();
+      if (k % 7 != 0) continue;
+      ASSERT_TRUE(run.isSymmetric()) << "after step " << k;
+      ASSERT_GT(run.leastEigenvalue(), 0.0) << "after step " << k;
+    }
+  }
+}
+
+// One filter on each set of instructions, which round differently: no more than that.
+TYPED_TEST(FilterSizes, InstructionsDifferByRounding) {
+  constexpr int N = TypeParam::value;
+  if (!processorHas(Instructions::wide)) GTEST_SKIP() << "the processor has no AVX2";
+  Random random(7);
+  ErrorStateFilter<N> base, wide;
+  base.kernels = &covarianceKernels<N>(Instructions::base);
+  wide.kernels = &covarianceKernels<N>(Instructions::wide);
+  base.x = wide.x = randomState(random);
+  base.P = wide.P = randomCovariance<N>(random, 0.01);
+  const MeasurementContext context{&test::fullVehicle(), {}};
+  for (int k = 0; k < 200; ++k) {
+    const auto seen = Observation::vector(random.normal3(), Vector3d::Constant(0.3), randomPose(random));
+    for (auto* filter : {&base, &wide}) {
+      filter->predict(0.02, someNoise());
+      filter->update(test::measured<N, Gyro>(filter->x, seen, context));
+    }
+  }
+  EXPECT_LT((difference<N>(base.x, wide.x)).norm(), 1e-11);
+  EXPECT_LT((base.P - wide.P).norm(), 1e-11 * base.P.norm());
 }
 
 TYPED_TEST(FilterSizes, GatedReadingChangesNothing) {
