@@ -63,11 +63,10 @@ class Fuser {
     for (const Channel channel : setup.options.fuse) fused_.set(indexOf(channel));
   }
 
-  void fuse(GatedFilter<N>& state, const Sample& sample, double t_s, FusionLog& log) const {
+  void fuse(GatedFilter<N>& state, const Sample& sample, double t_s, FusionLog& log) {
     ErrorStateFilter<N>& filter = state.filter;
     if (state.frame.defined().any() && meetFrame(state, sample, t_s, log)) return;
-    MeasurementContext context = context_;
-    context.t_s = secondsBetween(setup_.time_zero, sample.time);
+    context_.t_s = secondsBetween(setup_.time_zero, sample.time);
     const auto update = [&](Channel channel, const auto& m) {
       constexpr int M = std::remove_cvref_t<decltype(m.residual)>::RowsAtCompileTime;
       Rejections& rejected = state.rejected[indexOf(channel)];
@@ -82,7 +81,7 @@ class Fuser {
     };
     forEachObservation(sample, setup_.vehicle, [&]<class C>(const Observation& seen) {
       if (isTold<C>())
-        update(kChannel<C>, measure<N, C::channel.component_count>(filter.x, kChannel<C>, seen, context));
+        update(kChannel<C>, measure<N, C::channel.component_count>(filter.x, kChannel<C>, seen, context_));
     });
     if (!uses(kChannel<Landmark>)) return;
     if (const auto* pose = std::get_if<PoseSample>(&sample.reading);

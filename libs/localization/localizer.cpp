@@ -14,7 +14,7 @@ namespace fathom {
 namespace {
 
 bool isFusible(const Sample& sample, LandmarkOptions::Form form) {
-  if (baseOf(sample.label) == labels::kMarkers && std::holds_alternative<PoseSample>(sample.reading))
+  if (std::holds_alternative<PoseSample>(sample.reading) && baseOf(sample.label) == labels::kMarkers)
     return form == LandmarkOptions::Form::mean;
   if (std::holds_alternative<PanelSample>(sample.reading)) return form == LandmarkOptions::Form::joint;
   return isOfInstrument(sample);
@@ -172,7 +172,7 @@ class Localizer::RunOf : public Run {
                                    agreed->by->by.c_str(), agreed->agreeing, agreed->of);
   }
 
-  std::vector<ReckonedFix> reckonedFixes() const {
+  std::vector<ReckonedFix> reckonedFixes() {
     Entry now = *before_;
     std::vector<const Sample*> by_time;
     for (const Sample& sample : waiting_) by_time.push_back(&sample);
@@ -195,9 +195,10 @@ class Localizer::RunOf : public Run {
              sample.label + print(" is %.3f s older than the history reaches; left out", before_->t_s - t_s));
       return;
     }
-    const auto later =
-        std::upper_bound(entries_.begin(), entries_.end(), t_s,
-                         [](double t, const std::unique_ptr<Entry>& entry) { return t < entry->t_s; });
+    // Few are late, and those a little.
+    const auto later = std::find_if(entries_.rbegin(), entries_.rend(), [t_s](const auto& entry) {
+                         return entry->t_s <= t_s;
+                       }).base();
     if (later != entries_.end()) ++summary_.late_fused;
     auto position = entries_.insert(later, unusedEntry());
     (*position)->t_s = t_s;
@@ -215,7 +216,7 @@ class Localizer::RunOf : public Run {
     return entry;
   }
 
-  void process(const Entry& last, Entry& entry) const {
+  void process(const Entry& last, Entry& entry) {
     entry.after = last.after;
     if (entry.t_s > last.t_s) entry.after.filter.predict(entry.t_s - last.t_s, noise_);
     entry.log.clear();

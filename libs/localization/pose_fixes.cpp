@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "localization/seen.h"
+#include "recording/instrument_entries.h"
 
 namespace fathom {
 namespace {
@@ -25,13 +26,28 @@ void addPanels(const LocalizationSetup& setup, const PanelSample& sample, double
   }
 }
 
+bool tellsPose(ChannelText::Start start) {
+  return start == ChannelText::Start::position || start == ChannelText::Start::height;
+}
+
+/// Most readings do not, and are many.
+bool tellsPose(const Sample& sample) {
+  bool tells = false;
+  withInstrument(sample, [&]<class Instrument>(const auto&, const Instance&) {
+    [&]<class... Channels>(std::tuple<Channels...>*) {
+      tells = (tellsPose(Channels::channel.start) || ...);
+    }(static_cast<typename Instrument::Channels*>(nullptr));
+  });
+  return tells;
+}
+
 /// The filter's own pose where the reading tells nothing.
 void addReadings(const LocalizationSetup& setup, const Sample& sample, double t_s,
                  const KinematicState<double>& state, std::vector<PoseFix>& fixes) {
   constexpr double kHeight_m = 0.1;  // a pressure's: the air's, which changes by that much
   forEachSeen(setup, {sample}, state, [&](const Seen& seen) {
     const auto start = textOf(seen.channel).start;
-    if (start != ChannelText::Start::position && start != ChannelText::Start::height) return;
+    if (!tellsPose(start)) return;
     UncertainPose T_odom_robot{{state.R_odom_robot, state.position_odom}};
     const bool whole = start == ChannelText::Start::position;
     const Vector3d position =
@@ -65,7 +81,7 @@ std::vector<PoseFix> poseFixes(const LocalizationSetup& setup, const Sample& sam
   else if (const auto* pose = std::get_if<PoseSample>(&sample.reading);
            pose && baseOf(sample.label) == labels::kMarkers)
     fixes.push_back({t_s, "markers", kChannel<Landmark>, kWholePose, markersPose(setup, *pose)});
-  else
+  else if (tellsPose(sample))
     addReadings(setup, sample, t_s, state, fixes);
   return fixes;
 }
