@@ -1,14 +1,19 @@
 // Predict + update a second of ErrorStateFilter, and of the Localizer around it, beside the same filter
 // written the textbook way, in one run, on the two shared inputs. CPU time, the best of rounds that take
-// turns. Usage: filter_bench [FOLDER with syn_inputs.csv and syn_inputs_split.csv]
+// turns.
+//     filter_bench [FOLDER with syn_inputs.csv and syn_inputs_split.csv]
+// Whether the covariance lasts, 10^7 steps on ill-conditioned readings:
+//     filter_bench --long [STEPS]
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 
 #include "core/chi_square.h"
 #include "localization/alignment.h"
+#include "localization/covariance_arithmetic.h"
 #include "localization/localizer.h"
 #include "support/ekf_inputs.h"
+#include "support/ill_conditioned.h"
 #include "support/textbook_filter.h"
 
 using namespace fathom;
@@ -192,6 +197,67 @@ void printLocalizer(const EkfInputs& inputs) {
       [&] { return filtered<TextbookFilter<15>>(recording.lines, recording.start, true); });
 }
 
+/// Four rows that count what they are multiplied by.
+struct CountedFour {
+  static inline int products = 0;
+  std::array<double, 4> rows;
+
+  friend CountedFour operator*(CountedFour a, double factor) {
+    products += 4;
+    for (double& row : a.rows) row *= factor;
+    return a;
+  }
+  CountedFour& operator+=(const CountedFour& b) {
+    for (std::size_t i = 0; i < 4; ++i) rows[i] += b.rows[i];
+    return *this;
+  }
+  CountedFour& operator-=(const CountedFour& b) {
+    for (std::size_t i = 0; i < 4; ++i) rows[i] -= b.rows[i];
+    return *this;
+  }
+  friend CountedFour operator+(CountedFour a, const CountedFour& b) { return a += b; }
+};
+
+void transpose(CountedFour (&m)[4]) {
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < i; ++j) std::swap(m[i].rows[j], m[j].rows[i]);
+}
+
+/// Multiply-adds of a cycle of the core on covariances: prediction, and an update by so many numbers.
+int multiplyAdds(int size) {
+  PaddedMatrix<15> P = Eigen::Matrix<double, 15, 15>::Identity();
+  const std::array<double, 15> q{};
+  const Matrix3d turn = Matrix3d::Identity();
+  Border<15> border;
+  border.begin(size);
+  for (int k = 0; k < size; ++k) {
+    std::copy_n(P.padded() + 16 * k, 16, border.column(k));
+    border.columnOfS(k)[k] = 2.0;
+  }
+  CountedFour::products = 0;
+  kernels::propagate<CountedFour, 15>(P.padded(), {turn, turn, turn, turn, turn, turn, 0.01}, q.data(), 1.0);
+  kernels::eliminate<CountedFour, 15>(border);
+  kernels::subtract<CountedFour, 15>(P.padded(), border);
+  kernels::turn<CountedFour, 15>(P.padded(), turn);
+  return CountedFour::products;
+}
+
+/// So many steps on readings that are as hard on a covariance as they come.
+int lastLong(long steps) {
+  IllConditionedRun<15> run(processorHas(Instructions::wide) ? Instructions::wide : Instructions::base);
+  double least = 1.0;
+  for (long k = 0; k < steps; ++k) {
+    run.step();
+    if (k % 1000 != 0) continue;
+    least = std::min(least, run.leastEigenvalue());
+    if (run.isSymmetric() && least > 0.0) continue;
+    std::printf("after %ld steps: not symmetric or not positive definite\n", k + 1);
+    return 1;
+  }
+  std::printf("%ld steps: symmetric; least eigenvalue of the correlations %.1e\n", steps, least);
+  return 0;
+}
+
 /// Where the generator leaves its files; empty where it cannot be run.
 std::filesystem::path generated() {
   const auto folder = std::filesystem::temp_directory_path() / "fathom-bench";
@@ -205,6 +271,8 @@ std::filesystem::path generated() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "--long")
+    return lastLong(argc > 2 ? std::atol(argv[2]) : 10'000'000);
   const std::filesystem::path folder = argc > 1 ? argv[1] : generated();
   const auto joint = folder / "syn_inputs.csv", split = folder / "syn_inputs_split.csv";
   if (!std::filesystem::exists(joint) || !std::filesystem::exists(split)) {
@@ -215,5 +283,7 @@ int main(int argc, char** argv) {
   printCore("joint", inputs);
   printCore("split", readEkfInputs(split));
   printLocalizer(inputs);
+  std::printf("multiply-adds of a cycle on covariances, whole fours: %d joint, %d split\n", multiplyAdds(9),
+              multiplyAdds(3));
   return 0;
 }
