@@ -117,9 +117,10 @@ void addCorrect(CLI::App& command, std::vector<std::string>& names) {
 
 void importCsv(CsvOptions options, const RunContext& context) {
   if (options.target.name.empty()) options.target.name = "section" + std::to_string(options.section);
+  options.trial.corrections = correctionsNamed(options.correct);
   const ImportedRecording imported =
       importSeaTrial(seaTrialFiles(options.folder, options.section), options.trial);
-  ImportWriter writer(options.target, imported.header.description, options.correct, {});
+  ImportWriter writer(options.target, imported.header.description, {}, {});
   for (const Sample& sample : imported.samples) writer.write(sample);
   writer.finish(imported, context);
 }

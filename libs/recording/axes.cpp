@@ -38,6 +38,10 @@ void AxesEvidence::add(const Vector3d& expected, const Vector3d& measured) {
   measured_squared_ += measured.cwiseAbs2();
 }
 
+double AxesEvidence::expectedRms() const {
+  return std::sqrt(expected_squared_.sum() / static_cast<double>(std::max<std::size_t>(count_, 1)));
+}
+
 std::vector<AxesScore> AxesEvidence::ranking() const {
   std::vector<AxesScore> scores;
   const double n = static_cast<double>(std::max<std::size_t>(count_, 1));

@@ -34,6 +34,8 @@ class AxesEvidence {
  public:
   void add(const Vector3d& expected, const Vector3d& measured);
   std::size_t count() const { return count_; }
+  /// Of all axes together; zero of nothing.
+  double expectedRms() const;
   /// Residuals expected - axes(measured) are taken as Gaussian with an unknown sigma on each axis:
   /// log likelihood = -N sum ln(RMS). All 48, best first; of equals, the less changed comes first.
   std::vector<AxesScore> ranking() const;

@@ -95,6 +95,7 @@ std::vector<AttitudeHypothesis> rankAttitudes(const AlignedStreams& s) {
     h.gyro_rows = gyro.count();
     h.accelerometer_rows = accelerometer.count();
     h.dvl_rows = dvl.count();
+    h.gyro_told = gyro.expectedRms() / h.gyro[0].residual_rms.norm();
     all.push_back(std::move(h));
   }
   const AttitudeHypothesis published = all[0];
@@ -142,6 +143,19 @@ SignedAxes settleAxes(const std::string& what, const std::vector<AxesScore>& ran
                            compared + ", RMS " + printVector("%.2g", best.residual_rms) + " " + unit +
                                " against " + printVector("%.2g", other.residual_rms)});
   return best.axes;
+}
+
+void settleGyro(const AttitudeHypothesis& best, SeaTrialConventions& c) {
+  const std::string compared = "mean rate between rows, attitude against gyro";
+  if (best.gyro_told >= kDecisiveRatio) {
+    c.gyro = settleAxes("gyro axes", best.gyro, best.gyro_rows, compared, "rad/s", c);
+    return;
+  }
+  c.gyro = c.accelerometer;
+  c.conclusions.push_back(
+      {"gyro axes", "those of the accelerometer, as its rate does not fit the attitude's in any",
+       best.gyro[0].axes.text(), best.gyro_told,
+       compared + ", RMS " + printVector("%.2g", best.gyro[0].residual_rms) + " rad/s at best"});
 }
 
 void concludeImuFrame(SeaTrialConventions& c) {

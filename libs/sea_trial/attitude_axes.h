@@ -16,6 +16,8 @@ struct AttitudeHypothesis {
   /// AxesEvidence::ranking() of each sensor.
   std::vector<AxesScore> gyro, accelerometer, dvl;
   std::size_t gyro_rows = 0, accelerometer_rows = 0, dvl_rows = 0;
+  /// The attitude's rate over what the gyro's leaves of it, RMS: about 1 or less where it fits in no axes.
+  double gyro_told = 0.0;
   double log_likelihood() const {
     return gyro[0].log_likelihood + accelerometer[0].log_likelihood + dvl[0].log_likelihood;
   }
@@ -31,6 +33,10 @@ void settleAttitude(const std::vector<AttitudeHypothesis>& ranked, SeaTrialConve
 /// conclusion that is added.
 SignedAxes settleAxes(const std::string& what, const std::vector<AxesScore>& ranked, std::size_t rows,
                       const std::string& compared, const std::string& unit, SeaTrialConventions& c);
+
+/// The gyro's, likewise; once the accelerometer's are settled, which are the IMU's where the gyro fits in
+/// none.
+void settleGyro(const AttitudeHypothesis& best, SeaTrialConventions& c);
 
 /// Whether gyro and accelerometer, both settled, have the same axes.
 void concludeImuFrame(SeaTrialConventions& c);

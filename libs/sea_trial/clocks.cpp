@@ -1,6 +1,8 @@
 #include "sea_trial/clocks.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "core/text.h"
@@ -14,12 +16,25 @@ struct Alignment {
   double residual_rad = 1e300;
 };
 
-/// The offset at which the angle turned between rows agrees best with the gyro's: angles have no axes.
-Alignment alignTurnedAngles(const SampledSignal& turned_imu, const std::vector<double>& gt_time_s,
-                            const std::vector<Matrix3d>& attitude) {
+/// Turned between one row and the next, rad.
+std::vector<double> turnedAngles(const std::vector<Matrix3d>& attitude) {
   std::vector<double> angle;
   for (std::size_t k = 0; k + 1 < attitude.size(); ++k)
     angle.push_back(angleBetween(attitude[k], attitude[k + 1]));
+  return angle;
+}
+
+/// What a gyro that says nothing leaves: RMS about the mean.
+double variation(const std::vector<double>& values) {
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+  double sum = 0.0;
+  for (const double value : values) sum += std::pow(value - mean, 2);
+  return rootMeanSquare(sum, values.size());
+}
+
+/// The offset at which the angle turned between rows agrees best with the gyro's: angles have no axes.
+Alignment alignTurnedAngles(const SampledSignal& turned_imu, const std::vector<double>& gt_time_s,
+                            const std::vector<double>& angle) {
   const auto residual = [&](double offset) {
     double sum = 0.0;
     std::size_t count = 0;
@@ -44,18 +59,20 @@ Alignment alignTurnedAngles(const SampledSignal& turned_imu, const std::vector<d
 }  // namespace
 
 void settleClocks(const SeaTrialData& data, const SampledSignal& turned_imu, SeaTrialConventions& c) {
-  const auto attitude = attitudesNed(data, Vector3d::Ones());
+  const auto angle = turnedAngles(attitudesNed(data, Vector3d::Ones()));
   const double rows = static_cast<double>(data.gt_time_s.size());
   const double stretch = (rows - 1.0) / rows;
-  const Alignment stamped = alignTurnedAngles(turned_imu, data.gt_time_s, attitude);
-  const Alignment restored = alignTurnedAngles(turned_imu, stretched(data.gt_time_s, stretch), attitude);
+  const Alignment stamped = alignTurnedAngles(turned_imu, data.gt_time_s, angle);
+  const Alignment restored = alignTurnedAngles(turned_imu, stretched(data.gt_time_s, stretch), angle);
   if (stamped.residual_rad == 1e300)
     throw std::invalid_argument("IMU and navigation solution hardly overlap in time");
-  const bool is_stretched = restored.residual_rad * kDecisiveRatio < stamped.residual_rad;
+  const double told = variation(angle) / std::min(stamped.residual_rad, restored.residual_rad);
+  const bool is_told = told >= kDecisiveRatio;
+  const bool is_stretched = is_told && restored.residual_rad * kDecisiveRatio < stamped.residual_rad;
   const Alignment& best = is_stretched ? restored : stamped;
   const Alignment& other = is_stretched ? stamped : restored;
   c.stamp_stretch = is_stretched ? stretch : 1.0;
-  c.imu_offset_s = best.offset_s;
+  c.imu_offset_s = is_told ? best.offset_s : 0.0;
 
   const double step =
       (data.gt_time_s.back() - data.gt_time_s.front()) / (static_cast<double>(data.gt_time_s.size()) - 1.0);
@@ -67,10 +84,15 @@ void settleClocks(const SeaTrialData& data, const SampledSignal& turned_imu, Sea
        print("angle turned between rows, attitude against gyro, each at its best constant offset: RMS %.3g "
              "rad against %.3g rad",
              best.residual_rad, other.residual_rad)});
-  c.conclusions.push_back({"time alignment of navigation solution and IMU",
-                           print("a row stamped t%s fits the IMU at t %+.3f s",
-                                 is_stretched ? " (stretch undone)" : "", best.offset_s),
-                           "", 0.0, "the same comparison; angles do not depend on axes"});
+  const std::string fits = print("a row stamped t%s fits the IMU at t %+.3f s",
+                                 is_stretched ? " (stretch undone)" : "", best.offset_s);
+  const std::string compared = "the same comparison; angles do not depend on axes";
+  if (is_told)
+    c.conclusions.push_back({"time alignment of navigation solution and IMU", fits, "", 0.0, compared});
+  else
+    c.conclusions.push_back({"time alignment of navigation solution and IMU",
+                             "left as stamped, as the gyro does not turn as the solution does", fits, told,
+                             compared + print("; the solution's vary by %.3g rad", variation(angle))});
 }
 
 }  // namespace fathom

@@ -2,12 +2,24 @@
 
 #include <stdexcept>
 
+#include "core/text.h"
 #include "sea_trial/attitude_axes.h"
 #include "sea_trial/clocks.h"
 #include "sea_trial/columns.h"
 #include "sea_trial/remarks.h"
 
 namespace fathom {
+namespace {
+
+/// What is concluded though another answer is as good is no conclusion.
+void doubtLast(SeaTrialConventions& c) {
+  const Conclusion& last = c.conclusions.back();
+  if (last.runner_up.empty() || last.residual_ratio >= kDecisiveRatio) return;
+  c.doubts.push_back(last.what + print(": not told (residual ratio %.3g): ", last.residual_ratio) +
+                     last.concluded + "; or else " + last.runner_up);
+}
+
+}  // namespace
 
 SeaTrialConventions establishConventions(const SeaTrialData& data) {
   if (data.gt_time_s.size() < 10 || data.dvl_time_s.size() < 10 || data.imu_time_s.size() < 10)
@@ -16,20 +28,24 @@ SeaTrialConventions establishConventions(const SeaTrialData& data) {
   settlePositionColumns(data, c);
   settleAltitude(data, c);
   settleClocks(data, SampledSignal(data.imu_time_s, data.rate_imu).integral(), c);
+  doubtLast(c);
 
   const AlignedStreams streams(data, c);
   const auto ranked = rankAttitudes(streams);
   const AttitudeHypothesis& best = ranked[0];
   if (best.dvl_rows == 0) throw std::invalid_argument("DVL and navigation solution hardly overlap in time");
   settleAttitude(ranked, c);
-  c.gyro = settleAxes("gyro axes", best.gyro, best.gyro_rows, "mean rate between rows, attitude against gyro",
-                      "rad/s", c);
+  doubtLast(c);
   c.accelerometer =
       settleAxes("accelerometer axes (specific force)", best.accelerometer, best.accelerometer_rows,
                  "change of velocity less gravity, in the body, against accelerometer", "m/s2", c);
+  doubtLast(c);
+  settleGyro(best, c);
+  doubtLast(c);
   concludeImuFrame(c);
   c.dvl = settleAxes("DVL axes", best.dvl, best.dvl_rows,
                      "velocity north, east, down turned into the body, against DVL", "m/s", c);
+  doubtLast(c);
   settleReferencePoint(streams, c);
   reportDvl(streams, c);
   reportEarthRate(streams, c);

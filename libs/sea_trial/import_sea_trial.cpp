@@ -12,11 +12,13 @@
 #include "core/text.h"
 #include "recording/csv.h"
 #include "sea_trial/conventions.h"
+#include "sea_trial/corrected_tables.h"
 
 namespace fathom {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr double kTurned_deg = 15;  ///< a DVL is, beyond what mountings are off
 
 /// As PD0 writes "no bottom lock", and tables of it in m/s; or nothing at all.
 bool isWithoutLock(const Vector3d& velocity) {
@@ -103,8 +105,11 @@ std::string vehicleYaml(const SeaTrialData& data, const SeaTrialConventions& c, 
   return text;
 }
 
-SeaTrialConventions establish(const SeaTrialData& data, const SeaTrialFiles& files) {
+/// Corrects the tables, too.
+SeaTrialConventions establish(SeaTrialData& data, const SeaTrialFiles& files,
+                              const SeaTrialOptions& options) {
   try {
+    data = correctedTables(std::move(data), options.corrections, options.start);
     return establishConventions(data);
   } catch (const std::invalid_argument& problem) {
     throw Error(files.gt.string(), "", problem.what());
@@ -152,21 +157,39 @@ std::vector<StampedPose> reference(const SeaTrialData& data, const SeaTrialConve
   return poses;
 }
 
-/// What the navigation solution says of the DVL is more than scale errors and mountings make.
+/// What is more than scale errors and mountings make, and what would mend it.
+std::string dvlRemark(double scale, double turned_deg, const DvlRegression& fit) {
+  std::string line = print("DVL: it reads %.4g times the navigation solution's velocity, turned by %.3g deg",
+                           scale, turned_deg);
+  if (turned_deg < kTurned_deg)
+    for (const SensorUnit& unit : kVelocityUnits)
+      if (std::abs(scale * unit.si - 1) < 0.05)
+        line += print("; %s, --correct %s corrects it", unit.says, unit.name);
+  const Vector3d rotation_deg = fit.rotation_rad * degrees(1.0);
+  const bool is_mounting = std::abs(scale - 1) < 0.1 && rotation_deg.head<2>().norm() < 0.1 * turned_deg;
+  if (turned_deg >= kTurned_deg && is_mounting && fit.fits())
+    line += print("; --correct dvl-turned:%.1f turns it back", rotation_deg.z());
+  return line;
+}
+
+std::string dvlClockRemark(const DvlRegression& fit) {
+  return print(
+      "DVL: its velocities fit the navigation solution's %.2f s %s, to %.3g m/s instead of %.3g m/s; "
+      "--correct clock-offset:%s:%.2f makes them so much %s",
+      std::abs(fit.delay_s), fit.delay_s < 0 ? "earlier" : "later", fit.residual_m_s.norm(),
+      fit.residual_undelayed_m_s, labels::kDvl, fit.delay_s, fit.delay_s < 0 ? "earlier" : "later");
+}
+
 std::vector<std::string> remarks(const SeaTrialData& data, const SeaTrialConventions& c) {
-  std::vector<std::string> lines;
+  std::vector<std::string> lines = c.doubts;
   if (data.without_lock > 0)
     lines.push_back(print("DVL: %zu of %zu rows have no bottom lock, and are left out", data.without_lock,
                           data.without_lock + data.dvl_time_s.size()));
-  const double turned_deg = degrees(c.dvl_regression.rotation_rad.norm()),
-               scale = 1 + c.dvl_regression.scale_error;
-  if (scale > 0.7 && scale < 1.4 && turned_deg < 15) return lines;
-  std::string line = print("DVL: it reads %.4g times the navigation solution's velocity, turned by %.3g deg",
-                           scale, turned_deg);
-  for (const SensorUnit& unit : kVelocityUnits)
-    if (std::abs(scale * unit.si - 1) < 0.05)
-      line += print("; %s, --correct %s corrects it", unit.says, unit.name);
-  lines.push_back(line);
+  const DvlRegression& fit = c.dvl_regression;
+  const double turned_deg = degrees(fit.rotation_rad.norm()), scale = 1 + fit.scale_error;
+  if (scale <= 0.7 || scale >= 1.4 || turned_deg >= kTurned_deg)
+    lines.push_back(dvlRemark(scale, turned_deg, fit));
+  if (fit.isDelayed()) lines.push_back(dvlClockRemark(fit));
   return lines;
 }
 
@@ -213,8 +236,8 @@ SeaTrialData readSeaTrial(const SeaTrialFiles& files) {
 }
 
 ImportedRecording importSeaTrial(const SeaTrialFiles& files, const SeaTrialOptions& options) {
-  const SeaTrialData data = readSeaTrial(files);
-  SeaTrialConventions conventions = establish(data, files);
+  SeaTrialData data = readSeaTrial(files);
+  SeaTrialConventions conventions = establish(data, files, options);
   const double stretch = options.undo_stamp_stretch ? conventions.stamp_stretch : 1.0;
   ImportedRecording recording;
   recording.header.description = "sea trial from " + files.imu.filename().string() + ", " +

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "audit/correction.h"
 #include "recording/imported.h"
 #include "sea_trial/sea_trial.h"
 
@@ -24,6 +25,8 @@ struct SeaTrialOptions {
   /// IMU's clock and where the IMU is, both as established, so that what is compared with it is where and
   /// when it is.
   bool reference_as_published = false;
+  /// Of the tables' entries, made before anything is concluded.
+  std::vector<Correction> corrections;
 };
 
 /// The tables as they stand. Throws Error (see readCsv), also for fewer than 10 rows.

@@ -150,8 +150,25 @@ Vector3d imuVelocityFrd(const AlignedStreams& s, const SeaTrialConventions& c,
   return R.transpose() * velocity_ned;
 }
 
+/// What a DVL reads of a velocity: scale Exp(-rotation) of it.
+struct ScaleAndTurn {
+  double scale = 1.0;
+  Matrix3d turn = Matrix3d::Identity();
+
+  Vector3d undone(const Vector3d& reading) const { return turn.transpose() * reading / scale; }
+  Vector3d rotation() const { return -logSO3<double>(turn); }
+  /// The same, and what a fit finds off yet: I + error I - rotation x, which is linear, and so off where it
+  /// is large.
+  ScaleAndTurn improved(double scale_error, const Vector3d& rotation) const {
+    const double cosine = 1.0 + scale_error, sine = rotation.norm();
+    const Vector3d angle = sine > 0 ? Vector3d(rotation * (std::atan2(sine, cosine) / sine)) : rotation;
+    return {scale * std::hypot(cosine, sine), turn * expSO3<double>(-angle)};
+  }
+};
+
+/// What is off beyond what is known.
 DvlFit fitDvlAtDelay(const AlignedStreams& s, const SeaTrialConventions& c,
-                     const std::vector<Matrix3d>& R_ned_frd, double delay_s) {
+                     const std::vector<Matrix3d>& R_ned_frd, double delay_s, const ScaleAndTurn& known) {
   const Matrix3d to_robot = flipFrdRobot();
   const DvlModel model;
   std::vector<DvlModel::Design> designs;
@@ -161,12 +178,20 @@ DvlFit fitDvlAtDelay(const AlignedStreams& s, const SeaTrialConventions& c,
     if (t < s.gt_time_s.front() || t > s.gt_time_s.back() || !s.turned_imu.covers(t - 0.5, t + 0.5)) continue;
     const Vector3d velocity = to_robot * imuVelocityFrd(s, c, R_ned_frd, t);
     designs.push_back(model.design(velocity, rateAt(s, c, t, 0.1)));
-    differences.emplace_back(to_robot * c.dvl.matrix() * s.data.velocity_dvl[k] - velocity);
+    differences.emplace_back(known.undone(to_robot * c.dvl.matrix() * s.data.velocity_dvl[k]) - velocity);
   }
   return designs.size() * 2 < s.dvl_time_s.size() ? DvlFit{} : leastSquares(designs, differences);
 }
 
 }  // namespace
+
+bool DvlRegression::fits() const { return 3 * residual_m_s.norm() < residual_before_m_s.norm(); }
+
+bool DvlRegression::isDelayed() const {
+  constexpr double kClear_s = 0.1;
+  return std::abs(delay_s) >= kClear_s && std::abs(delay_s) < kLongestDelay_s &&
+         residual_undelayed_m_s > kDecisiveRatio * residual_m_s.norm();
+}
 
 void settleReferencePoint(const AlignedStreams& s, SeaTrialConventions& c) {
   // A point on a lever arm r from the IMU moves by what a DVL there would read more: its model's derivative
@@ -205,24 +230,31 @@ void reportDvl(const AlignedStreams& s, SeaTrialConventions& c) {
   const auto R_ned_frd = attitudesNed(s.data, c.attitude_sign);
   DvlFit best;
   DvlRegression& r = c.dvl_regression;
+  ScaleAndTurn known;
   const auto search = [&](double centre_s, double reach_s, double step_s) {
     const int steps = static_cast<int>(std::lround(reach_s / step_s));
     for (int step = -steps; step <= steps; ++step) {
-      const DvlFit fit = fitDvlAtDelay(s, c, R_ned_frd, centre_s + step_s * step);
+      const DvlFit fit = fitDvlAtDelay(s, c, R_ned_frd, centre_s + step_s * step, known);
       if (fit.sum >= best.sum) continue;
       best = fit;
       r.delay_s = centre_s + step_s * step;
     }
   };
   search(0.0, kLongestDelay_s, 0.2);
+  r.residual_before_m_s = best.before;
+  for (int i = 0; i < 5; ++i) {
+    known = known.improved(best.parameters[0], best.parameters.segment<3>(1));
+    best = fitDvlAtDelay(s, c, R_ned_frd, r.delay_s, known);
+  }
   search(r.delay_s, 0.2, 0.02);
-  r.scale_error = best.parameters[0];
-  r.scale_error_sigma = best.sigmas[0];
-  r.rotation_rad = best.parameters.segment<3>(1);
+  known = known.improved(best.parameters[0], best.parameters.segment<3>(1));
+  r.residual_undelayed_m_s = std::sqrt(fitDvlAtDelay(s, c, R_ned_frd, 0.0, known).sum);
+  r.scale_error = known.scale - 1.0;
+  r.scale_error_sigma = best.sigmas[0] * known.scale;
+  r.rotation_rad = known.rotation();
   r.rotation_sigma_rad = best.sigmas.segment<3>(1);
   r.lever_arm_m = best.parameters.tail<3>();
   r.lever_arm_sigma_m = best.sigmas.tail<3>();
-  r.residual_before_m_s = best.before;
   r.residual_m_s = best.after;
   c.conclusions.push_back(
       {"DVL against the navigation solution",

@@ -33,6 +33,12 @@ struct DvlRegression {
   Vector3d lever_arm_m = Vector3d::Zero(), lever_arm_sigma_m = Vector3d::Zero();
   Vector3d residual_before_m_s = Vector3d::Zero();  ///< RMS of each axis, delay only
   Vector3d residual_m_s = Vector3d::Zero();
+  double residual_undelayed_m_s = 0.0;  ///< RMS length with all but the delay
+
+  /// Whether it explains most of what was off.
+  bool fits() const;
+  /// Whether there clearly is a delay: not one at the edge of those tried.
+  bool isDelayed() const;
 };
 
 /// See establishConventions().
@@ -45,6 +51,7 @@ struct SeaTrialConventions {
   Vector3d attitude_sign = Vector3d::Ones();  ///< of the columns roll, pitch, yaw
   SignedAxes gyro, accelerometer, dvl;        ///< columns to FRD
   /// A row of the navigation solution stamped t (after the stretch is undone) fits the IMU at t + offset.
+  /// Zero where the gyro does not tell it.
   double imu_offset_s = 0.0;
   /// Where the point is whose position and velocity the navigation solution states: from the IMU, robot axes.
   /// Zero where the vehicle turns too little to tell.
@@ -55,6 +62,9 @@ struct SeaTrialConventions {
   /// compensated for it. Median over the section.
   Vector3d rate_excess_ned = Vector3d::Zero();
   std::vector<Conclusion> conclusions;
+  /// Of attitude, axes and clocks those that are hardly likelier than another, and so told by nothing; a line
+  /// each.
+  std::vector<std::string> doubts;
 };
 
 /// Position of each row, metres east, north, up of the first row, on WGS-84, with the columns as concluded.

@@ -1,6 +1,8 @@
 // A sea trial made from a known motion, with conventions broken on purpose: the importer must recognise each.
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "core/error.h"
 #include "core/files.h"
 #include "sea_trial/conventions.h"
@@ -302,6 +304,85 @@ TEST(SeaTrial, ADvlInKnotsIsRemarked) {
   const auto recording = importSeaTrial(writeSeaTrial(data, test::scratchFolder()));
   ASSERT_EQ(recording.remarks.size(), 1U);
   EXPECT_NE(recording.remarks[0].find("--correct dvl-in-knots"), std::string::npos) << recording.remarks[0];
+}
+
+/// What an import with the corrections says; without, what it says of the tables as they are.
+ImportedRecording importCorrected(const SeaTrialData& data,
+                                  const std::vector<std::string>& corrections = {}) {
+  return importSeaTrial(writeSeaTrial(data, test::scratchFolder()),
+                        {.corrections = correctionsNamed(corrections)});
+}
+
+void expectSameReference(const ImportedRecording& recording, const ImportedRecording& right) {
+  EXPECT_TRUE(recording.remarks.empty()) << recording.remarks[0];
+  ASSERT_EQ(recording.reference.size(), right.reference.size());
+  for (std::size_t k = 0; k < right.reference.size(); ++k) {
+    const StampedPose &pose = recording.reference[k], &expected = right.reference[k];
+    EXPECT_NEAR(secondsBetween(expected.time, pose.time), 0, 1e-6);
+    EXPECT_LT((pose.T_odom_robot.position - expected.T_odom_robot.position).norm(), 1e-6);
+  }
+}
+
+// A gyro in degrees turns the clocks and the axes that are found by it.
+TEST(SeaTrial, ConcludesFromWhatIsCorrected) {
+  Oddities odd;
+  odd.gyro = odd.accelerometer = {{1, 0, 2}, {1, 1, -1}};
+  odd.imu_offset_s = 0.4;
+  odd.reference_point_robot = {1.77, -0.3, -0.11};
+  const SeaTrialData right = makeSeaTrial(odd, 65);
+  for (const auto& [name, unit] :
+       {std::pair("gyro-in-degrees", degrees(1.0)), std::pair("gyro-in-rpm", 30 / std::numbers::pi)}) {
+    SeaTrialData data = right;
+    for (Vector3d& rate : data.rate_imu) rate *= unit;
+    expectSameReference(importCorrected(data, {name}), importCorrected(right));
+
+    // Not corrected, it tells nothing, and no clock is set by it; its axes are the accelerometer's.
+    const SeaTrialConventions c = establishConventions(data);
+    EXPECT_EQ(c.imu_offset_s, 0.0);
+    EXPECT_EQ(c.gyro, odd.gyro) << c.gyro.text();
+    ASSERT_EQ(c.doubts.size(), 2U);
+    EXPECT_TRUE(c.doubts[0].starts_with("time alignment of navigation solution and IMU: not told"))
+        << c.doubts[0];
+    EXPECT_TRUE(c.doubts[1].starts_with("gyro axes: not told")) << c.doubts[1];
+  }
+}
+
+TEST(SeaTrial, ACorrectedDvlIsNotRemarkedAgain) {
+  const SeaTrialData right = makeSeaTrial({}, 66);
+  for (const auto& [name, unit] :
+       {std::pair("dvl-in-millimetres", 1e3), std::pair("dvl-in-knots", 3600.0 / 1852)}) {
+    SeaTrialData data = right;
+    for (Vector3d& velocity : data.velocity_dvl) velocity *= unit;
+    std::string said;
+    for (const std::string& remark : importCorrected(data).remarks) said += remark + "\n";
+    EXPECT_NE(said.find(std::string("--correct ") + name), std::string::npos) << said;
+    EXPECT_LT(degrees(establishConventions(data).dvl_regression.rotation_rad.norm()), 1) << "in any unit";
+    expectSameReference(importCorrected(data, {name}), importCorrected(right));
+  }
+}
+
+TEST(SeaTrial, ADvlThatIsTurnedIsTurnedBack) {
+  SeaTrialData data = makeSeaTrial({}, 67);
+  for (Vector3d& velocity : data.velocity_dvl)
+    velocity = rotationFromYawPitchRoll(radians(30), 0, 0) * velocity;  // about down
+  const auto remarks = importCorrected(data).remarks;
+  ASSERT_EQ(remarks.size(), 2U);
+  EXPECT_TRUE(remarks[0].starts_with("DVL axes: not told")) << remarks[0];
+  EXPECT_NE(remarks[1].find("--correct dvl-turned:30."), std::string::npos) << remarks[1];
+  const DvlRegression fit = establishConventions(data).dvl_regression;
+  EXPECT_NEAR(fit.scale_error, 0, 0.01);
+  EXPECT_NEAR(degrees(fit.rotation_rad.z()), 30, 0.5);
+  EXPECT_TRUE(importCorrected(data, {"dvl-turned:30"}).remarks.empty());
+}
+
+TEST(SeaTrial, ADvlsClearDelayIsOfferedForCorrection) {
+  SeaTrialData data = makeSeaTrial({}, 68);
+  for (double& t : data.dvl_time_s) t += 0.8;
+  const auto remarks = importCorrected(data).remarks;
+  ASSERT_EQ(remarks.size(), 1U);
+  EXPECT_NE(remarks[0].find("--correct clock-offset:DVL:-0.8"), std::string::npos) << remarks[0];
+  expectSameReference(importCorrected(data, {"clock-offset:DVL:-0.8"}),
+                      importCorrected(makeSeaTrial({}, 68)));
 }
 
 }  // namespace
