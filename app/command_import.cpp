@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
+#include "corrected_samples.h"
 #include "imaging/camera_files.h"
 #include "import_corners.h"
 #include "import_target.h"
@@ -30,28 +31,17 @@ class ImportWriter {
                Vehicle vehicle)
       : target_(std::move(target)),
         description_(std::move(description)),
-        corrections_(correctionsNamed(correct)),
-        vehicle_(std::move(vehicle)) {
-    for (std::size_t i = 0; i < correct.size(); ++i)
-      if (corrections_[i].reorders())
-        throw Error("--correct", correct[i],
-                    "changes the entries' order: correct it where the recording is read");
-  }
+        corrected_(correctionsNamed(correct), std::move(vehicle),
+                   [this](const Sample& sample) { writeCorrected(sample); }) {}
 
   void write(Sample sample) {
     if (interrupted()) throw Interrupted{};
-    for (const Correction& correction : corrections_) correction.apply(sample, vehicle_, sample.time);
-    streams_.add(sample);
-    if (!rawlog_) {
-      const RecordingHeader header{"", target_.file("_vehicle.yaml").filename().string(), description_};
-      rawlog_.emplace(target_.file(".rawlog"), header, sample.time);
-    }
-    rawlog_->write(sample);
-    ++samples_;
+    corrected_.push(std::move(sample));
   }
 
   /// The companions first, the rawlog last: where it is, all is.
   void finish(const ImportedRecording& imported, const RunContext& context) {
+    corrected_.flush();
     if (!rawlog_) throw Error(target_.file(".rawlog").string(), "", "the source holds no sample");
     writeTextFile(target_.file("_vehicle.yaml"), imported.vehicle_yaml);
     if (!imported.reference.empty()) writeTum(target_.file("_reference.tum"), imported.reference);
@@ -62,6 +52,16 @@ class ImportWriter {
   }
 
  private:
+  void writeCorrected(const Sample& sample) {
+    streams_.add(sample);
+    if (!rawlog_) {
+      const RecordingHeader header{"", target_.file("_vehicle.yaml").filename().string(), description_};
+      rawlog_.emplace(target_.file(".rawlog"), header, sample.time);
+    }
+    rawlog_->write(sample);
+    ++samples_;
+  }
+
   nlohmann::ordered_json summary(const ImportedRecording& imported, const RunContext& context) const {
     nlohmann::ordered_json json;
     json["run"] = toJson(RunInfo{.command_line = context.command_line});
@@ -93,8 +93,7 @@ class ImportWriter {
 
   ImportTarget target_;
   std::string description_;
-  std::vector<Correction> corrections_;
-  Vehicle vehicle_;
+  CorrectedSamples corrected_;
   Streams streams_;
   std::vector<Finding> findings_;
   std::optional<RawlogWriter> rawlog_;

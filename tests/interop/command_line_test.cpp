@@ -7,7 +7,9 @@
 #include <regex>
 
 #include "core/version.h"
+#include "recording/rawlog.h"
 #include "sensors/vehicle.h"
+#include "support/bags.h"
 #include "support/run_program.h"
 #include "support/shipped.h"
 
@@ -115,6 +117,38 @@ TEST(CommandLine, ImportSaysWhatItConcluded) {
   ASSERT_EQ(info.status, 0) << info.err;
   EXPECT_EQ(nlohmann::json::parse(info.out)["entries"].get<int>(), summary["samples"].get<int>() + 1)
       << "the samples and the first comment";
+}
+
+// Later or earlier than what comes in between, its entries are written in their order.
+TEST(CommandLine, ImportCorrectsAClock) {
+  const auto folder = scratchFolder();
+  rosbag::Bag bag((folder / "dive.bag").string(), rosbag::bagmode::Write);
+  for (unsigned i = 0; i < 20; ++i) {
+    bag.write("/imu", test::rosTime(100 + i), test::imuMessage(test::rosTime(100 + i)));
+    bag.write("/dvl", test::rosTime(100 + i), test::stamped<ros1::TwistStamped>(test::rosTime(100 + i)));
+  }
+  bag.close();
+  const std::string pose = "    pose: {x: 0, y: 0, z: 0, yaw_deg: 0, pitch_deg: 0, roll_deg: 0}\n";
+  writeTextFile(folder / "topics.yaml",
+                "topics:\n  - topic: /imu\n    as: INS\n" + pose + "  - topic: /dvl\n    as: DVL\n" + pose);
+  for (const double offset_s : {-2.5, 2.5}) {
+    const auto made = runFathom("import bag " + shellQuoted((folder / "dive.bag").string()) + " --topics " +
+                                shellQuoted((folder / "topics.yaml").string()) + " --out " +
+                                shellQuoted((folder / "out").string()) +
+                                " --correct clock-offset:DVL:" + std::to_string(offset_s));
+    ASSERT_EQ(made.status, 0) << made.err;
+    std::map<std::string, std::vector<double>> seconds;
+    RawlogReader reader(folder / "out" / "dive.rawlog");
+    Time last{};
+    while (const auto sample = reader.next()) {
+      EXPECT_LE(last, sample->time);
+      last = sample->time;
+      seconds[sample->label].push_back(toUnixSeconds(sample->time));
+    }
+    ASSERT_EQ(seconds["INS"].size(), 20U);
+    ASSERT_EQ(seconds["DVL"].size(), 20U);
+    EXPECT_NEAR(seconds["DVL"][7] - seconds["INS"][7], offset_s, 1e-6);
+  }
 }
 
 TEST(CommandLine, InfoFindsWhereRecordingAndVehicleFileDisagree) {
