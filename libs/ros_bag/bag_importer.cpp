@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include "core/error.h"
 #include "core/text.h"
@@ -11,13 +12,19 @@
 namespace fathom {
 namespace {
 
-constexpr const char* kStaticTransforms = "/tf_static";  // by REP 105's convention, beside /tf
+using TopicTypes = std::map<std::string, std::string>;
+
+/// By convention beside a topic of transforms, also within a namespace; /tf_static is the one of all others.
+std::string staticTransformsBeside(const std::string& topic, const TopicTypes& types) {
+  const std::string own = topic + "_static";
+  return types.contains(own) ? own : "/tf_static";
+}
 
 }  // namespace
 
 void BagImporter::checkTopics(const rosbag::Bag& bag) {
   rosbag::View view(bag);
-  std::map<std::string, std::string> types;
+  TopicTypes types;
   for (const auto* connection : view.getConnections()) types[connection->topic] = connection->datatype;
   std::ostringstream present;
   for (const auto& [topic, type] : types)
@@ -28,8 +35,10 @@ void BagImporter::checkTopics(const rosbag::Bag& bag) {
     if (found == types.end())
       throw Error(bag_, topic.topic,
                   "no such topic (" + map_.file + " asks for it); the bag has " + present.str());
-    if (topic.as == TopicRole::reference)
+    if (topic.as == TopicRole::reference) {
+      static_transforms_ = staticTransformsBeside(topic.topic, types);
       of_transforms_ = isTransforms(found->second) || found->second == "geometry_msgs/TransformStamped";
+    }
     const auto& suitable = messageTypesOf(topic.as);
     if (std::find(suitable.begin(), suitable.end(), found->second) != suitable.end()) continue;
     std::string wanted;
@@ -72,6 +81,7 @@ void BagImporter::takeOrLeaveOut(const std::string& topic, const std::function<v
     take();
   } catch (const BadMessage& bad) {
     if (options_.strict) throw;
+    if (std::exchange(last_bad_[topic], bad.where) == bad.where) return;
     ++bad_count_[topic];
     if (bad_[topic].size() < kQuoted) bad_[topic].push_back(bad);
   }
@@ -85,8 +95,22 @@ void BagImporter::refuseUnusableTopics() const {
       throw Error(bad_.at(asked.topic).front());
 }
 
+/// Off norm by what drivers round or calibrate away it is a rotation yet.
+Matrix3d BagImporter::rotationIn(const BagMessage& message, const ros1::Quaternion& q) {
+  constexpr double kRounding = 0.01;
+  const Matrix3d rotation = message.rotation(q);
+  const double norm = Eigen::Vector4d(q.x, q.y, q.z, q.w).norm();
+  if (std::abs(norm - 1) > kRounding) {
+    double& worst = worst_norm_.try_emplace(message.topic(), 1).first->second;
+    if (std::abs(norm - 1) > std::abs(worst - 1)) worst = norm;
+  }
+  return rotation;
+}
+
 std::vector<std::string> BagImporter::remarks() const {
-  std::vector<std::string> lines;
+  std::vector<std::string> lines = reference_remarks_;
+  for (const auto& [topic, norm] : worst_norm_)
+    lines.push_back(topic + print(": its quaternions are off unit norm, up to %.3g, and normalized", norm));
   for (const auto& [topic, count] : without_lock_)
     lines.push_back(topic +
                     print(": %zu of %zu messages say that there is no bottom lock", count, count_.at(topic)));
@@ -117,15 +141,15 @@ ImportedRecording BagImporter::run() {
   checkTopics(bag);
   std::vector<std::string> topics;
   for (const BagTopic& topic : map_.topics) topics.push_back(topic.topic);
-  if (of_transforms_) topics.emplace_back(kStaticTransforms);
+  if (of_transforms_) topics.emplace_back(static_transforms_);
   rosbag::View view(bag, rosbag::TopicQuery(topics));
   for (const rosbag::MessageInstance& instance : view) {
     const std::size_t number = ++count_[instance.getTopic()];
     for (const BagTopic& topic : map_.topics)
       if (topic.topic == instance.getTopic())
         takeOrLeaveOut(topic.topic, [&] { take(topic, {instance, bag_, number, topic.stamps}); });
-    if (of_transforms_ && instance.getTopic() == kStaticTransforms && isTransforms(instance.getDataType()))
-      takeOrLeaveOut(kStaticTransforms, [&] {
+    if (of_transforms_ && instance.getTopic() == static_transforms_ && isTransforms(instance.getDataType()))
+      takeOrLeaveOut(static_transforms_, [&] {
         takeTransforms({instance, bag_, number, TopicStamps::header}, true);
       });
   }

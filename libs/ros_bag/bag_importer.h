@@ -33,6 +33,7 @@ class BagImporter {
         map_(map),
         options_(options),
         clocks_(options.reorder_window_s),
+        reference_clocks_(options.reorder_window_s),
         order_(options.reorder_window_s, std::move(sink)),
         checks_(map.gravity_m_s2) {
     for (const BagTopic& topic : map.topics)
@@ -46,6 +47,7 @@ class BagImporter {
   void take(const BagTopic& topic, const BagMessage& message);
   void takeOrLeaveOut(const std::string& topic, const std::function<void()>& take);
   void refuseUnusableTopics() const;
+  Matrix3d rotationIn(const BagMessage& message, const ros1::Quaternion& q);
   std::vector<std::string> remarks() const;
   std::optional<Matrix3d> attitudeIn(const ros1::Imu& imu, const BagTopic& topic, const BagMessage& message);
   void takeIns(const BagTopic& topic, const BagMessage& message);
@@ -60,11 +62,12 @@ class BagImporter {
   void takeTransform(const ros1::TransformStamped& transform, const BagMessage& message, bool for_good);
   void takeTransforms(const BagMessage& message, bool for_good);
   void finishReference();
+  void compareWithSensors(const BagTopic& topic);
 
   std::string bag_;
   const TopicMap& map_;
   BagOptions options_;
-  TopicClocks clocks_;
+  TopicClocks clocks_, reference_clocks_;
   ReorderBuffer order_;
   MountingChecks checks_;
   std::vector<const BagTopic*> beams_;
@@ -72,10 +75,14 @@ class BagImporter {
   MessageSigmas sigmas_;
   std::vector<StampedPose> reference_;
   TransformTree transforms_;
-  bool of_transforms_ = false;                                          ///< the reference is
+  bool of_transforms_ = false;     ///< the reference is
+  std::string static_transforms_;  ///< the topic beside it
+  std::vector<std::string> reference_remarks_;
+  std::map<std::string, double> worst_norm_;                            ///< of quaternions, by topic
   std::map<std::string, std::size_t> without_lock_, without_attitude_;  ///< by topic
   std::map<std::string, std::vector<BadMessage>> bad_;                  ///< by topic, the first ones
   std::map<std::string, std::size_t> bad_count_, count_;                ///< by topic
+  std::map<std::string, std::string> last_bad_;  ///< where, by topic: one of two roles counts once
 };
 
 }  // namespace fathom

@@ -16,7 +16,7 @@ double BagMessage::finite(double value, const std::string& field) const {
 
 Matrix3d BagMessage::rotation(const ros1::Quaternion& q) const {
   const Eigen::Quaterniond quaternion(q.w, q.x, q.y, q.z);
-  if (!quaternion.coeffs().allFinite() || std::abs(quaternion.norm() - 1.0) > 1e-2)
+  if (!quaternion.coeffs().allFinite() || std::abs(quaternion.norm() - 1.0) > 0.2)
     throw error(print("orientation is not a unit quaternion: its norm is %g", quaternion.norm()));
   return quaternion.normalized().toRotationMatrix();
 }

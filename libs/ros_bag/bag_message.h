@@ -73,7 +73,8 @@ class BagMessage {
   /// The value itself; throws Error that names the field where it is not finite.
   Vector3d finite(const Vector3d& v, const std::string& field) const;
   double finite(double value, const std::string& field) const;
-  /// Throws Error, with the norm, where it is off one by more than 1 %.
+  /// Throws Error, with the norm, where it is off one by more than a fifth: that is no rounding of a
+  /// rotation.
   Matrix3d rotation(const ros1::Quaternion& q) const;
   /// An Error about this message, to be thrown.
   BadMessage error(const std::string& why) const;

@@ -71,7 +71,7 @@ bool isNoRotation(const ros1::Quaternion& q) {
 std::optional<Matrix3d> BagImporter::attitudeIn(const ros1::Imu& imu, const BagTopic& topic,
                                                 const BagMessage& message) {
   if (!topic.use_orientation || isWithoutAttitude(imu)) return {};
-  if (!isNoRotation(imu.orientation)) return message.rotation(imu.orientation);
+  if (!isNoRotation(imu.orientation)) return rotationIn(message, imu.orientation);
   ++without_attitude_[topic.topic];
   return {};
 }

@@ -21,12 +21,15 @@ namespace fathom {
 /// covariances.
 ///
 /// Messages that cannot be used (too short for their type, a zero stamp or a single one of another time, NaN,
-/// a quaternion that is not of unit norm, no pressure, an image of unknown encoding or of another size than
+/// a quaternion far from unit norm, no pressure, an image of unknown encoding or of another size than
 /// its intrinsics) are left out, and said in the remarks.
+///
+/// What transforms say twice and otherwise, and a reference whose stamps are late against their arrival, is
+/// said in the remarks, too.
 ///
 /// Throws Error: not a bag, truncated or damaged; a topic of the map is not in the bag (the message lists
 /// those that are), has the wrong type, or no message that can be used; a topic whose stamps step back, or
-/// are farther from the others' than the reorder window.
+/// are farther from the others' than the reorder window; a reference with no time in common with the sensors.
 ImportedRecording streamBag(const std::filesystem::path& bag, const TopicMap& map, const SampleSink& sink,
                             const BagOptions& options = {});
 

@@ -39,6 +39,8 @@ class ReorderBuffer {
   }
   /// Of the first sample that was handed out.
   std::optional<Time> first() const { return first_; }
+  /// Of the last one.
+  std::optional<Time> last() const { return last_; }
 
  private:
   void release() {

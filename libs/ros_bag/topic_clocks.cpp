@@ -9,7 +9,6 @@ namespace fathom {
 namespace {
 
 constexpr double kJitter_s = 0.05;
-constexpr const char* kRemedy = "; `stamps: arrival` in the topic map takes the bag's own, of arrival";
 
 }  // namespace
 
@@ -19,9 +18,10 @@ bool TopicClocks::follows(const Moment& before, const Moment& now) const {
   return std::abs(after_s) <= window_s_ || std::abs(now.ahead_s() - before.ahead_s()) <= window_s_;
 }
 
-void TopicClocks::check(const BagMessage& message, Time stamp) {
+void TopicClocks::check(const BagMessage& message, Time stamp, const std::string& stream) {
+  const std::string of = stream.empty() ? "" : ", " + stream;
   const Moment now{stamp, toTime(message.arrival()), message.number()};
-  const auto [entry, is_first] = clocks_.try_emplace(message.topic(), Clock{now, {}});
+  const auto [entry, is_first] = clocks_.try_emplace(message.topic() + of, Clock{now, {}});
   if (is_first) return;
   Clock& clock = entry->second;
   const double after_s = secondsBetween(clock.last.stamp, stamp);
@@ -32,15 +32,26 @@ void TopicClocks::check(const BagMessage& message, Time stamp) {
         clock.stray && clock.stray->number != now.number && follows(*clock.stray, now);
     clock.stray = now;
     if (is_another_clock)
-      throw Error(message.bag(), message.where(),
+      throw Error(message.bag(), message.where() + of,
                   "the clock of its stamps was set: it and the one before are " + jump +
-                      " those that came before them" + kRemedy);
+                      " those that came before them" + kTakeArrival);
     throw message.error("its stamp is " + jump + " the one before");
   }
   clock.stray.reset();
   if (after_s < -kJitter_s)
-    throw Error(message.bag(), message.where(), print("its stamp steps back by %.3f s", -after_s) + kRemedy);
+    throw Error(message.bag(), message.where() + of,
+                print("its stamp steps back by %.3f s", -after_s) + kTakeArrival);
   clock.last = now;
+}
+
+double TopicClocks::aheadOf(const TopicClocks& others) const {
+  std::optional<double> nearest_s;
+  for (const auto& [topic, clock] : clocks_)
+    for (const auto& [other_topic, other] : others.clocks_) {
+      const double ahead_s = clock.last.ahead_s() - other.last.ahead_s();
+      if (!nearest_s || std::abs(ahead_s) < std::abs(*nearest_s)) nearest_s = ahead_s;
+    }
+  return nearest_s.value_or(0);
 }
 
 Error TopicClocks::apart(const BagMessage& message) const {
@@ -66,11 +77,11 @@ Error TopicClocks::apart(const BagMessage& message) const {
     return {message.bag(), message.where(),
             print("its stamp is older than its predecessors' by more than the reorder window of %g s",
                   window_s_) +
-                kRemedy};
+                kTakeArrival};
   return {message.bag(), odd,
           print("its stamps are %.3f s %s the other topics', more than the reorder window of %g s",
                 std::abs(ahead_s), ahead_s > 0 ? "ahead of" : "behind", window_s_) +
-              kRemedy};
+              kTakeArrival};
 }
 
 }  // namespace fathom

@@ -14,7 +14,7 @@ namespace fathom {
 /// What a topic of a bag becomes; messageTypesOf() has the ROS 1 messages that suit each. Of
 /// nav_msgs/Odometry a DVL takes the twist, a reference the pose; of a pose a depth sensor takes minus z, a
 /// USBL the position; DVL_BEAMS are one topic a beam, in the order of the map; a reference of transforms
-/// takes the bag's /tf_static, too.
+/// takes the static ones, too: of /robot/tf /robot/tf_static, where there is no such topic /tf_static.
 enum class TopicRole { ins, dvl, dvl_beams, depth, usbl, camera, reference };
 
 /// Whose time a topic's messages have: their header's, of measurement by right; or the bag's, of arrival,

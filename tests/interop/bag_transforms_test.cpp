@@ -57,16 +57,46 @@ class BagTransforms : public testing::Test {
     bag.close();
   }
 
-  std::vector<StampedPose> referenceOf(const std::string& frame, const std::string& child_frame) const {
-    BagTopic topic = bagTopic("/tf", TopicRole::reference);
+  static ros::Time tenth(int k, unsigned later_ns = 0) {
+    return rosTime(100 + static_cast<unsigned>(k) / 10, k % 10 * 100000000U + later_ns);
+  }
+  /// Received when it was stamped.
+  static void write(rosbag::Bag& bag, const std::string& topic, const ros1::TransformStamped& transform) {
+    write(bag, topic, transform, transform.header.stamp);
+  }
+  static void write(rosbag::Bag& bag, const std::string& topic, const ros1::TransformStamped& transform,
+                    ros::Time arrival) {
+    ros1::TFMessage message;
+    message.transforms.push_back(transform);
+    bag.write(topic, arrival, message);
+  }
+  /// From odom to base_link, and an IMU.
+  static void writeOdometry(rosbag::Bag& bag, const std::string& topic) {
+    for (int k = 0; k <= kTenths; ++k) {
+      write(bag, topic, transform("odom", "base_link", tenth(k), odometry(0.1 * k)));
+      bag.write("/imu", tenth(k), test::imuMessage(tenth(k)));
+    }
+  }
+
+  ImportedRecording imported(const std::string& frame, const std::string& child_frame,
+                             const std::string& name = "/tf") const {
+    BagTopic topic = bagTopic(name, TopicRole::reference);
     topic.T_robot_sensor = Pose{};
     topic.frame = frame;
     topic.child_frame = child_frame;
-    return importBag(file_, topicMap({bagTopic("/imu", TopicRole::ins), topic})).reference;
+    return importBag(file_, topicMap({bagTopic("/imu", TopicRole::ins), topic}));
   }
-  void expectError(const std::string& frame, const std::string& child_frame, const std::string& part) const {
+  std::vector<StampedPose> referenceOf(const std::string& frame, const std::string& child_frame) const {
+    return imported(frame, child_frame).reference;
+  }
+  static void expectRemark(const ImportedRecording& recording, const std::string& part) {
+    ASSERT_EQ(recording.remarks.size(), 1U);
+    EXPECT_NE(recording.remarks[0].find(part), std::string::npos) << recording.remarks[0];
+  }
+  void expectError(const std::string& frame, const std::string& child_frame, const std::string& part,
+                   const std::string& name = "/tf") const {
     try {
-      referenceOf(frame, child_frame);
+      imported(frame, child_frame, name);
       ADD_FAILURE() << "accepted, instead of: " << part;
     } catch (const Error& e) {
       EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
@@ -119,6 +149,77 @@ TEST_F(BagTransforms, OfOnlyOneThatMovesNeedNoFrames) {
   const auto path = referenceOf("", "");
   ASSERT_EQ(path.size(), 5U);
   expectNear(path[3].T_odom_robot, odometry(3));
+}
+
+TEST_F(BagTransforms, OfANamespaceHaveTheirStaticOnesBeside) {
+  rosbag::Bag bag(file_.string(), rosbag::bagmode::Write);
+  write(bag, "/robot/tf_static", transform("map", "odom", rosTime(100), camera_));
+  writeOdometry(bag, "/robot/tf");
+  bag.close();
+  const auto recording = imported("map", "base_link", "/robot/tf");
+  ASSERT_EQ(recording.reference.size(), kTenths + 1U);
+  expectNear(recording.reference[7].T_odom_robot, camera_ * odometry(0.7));
+  EXPECT_TRUE(recording.remarks.empty());
+  expectError("world", "base_link", "/robot/tf and /robot/tf_static: nothing joins base_link to world",
+              "/robot/tf");
+}
+
+TEST_F(BagTransforms, ThatCameOnceStandStill) {
+  rosbag::Bag bag(file_.string(), rosbag::bagmode::Write);
+  writeOdometry(bag, "/tf");
+  write(bag, "/tf", transform("map", "odom", rosTime(101), camera_));
+  bag.close();
+  const auto recording = imported("map", "base_link");
+  ASSERT_EQ(recording.reference.size(), kTenths + 1U);
+  expectNear(recording.reference[40].T_odom_robot, camera_ * odometry(4));
+  expectRemark(recording, "map to odom: it came once only");
+}
+
+TEST_F(BagTransforms, OfTwoPublishersAreRemarked) {
+  const Pose elsewhere{Matrix3d::Identity(), {3, 0, 0}};
+  for (const unsigned later_ns : {0U, 20000000U}) {
+    rosbag::Bag bag(file_.string(), rosbag::bagmode::Write);
+    writeOdometry(bag, "/tf");
+    for (int k = 0; k <= kTenths; ++k)
+      write(bag, "/tf", transform("odom", "base_link", tenth(k, later_ns), elsewhere * odometry(0.1 * k)));
+    bag.close();
+    expectRemark(imported("odom", "base_link"), "odom to base_link: 80 of 82 poses jump by ");
+  }
+}
+
+TEST_F(BagTransforms, ThatContradictEachOtherAreRemarked) {
+  rosbag::Bag bag(file_.string(), rosbag::bagmode::Write);
+  writeOdometry(bag, "/tf");
+  write(bag, "/tf_static", transform("map", "odom", rosTime(100), Pose{}));
+  write(bag, "/tf_static", transform("map", "odom", rosTime(102), {Matrix3d::Identity(), {0, 7, 0}}));
+  bag.close();
+  expectRemark(imported("map", "base_link"), "map to odom: it is static, yet said again up to 7 m and 0 deg");
+
+  rosbag::Bag two_ways(file_.string(), rosbag::bagmode::Write);
+  writeOdometry(two_ways, "/tf");
+  for (int k = 0; k <= kTenths; ++k)
+    write(two_ways, "/tf", transform("map", "base_link", tenth(k), odometry(0.1 * k)));
+  write(two_ways, "/tf_static", transform("map", "odom", rosTime(100), {Matrix3d::Identity(), {0, 7, 0}}));
+  two_ways.close();
+  expectRemark(imported("map", "base_link"),
+               "map to base_link: another way (map to odom, odom to base_link) says up to 7 m");
+}
+
+TEST_F(BagTransforms, OfAClockThatStepsBackAreRefused) {
+  rosbag::Bag bag(file_.string(), rosbag::bagmode::Write);
+  writeOdometry(bag, "/tf");
+  write(bag, "/tf", transform("odom", "base_link", rosTime(101), odometry(5)), rosTime(105));
+  bag.close();
+  expectError("odom", "base_link", "odom to base_link: its stamp steps back by 3.000 s; `stamps: arrival`");
+}
+
+TEST_F(BagTransforms, OfNothingAreSaidToBeNothing) {
+  rosbag::Bag bag(file_.string(), rosbag::bagmode::Write);
+  bag.write("/imu", rosTime(100), test::imuMessage(rosTime(100)));
+  bag.write("/tf", rosTime(100), ros1::TFMessage{});
+  bag.close();
+  expectError("odom", "base_link", "nothing joins base_link to odom; it has no transform");
+  expectError("odom", "/odom", "`frame` and `child_frame` are the same, odom");
 }
 
 // Most bags have it; damaged or not it is nothing to a reference that is no transform.

@@ -136,7 +136,7 @@ TEST(RosBag, OdometryAndPoseBecomeReference) {
   pose.orientation.w = q.w();
   const auto check = [&](const auto& late, const auto& early) {
     const auto bag = makeBag([&](rosbag::Bag& b) {
-      b.write("/imu", rosTime(100), test::imuMessage(rosTime(100)));
+      b.write("/imu", rosTime(50), test::imuMessage(rosTime(50)));
       b.write("/pose", rosTime(101), late);
       b.write("/pose", rosTime(102), early);
       b.write("/pose", rosTime(103), early);
@@ -148,10 +148,10 @@ TEST(RosBag, OdometryAndPoseBecomeReference) {
     EXPECT_TRUE(recording.reference[1].T_odom_robot.position.isApprox(T_odom_robot.position));
     EXPECT_TRUE(recording.reference[1].T_odom_robot.rotation.isApprox(T_odom_robot.rotation));
   };
-  auto late = stamped<ros1::Odometry>(rosTime(60)), early = stamped<ros1::Odometry>(rosTime(50));
+  auto late = stamped<ros1::Odometry>(rosTime(50, 40000000)), early = stamped<ros1::Odometry>(rosTime(50));
   late.pose.pose = early.pose.pose = pose;
   check(late, early);
-  auto late_pose = stamped<ros1::PoseWithCovarianceStamped>(rosTime(60));
+  auto late_pose = stamped<ros1::PoseWithCovarianceStamped>(rosTime(50, 40000000));
   auto early_pose = stamped<ros1::PoseWithCovarianceStamped>(rosTime(50));
   late_pose.pose.pose = early_pose.pose.pose = pose;
   check(late_pose, early_pose);
@@ -604,6 +604,52 @@ TEST(RosBag, TheTopicOfAnotherClockIsNamed) {
     expectError(file, topicMap({bagTopic("/imu", TopicRole::ins), bagTopic("/pressure", TopicRole::depth)}),
                 "/pressure: its stamps are " + std::to_string(std::abs(off_s)).substr(0, 6));
   }
+}
+
+/// A bag of 60 s with odometry, which is a DVL and a reference, stamped so much off.
+std::filesystem::path odometryBag(const std::function<double(int)>& off_s) {
+  return makeBag([&](rosbag::Bag& bag) {
+    for (int i = 0; i < 60; ++i) {
+      bag.write("/imu", rosTime(1000 + i), test::imuMessage(rosTime(1000 + i)));
+      auto odometry = stamped<ros1::Odometry>(ros::Time(1000 + i + off_s(i)));
+      odometry.pose.pose.orientation.w = 1;
+      bag.write("/odom", rosTime(1000 + i), odometry);
+    }
+  });
+}
+
+// As those of a sensor are.
+TEST(RosBag, AReferencesStampsAreChecked) {
+  const auto map = topicMap({bagTopic("/imu", TopicRole::ins), bagTopic("/odom", TopicRole::reference)});
+  expectError(odometryBag([](int i) { return i < 30 ? 0.0 : -3.0; }), map,
+              "/odom, message 31: its stamp steps back by 2.000 s; `stamps: arrival`");
+  expectError(odometryBag([](int) { return -990.0; }), map,
+              "/odom: its stamps have no time in common with the sensors': they are 931.000 s before them; "
+              "`stamps: arrival`");
+  const auto late = importBag(odometryBag([](int) { return -20.0; }), map);
+  ASSERT_EQ(late.remarks.size(), 1U);
+  EXPECT_NE(late.remarks[0].find("/odom: its stamps are 20.000 s behind the sensors'"), std::string::npos)
+      << late.remarks[0];
+  EXPECT_EQ(late.reference.size(), 60U);
+}
+
+TEST(RosBag, AMessageOfTwoRolesIsLeftOutOnce) {
+  const auto recording =
+      importBag(odometryBag([](int i) { return i == 40 ? 1e6 : 0.0; }),
+                topicMap({bagTopic("/odom", TopicRole::dvl), bagTopic("/odom", TopicRole::reference)}));
+  ASSERT_EQ(recording.remarks.size(), 1U);
+  EXPECT_NE(recording.remarks[0].find("1 of 60 messages are left out"), std::string::npos)
+      << recording.remarks[0];
+}
+
+TEST(RosBag, AQuaternionSomewhatOffUnitNormIsNormalized) {
+  auto imu = test::imuMessage(rosTime(1));
+  imu.orientation.w = 1.1;
+  const auto recording = importBag(bagOf("/imu", imu), topicMap({bagTopic("/imu", TopicRole::ins)}));
+  const auto ins = onlyReading<InsSample>(recording, "INS");
+  EXPECT_TRUE(ins.R_odom_ins->isApprox(Matrix3d::Identity()));
+  ASSERT_EQ(recording.remarks.size(), 1U);
+  EXPECT_NE(recording.remarks[0].find("off unit norm, up to 1.1"), std::string::npos) << recording.remarks[0];
 }
 
 // Where a driver's own stamps are of no use: that they step back, or are none.
