@@ -13,6 +13,10 @@ namespace fathom {
 /// How far apart the clocks of two streams may be: searched on both sides.
 constexpr double kLongestDelay_s = 3.0;
 
+/// A gyro that is farther than this off the attitude's turning, a second or a row, contradicts it; below, the
+/// vehicle may just turn too little to tell.
+constexpr double kContradicting_rad = radians(1.0);
+
 /// The same times, their distances from the first one multiplied.
 std::vector<double> stretched(std::vector<double> time_s, double factor);
 

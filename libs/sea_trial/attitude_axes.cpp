@@ -130,6 +130,10 @@ void settleAttitude(const std::vector<AttitudeHypothesis>& ranked, SeaTrialConve
            printVector("%.2g", other.dvl[0].residual_rms)});
 }
 
+bool AttitudeHypothesis::gyroContradicts() const {
+  return gyro_told < kDecisiveRatio && gyro[0].residual_rms.norm() > kContradicting_rad;
+}
+
 SignedAxes settleAxes(const std::string& what, const std::vector<AxesScore>& ranked, std::size_t rows,
                       const std::string& compared, const std::string& unit, SeaTrialConventions& c) {
   const AxesScore published =
@@ -147,7 +151,7 @@ SignedAxes settleAxes(const std::string& what, const std::vector<AxesScore>& ran
 
 void settleGyro(const AttitudeHypothesis& best, SeaTrialConventions& c) {
   const std::string compared = "mean rate between rows, attitude against gyro";
-  if (best.gyro_told >= kDecisiveRatio) {
+  if (!best.gyroContradicts()) {
     c.gyro = settleAxes("gyro axes", best.gyro, best.gyro_rows, compared, "rad/s", c);
     return;
   }

@@ -18,6 +18,8 @@ struct AttitudeHypothesis {
   std::size_t gyro_rows = 0, accelerometer_rows = 0, dvl_rows = 0;
   /// The attitude's rate over what the gyro's leaves of it, RMS: about 1 or less where it fits in no axes.
   double gyro_told = 0.0;
+  /// Not where the vehicle just turns too little.
+  bool gyroContradicts() const;
   double log_likelihood() const {
     return gyro[0].log_likelihood + accelerometer[0].log_likelihood + dvl[0].log_likelihood;
   }
@@ -34,8 +36,8 @@ void settleAttitude(const std::vector<AttitudeHypothesis>& ranked, SeaTrialConve
 SignedAxes settleAxes(const std::string& what, const std::vector<AxesScore>& ranked, std::size_t rows,
                       const std::string& compared, const std::string& unit, SeaTrialConventions& c);
 
-/// The gyro's, likewise; once the accelerometer's are settled, which are the IMU's where the gyro fits in
-/// none.
+/// The gyro's, likewise; once the accelerometer's are settled, which are the IMU's where the gyro contradicts
+/// the attitude in all.
 void settleGyro(const AttitudeHypothesis& best, SeaTrialConventions& c);
 
 /// Whether gyro and accelerometer, both settled, have the same axes.

@@ -87,12 +87,14 @@ void settleClocks(const SeaTrialData& data, const SampledSignal& turned_imu, Sea
   const std::string fits = print("a row stamped t%s fits the IMU at t %+.3f s",
                                  is_stretched ? " (stretch undone)" : "", best.offset_s);
   const std::string compared = "the same comparison; angles do not depend on axes";
-  if (is_told)
-    c.conclusions.push_back({"time alignment of navigation solution and IMU", fits, "", 0.0, compared});
-  else
-    c.conclusions.push_back({"time alignment of navigation solution and IMU",
-                             "left as stamped, as the gyro does not turn as the solution does", fits, told,
-                             compared + print("; the solution's vary by %.3g rad", variation(angle))});
+  const bool is_contradicted = !is_told && best.residual_rad > kContradicting_rad;
+  c.conclusions.push_back({"time alignment of navigation solution and IMU",
+                           is_told ? fits
+                           : is_contradicted
+                               ? "left as stamped, as the gyro does not turn as the solution does"
+                               : "left as stamped: the vehicle turns too little to tell",
+                           is_contradicted ? fits : "", is_contradicted ? told : 0.0,
+                           compared + print("; the solution's vary by %.3g rad", variation(angle))});
 }
 
 }  // namespace fathom

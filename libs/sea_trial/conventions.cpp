@@ -11,7 +11,7 @@
 namespace fathom {
 namespace {
 
-/// What is concluded though another answer is as good is no conclusion.
+/// What is changed, or contradicted, though another answer is as good.
 void doubtLast(SeaTrialConventions& c) {
   const Conclusion& last = c.conclusions.back();
   if (last.runner_up.empty() || last.residual_ratio >= kDecisiveRatio) return;
@@ -35,17 +35,17 @@ SeaTrialConventions establishConventions(const SeaTrialData& data) {
   const AttitudeHypothesis& best = ranked[0];
   if (best.dvl_rows == 0) throw std::invalid_argument("DVL and navigation solution hardly overlap in time");
   settleAttitude(ranked, c);
-  doubtLast(c);
+  if (c.attitude_sign != Vector3d::Ones()) doubtLast(c);
   c.accelerometer =
       settleAxes("accelerometer axes (specific force)", best.accelerometer, best.accelerometer_rows,
                  "change of velocity less gravity, in the body, against accelerometer", "m/s2", c);
-  doubtLast(c);
+  if (c.accelerometer != SignedAxes{}) doubtLast(c);
   settleGyro(best, c);
-  doubtLast(c);
+  if (c.gyro != SignedAxes{} || best.gyroContradicts()) doubtLast(c);
   concludeImuFrame(c);
   c.dvl = settleAxes("DVL axes", best.dvl, best.dvl_rows,
                      "velocity north, east, down turned into the body, against DVL", "m/s", c);
-  doubtLast(c);
+  if (c.dvl != SignedAxes{}) doubtLast(c);
   settleReferencePoint(streams, c);
   reportDvl(streams, c);
   reportEarthRate(streams, c);

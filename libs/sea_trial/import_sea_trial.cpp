@@ -165,7 +165,7 @@ std::string dvlRemark(double scale, double turned_deg, const DvlRegression& fit)
     for (const SensorUnit& unit : kVelocityUnits)
       if (std::abs(scale * unit.si - 1) < 0.05)
         line += print("; %s, --correct %s corrects it", unit.says, unit.name);
-  const Vector3d rotation_deg = fit.rotation_rad * degrees(1.0);
+  const Vector3d rotation_deg = fit.toldRotation() * degrees(1.0);
   const bool is_mounting = std::abs(scale - 1) < 0.1 && rotation_deg.head<2>().norm() < 0.1 * turned_deg;
   if (turned_deg >= kTurned_deg && is_mounting && fit.fits())
     line += print("; --correct dvl-turned:%.1f turns it back", rotation_deg.z());
@@ -186,8 +186,8 @@ std::vector<std::string> remarks(const SeaTrialData& data, const SeaTrialConvent
     lines.push_back(print("DVL: %zu of %zu rows have no bottom lock, and are left out", data.without_lock,
                           data.without_lock + data.dvl_time_s.size()));
   const DvlRegression& fit = c.dvl_regression;
-  const double turned_deg = degrees(fit.rotation_rad.norm()), scale = 1 + fit.scale_error;
-  if (scale <= 0.7 || scale >= 1.4 || turned_deg >= kTurned_deg)
+  const double turned_deg = degrees(fit.toldRotation().norm()), scale = 1 + fit.toldScaleError();
+  if (fit.explainsMore() && (scale <= 0.7 || scale >= 1.4 || turned_deg >= kTurned_deg))
     lines.push_back(dvlRemark(scale, turned_deg, fit));
   if (fit.isDelayed()) lines.push_back(dvlClockRemark(fit));
   return lines;

@@ -150,6 +150,13 @@ Vector3d imuVelocityFrd(const AlignedStreams& s, const SeaTrialConventions& c,
   return R.transpose() * velocity_ned;
 }
 
+/// Worse known, it is not told: straight ahead nothing tells how a DVL rolls.
+constexpr double kToldScale = 0.1, kTold_rad = radians(5.0);
+
+Vector3d told(const Vector3d& rotation, const Vector3d& sigma, double limit) {
+  return (sigma.array() < limit).select(rotation, Vector3d::Zero());
+}
+
 /// What a DVL reads of a velocity: scale Exp(-rotation) of it.
 struct ScaleAndTurn {
   double scale = 1.0;
@@ -157,12 +164,18 @@ struct ScaleAndTurn {
 
   Vector3d undone(const Vector3d& reading) const { return turn.transpose() * reading / scale; }
   Vector3d rotation() const { return -logSO3<double>(turn); }
-  /// The same, and what a fit finds off yet: I + error I - rotation x, which is linear, and so off where it
-  /// is large.
+  /// The same, and what a fit finds off yet: (1 + error) I - rotation x, which is linear: cosine and sine of
+  /// a large angle.
   ScaleAndTurn improved(double scale_error, const Vector3d& rotation) const {
     const double cosine = 1.0 + scale_error, sine = rotation.norm();
     const Vector3d angle = sine > 0 ? Vector3d(rotation * (std::atan2(sine, cosine) / sine)) : rotation;
     return {scale * std::hypot(cosine, sine), turn * expSO3<double>(-angle)};
+  }
+  /// By what the fit tells.
+  ScaleAndTurn improved(const DvlFit& fit) const {
+    const double length = 1.0 + fit.parameters[0];  // axes are settled: it is turned by 45 degrees at most
+    return improved(fit.sigmas[0] < kToldScale * length ? fit.parameters[0] : 0.0,
+                    told(fit.parameters.segment<3>(1), fit.sigmas.segment<3>(1), kTold_rad * length));
   }
 };
 
@@ -184,6 +197,18 @@ DvlFit fitDvlAtDelay(const AlignedStreams& s, const SeaTrialConventions& c,
 }
 
 }  // namespace
+
+double DvlRegression::toldScaleError() const {
+  return scale_error_sigma < kToldScale * (1 + scale_error) ? scale_error : 0.0;
+}
+
+Vector3d DvlRegression::toldRotation() const { return told(rotation_rad, rotation_sigma_rad, kTold_rad); }
+
+bool DvlRegression::explainsMore() const {
+  constexpr double kSeen_m_s = 0.05;  // at rest a vehicle's own velocity is noise, too
+  return residual_before_m_s.norm() > kSeen_m_s &&
+         kDecisiveRatio * residual_m_s.norm() < residual_before_m_s.norm();
+}
 
 bool DvlRegression::fits() const { return 3 * residual_m_s.norm() < residual_before_m_s.norm(); }
 
@@ -243,12 +268,12 @@ void reportDvl(const AlignedStreams& s, SeaTrialConventions& c) {
   search(0.0, kLongestDelay_s, 0.2);
   r.residual_before_m_s = best.before;
   for (int i = 0; i < 5; ++i) {
-    known = known.improved(best.parameters[0], best.parameters.segment<3>(1));
+    known = known.improved(best);
     best = fitDvlAtDelay(s, c, R_ned_frd, r.delay_s, known);
   }
   search(r.delay_s, 0.2, 0.02);
-  known = known.improved(best.parameters[0], best.parameters.segment<3>(1));
   r.residual_undelayed_m_s = std::sqrt(fitDvlAtDelay(s, c, R_ned_frd, 0.0, known).sum);
+  known = known.improved(best.parameters[0], best.parameters.segment<3>(1));
   r.scale_error = known.scale - 1.0;
   r.scale_error_sigma = best.sigmas[0] * known.scale;
   r.rotation_rad = known.rotation();

@@ -35,6 +35,12 @@ struct DvlRegression {
   Vector3d residual_m_s = Vector3d::Zero();
   double residual_undelayed_m_s = 0.0;  ///< RMS length with all but the delay
 
+  /// Zero of what the motion does not tell.
+  double toldScaleError() const;
+  Vector3d toldRotation() const;
+
+  /// Whether it explains more than noise would let it.
+  bool explainsMore() const;
   /// Whether it explains most of what was off.
   bool fits() const;
   /// Whether there clearly is a delay: not one at the edge of those tried.
@@ -62,8 +68,8 @@ struct SeaTrialConventions {
   /// compensated for it. Median over the section.
   Vector3d rate_excess_ned = Vector3d::Zero();
   std::vector<Conclusion> conclusions;
-  /// Of attitude, axes and clocks those that are hardly likelier than another, and so told by nothing; a line
-  /// each.
+  /// What of attitude, axes and clocks was changed by hardly more evidence than there is for another answer,
+  /// or is contradicted; a line each.
   std::vector<std::string> doubts;
 };
 
