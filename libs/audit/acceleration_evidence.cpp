@@ -17,9 +17,12 @@ class Segment {
 
   void integrate(double to_s, const Vector3d& rate_robot, const Vector3d& force_robot) {
     const double seconds = to_s - t_s_;
-    const Vector3d half = 0.5 * seconds * rate_robot;
-    velocity_ += turned_ * expSO3<double>(half) * force_robot * seconds;
-    turned_ *= expSO3<double>(2 * half);
+    const Matrix3d half = expSO3<double>(0.5 * seconds * rate_robot), middle = turned_ * half;
+    const Vector3d change = middle * force_robot * seconds;
+    velocity_ += change;
+    velocity_by_gyro_ -= crossMatrix<double>(change) * (turning_ + 0.5 * seconds * middle);
+    turning_ += seconds * middle;
+    turned_ = middle * half;
     t_s_ = to_s;
   }
   /// `swing_robot`: of the DVL about the INS, as the robot turns.
@@ -27,36 +30,44 @@ class Segment {
     times_.push_back(t_s);
     by_ins_.emplace_back(velocity_ + turned_ * swing_robot);
     by_dvl_.emplace_back(turned_ * velocity_robot);
+    // A gyro's bias turns both velocities, an accelerometer's adds to the INS's.
+    AccelerationEvidence::ByBias& by_bias = by_bias_.emplace_back();
+    by_bias << -crossMatrix<double>(by_dvl_.back() - turned_ * swing_robot) * turning_ - velocity_by_gyro_,
+        -turning_;
   }
 
   void finish(std::vector<AccelerationEvidence::Change>& changes) const {
     const auto n = static_cast<Eigen::Index>(times_.size());
     if (times_.size() < kFewestReadings) return;
-    Eigen::MatrixXd parabola(n, 3), both(n, 6);
+    Eigen::MatrixXd parabola(n, 3), both(n, 24);
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto k = static_cast<std::size_t>(i);
       const double t = times_[k] - times_.front();
       parabola.row(i) << 1, t, t * t;
-      both.row(i) << by_ins_[k].transpose(), by_dvl_[k].transpose();
+      both.row(i) << by_ins_[k].transpose(), by_dvl_[k].transpose(), by_bias_[k].reshaped().transpose();
     }
     const Eigen::MatrixXd left = both - parabola * parabola.householderQr().solve(both);
     for (Eigen::Index i = 0; i < n; ++i)
-      changes.push_back({left.row(i).head<3>().transpose(), left.row(i).tail<3>().transpose()});
+      changes.push_back({left.row(i).head<3>().transpose(), left.row(i).segment<3>(3).transpose(),
+                         left.row(i).tail<18>().reshaped(3, 6)});
   }
 
  private:
   double t_s_;
   Matrix3d turned_ = Matrix3d::Identity();
   Vector3d velocity_ = Vector3d::Zero();
+  Matrix3d turning_ = Matrix3d::Zero(),  // integral of turned_: by a bias of a unit
+      velocity_by_gyro_ = Matrix3d::Zero();
   std::vector<double> times_;
+  std::vector<AccelerationEvidence::ByBias> by_bias_;
   std::vector<Vector3d> by_ins_, by_dvl_;
 };
 
 }  // namespace
 
-Regression AccelerationEvidence::all() const {
+Regression AccelerationEvidence::all(const Eigen::Matrix<double, 6, 1>& bias) const {
   Regression r;
-  for (const Change& c : changes) r.add(c.by_ins, c.by_dvl);
+  for (const Change& c : changes) r.add(c.by_ins + c.by_bias * bias, c.by_dvl);
   return r;
 }
 

@@ -10,15 +10,17 @@ namespace fathom {
 
 /// How a DVL's velocity changes, beside what the INS's gyro and accelerometer make of it where it sits: both
 /// turned into the axes that the robot had at the beginning of a segment of some seconds, and without their
-/// parabola, in which are gravity, the tilt at the beginning and the biases.
+/// parabola, in which are gravity, the tilt at the beginning and, where the robot does not turn, the biases.
 struct AccelerationEvidence {
+  using ByBias = Eigen::Matrix<double, 3, 6>;  ///< of gyro, rad/s, and accelerometer, m/s², robot axes
   struct Change {
     Vector3d by_ins, by_dvl;  ///< m/s, as they read
+    ByBias by_bias;           ///< by so much by_dvl - by_ins falls with constant biases
   };
   std::vector<Change> changes;
 
-  /// by_dvl over by_ins.
-  Regression all() const;
+  /// by_dvl over by_ins, which is freed of biases.
+  Regression all(const Eigen::Matrix<double, 6, 1>& bias = Eigen::Matrix<double, 6, 1>::Zero()) const;
 };
 
 /// What the sensors' entries are taken for, before their mountings: axes times the unit, and when.

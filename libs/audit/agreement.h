@@ -6,12 +6,13 @@
 
 #include "audit/acceleration_evidence.h"
 #include "audit/assumption.h"
+#include "audit/bias_fit.h"
 #include "audit/vertical_evidence.h"
 
 namespace fathom {
 
 /// How far an INS, a DVL and a pressure sensor disagree about what all of them saw, relation by relation,
-/// under an assumption of what their entries are.
+/// under an assumption of what their entries are. Constant biases as instruments have are no disagreement.
 class Agreement {
  public:
   enum Relation : std::size_t {
@@ -24,7 +25,8 @@ class Agreement {
     kRelations
   };
   struct Difference {
-    double square = 0;  ///< mean of the squared difference; plus that of the floor
+    double square = 0;       ///< mean of the squared difference, without likely biases
+    double with_biases = 0;  ///< the same with them
     double floor = 0;   ///< squared; less than this is ordinary: scale errors, misalignment, accelerations
     double moves = 0;   ///< mean square of what is compared, of the lesser side
     double weight = 0;  ///< half the number of independent numbers that were compared; 0: nothing was
@@ -35,8 +37,8 @@ class Agreement {
 
   /// `force_scale`: to m/s² of the accelerometer; 0: what it reads is no specific force. What is not there is
   /// null. All must outlive this.
-  Agreement(const InsStream& ins, bool with_attitude, const DvlStream* dvl, const DepthStream* depth,
-            const Vehicle& vehicle, double force_scale);
+  Agreement(const InsStream& ins, const InsSheet& sheet, bool with_attitude, const DvlStream* dvl,
+            const DepthStream* depth, const Vehicle& vehicle, double force_scale);
 
   /// Of streams as they stand.
   const Differences& asTheyStand() const { return as_they_stand_; }
@@ -46,15 +48,12 @@ class Agreement {
   /// What is not compared otherwise is copied from asTheyStand().
   Differences of(const Assumption& assumption) const;
 
-  /// Of kVelocity's square what is white noise of the DVL's readings, which no assumption changes; (m/s)².
-  double dvlNoiseSquare() const { return dvl_noise_square_; }
+  /// Of a relation's square what is white noise of the DVL's, the pressure sensor's or the attitude's
+  /// readings, which no assumption changes.
+  double noiseSquare(Relation relation) const { return noise_squares_[relation]; }
 
-  /// The best fit of a DVL's velocity turned about its z axis, and scaled: rad; nothing where it hardly
-  /// moves.
-  struct Turn {
-    double angle_rad, scale;
-  };
-  std::optional<Turn> bestTurn() const;
+  /// By which angle about its z axis a DVL's velocity fits best: rad; nothing where it hardly moves.
+  std::optional<double> bestTurn() const;
 
  private:
   struct Turning {
@@ -66,18 +65,35 @@ class Agreement {
     Vector3d up, rate, change;  ///< change a second
   };
 
+  /// The INS's velocity without likely biases beside the DVL's, and their difference.
+  struct Velocity {
+    Regression regression;
+    double square = 0, with_biases = 0;
+  };
+
+  struct Squares {
+    Squares(double without_bias) : square(without_bias), with_biases(without_bias) {}
+    Squares(double likely, double raw) : square(likely), with_biases(raw) {}
+    double square, with_biases;
+  };
+
   void collect();
-  double upSquare(const Assumption& a) const;
-  double turningSquare(const Assumption& a) const;
-  double gravitySquare(const Assumption& a) const;
-  double velocitySquare(const Assumption& a) const;
-  double riseSquare(const Assumption& a) const;
-  double uprightSquare(const Assumption& a) const;
-  const Regression& velocityOf(const Assumption& a) const;
+  Squares upSquare(const Assumption& a) const;
+  Squares turningSquare(const Assumption& a) const;
+  Squares gravitySquare(const Assumption& a) const;
+  BiasFit<3>::Fit turningFit(const Assumption& a) const;
+  Squares velocitySquare(const Assumption& a) const;
+  Squares riseSquare(const Assumption& a) const;
+  Squares uprightSquare(const Assumption& a) const;
+  const Velocity& velocityOf(const Assumption& a) const;
+  std::optional<double> bestTurn(const Matrix3d& turned) const;  ///< what is left of it
+  double riseFloor(const Assumption& a, double moves_square) const;
+  AccelerationEvidence velocitiesOf(const Assumption& a) const;
   Regression riseOf(const Assumption& a) const;
-  AssumedAxes axesOf(const Assumption& a) const;
 
   const InsStream& ins_;
+  /// Of biases: what small instruments have, or the data sheet's where that is more; rad/s and m/s².
+  const double gyro_bias_sigma_, accelerometer_bias_sigma_;
   const bool with_attitude_;
   std::optional<DvlStream> dvl_;  ///< without outliers
   const DepthStream* depth_;
@@ -89,8 +105,8 @@ class Agreement {
   Vector3d mean_up_ = Vector3d::Zero();  ///< INS axes
   Differences as_they_stand_;
   std::array<Regression, kRelations> regressions_;
-  double dvl_noise_square_ = 0;
-  mutable std::map<std::array<double, 28>, Regression> velocities_;  ///< they take longest
+  std::array<double, kRelations> noise_squares_{};
+  mutable std::map<std::array<double, 28>, Velocity> velocities_;  ///< they take longest
 };
 
 }  // namespace fathom

@@ -12,6 +12,9 @@ using enum Finding::Certainty;
 
 // ---- in words
 
+constexpr std::size_t kMostSaid = 6;  // of what is not told apart
+constexpr const char* kSomethingElse = "; something else is wrong, too";
+
 /// Of the relation that tells most.
 std::string whatDiffers(const Agreement::Differences& before, const Explanation& e) {
   const auto most =
@@ -39,6 +42,7 @@ std::string whatDiffers(const Agreement::Differences& before, const Explanation&
 
 std::string instanceCorrection(const std::string& correction, const Instance& instance) {
   const std::size_t colon = correction.find(':');
+  if (correction.starts_with("clock-offset:INS:")) return correction;
   if (correction.starts_with("clock-offset:DVL:"))
     return "clock-offset:" + instance.label("DVL") + correction.substr(correction.rfind(':'));
   return instance.label(correction.substr(0, colon)) +
@@ -47,7 +51,7 @@ std::string instanceCorrection(const std::string& correction, const Instance& in
 
 /// Whose entries a correction concerns.
 const char* labelOf(const std::string& correction) {
-  if (correction.starts_with("dvl") || correction.starts_with("clock-offset")) return Dvl::label;
+  if (correction.starts_with("dvl") || correction.starts_with("clock-offset:DVL")) return Dvl::label;
   return correction.starts_with("pressure") ? Depth::label : Ins::label;
 }
 
@@ -66,15 +70,18 @@ void say(const std::vector<Explanation>& explanations, const Agreement::Differen
   const Explanation& best = explanations[0];
   const std::string what = whatDiffers(before, best);
   for (const DriverFault::Part& part : best.fault.parts) {
-    const std::string name = part.correction.starts_with("clock-offset")
-                                 ? "clock-offset:DVL"
-                                 : part.correction.substr(0, part.correction.find(':'));
+    const bool clock = part.correction.starts_with("clock-offset");
+    const std::string name =
+        part.correction.substr(0, clock ? part.correction.rfind(':') : part.correction.find(':'));
     Finding found =
         finding(name, labelOf(name), instance, best.isSure() ? sure : likely, what + " if " + part.says);
     if (explanations.size() > 1) {
       found.what = what + " at best; which is not told: ";
-      for (std::size_t k = 0; k < explanations.size() && k < 4; ++k)
+      for (std::size_t k = 0; k < explanations.size() && k < kMostSaid; ++k)
         found.what += (k == 0 ? "" : ", or ") + saysAll(explanations[k].fault, instance);
+      if (explanations.size() > kMostSaid)
+        found.what += print(", or %zu others", explanations.size() - kMostSaid);
+      if (!best.agrees) found.what += kSomethingElse;
       findings.push_back(found);
       return;
     }
@@ -82,7 +89,7 @@ void say(const std::vector<Explanation>& explanations, const Agreement::Differen
       found = correctable(found, part.corrected);
       found.correction = instanceCorrection(part.correction, instance);
     }
-    if (!best.leaves_little) found.what += "; something else is wrong, too";
+    if (!best.agrees) found.what += kSomethingElse;
     findings.push_back(found);
   }
 }
@@ -147,7 +154,8 @@ void checkAgreement(const Streams& streams, const Vehicle& vehicle, bool clocks_
                                !isFound(findings, "attitude-frozen", instance);
     const double force_scale = forceScale(ins, vehicle, instance, findings);
     const auto agreementOf = [&](const InsStream& an_ins, const DvlStream* a_dvl) {
-      return Agreement(an_ins, with_attitude, a_dvl, depth, vehicle, force_scale);
+      return Agreement(an_ins, sheetOf<Ins>(vehicle, instance), with_attitude, a_dvl, depth, vehicle,
+                       force_scale);
     };
     const Agreement agreement = agreementOf(ins, dvl);
     std::vector<DriverFault> faults =

@@ -14,8 +14,8 @@ struct Assumption {
            dvl = Matrix3d::Identity();            ///< axes, times the unit
   Matrix3d attitude_axes = Matrix3d::Identity();  ///< turned as the INS's
   const AttitudeReading* attitude = &attitudeReadings()[0];
-  double dvl_later_s = 0;  ///< its readings are of so much later than they say
-  double rise = 1;         ///< -1: the pressure falls where it should rise
+  double dvl_later_s = 0, ins_later_s = 0;  ///< their readings are of so much later than they say
+  double rise = 1;                          ///< -1: the pressure falls where it should rise
 };
 
 /// A fault of drivers that one would see in how streams disagree.

@@ -18,6 +18,16 @@ inline Matrix3d withHeadingReversed(const Matrix3d& R) {
   return rotationFromYawPitchRoll(-ypr[0], ypr[1], ypr[2]);
 }
 
+/// The same heading, and pitch or roll counted the other way round.
+inline Matrix3d withPitchReversed(const Matrix3d& R) {
+  const Vector3d ypr = yawPitchRollFromRotation(R);
+  return rotationFromYawPitchRoll(ypr[0], -ypr[1], ypr[2]);
+}
+inline Matrix3d withRollReversed(const Matrix3d& R) {
+  const Vector3d ypr = yawPitchRollFromRotation(R);
+  return rotationFromYawPitchRoll(ypr[0], ypr[1], -ypr[2]);
+}
+
 /// What was meant where w, x, y, z were written and x, y, z, w read.
 inline Matrix3d attitudeWFirst(const Matrix3d& read) {
   const Eigen::Quaterniond q(read);

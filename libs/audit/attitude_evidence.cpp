@@ -5,7 +5,7 @@
 namespace fathom {
 
 std::span<const AttitudeReading> attitudeReadings() {
-  static const std::array<AttitudeReading, 8> readings{
+  static const std::array<AttitudeReading, 10> readings{
       {{"", "", [](const Matrix3d& R, const Matrix3d&) { return R; }},
        {"attitude-of-robot", "it is the robot's attitude, not the sensor's",
         [](const Matrix3d& R, const Matrix3d& R_robot_ins) -> Matrix3d { return R * R_robot_ins; }},
@@ -19,6 +19,10 @@ std::span<const AttitudeReading> attitudeReadings() {
         [](const Matrix3d& R, const Matrix3d&) -> Matrix3d { return R * Vector3d(1, -1, -1).asDiagonal(); }},
        {"attitude-clockwise", "its heading grows clockwise, as a compass's",
         [](const Matrix3d& R, const Matrix3d&) { return withHeadingReversed(R); }},
+       {"attitude-pitch-sign", "its pitch has the other sign",
+        [](const Matrix3d& R, const Matrix3d&) { return withPitchReversed(R); }},
+       {"attitude-roll-sign", "its roll has the other sign",
+        [](const Matrix3d& R, const Matrix3d&) { return withRollReversed(R); }},
        {"attitude-inverse", "it is the inverse: odom in the sensor's axes",
         [](const Matrix3d& R, const Matrix3d&) -> Matrix3d { return R.transpose(); }},
        {"attitude-w-first", "its quaternion's w stands first",

@@ -53,8 +53,9 @@ class DepthCheck {
     Finding found = finding("pressure-below-air", Depth::label, instance_, sure,
                             print("the pressure is %.6g Pa, %.4g of the air's %.6g", median,
                                   median / sheet_.atmospheric_pressure_pa, sheet_.atmospheric_pressure_pa));
+    const double least = leastReading();
     std::vector<std::pair<double, const PressureUnit*>> units;
-    for (const PressureUnit& unit : pressureUnits()) units.emplace_back(badness(unit, median), &unit);
+    for (const PressureUnit& unit : pressureUnits()) units.emplace_back(badness(unit, median, least), &unit);
     std::stable_sort(units.begin(), units.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     const PressureUnit& best = *units[0].second;
@@ -80,13 +81,15 @@ class DepthCheck {
   /// Less is better. By how far the DVL's way up and down is from the pressure's, where both move, in which
   /// a third more or less is as good as refuted; or else by how far the noise is from the vehicle file's, and
   /// whether it is a depth that one dives to. Of equals the more usual.
-  double badness(const PressureUnit& unit, double median) const {
+  double badness(const PressureUnit& unit, double median, double least) const {
     const double depth_m = depthBy(unit, median);
-    if (depth_m < -0.5 || depth_m > vehicle_.limits.depth_m) return kImpossible;
-    // A gauge that is in Pa is usual; in other units it would read like an absolute one of ten metres less.
+    if (depth_m < -0.5 || depthBy(unit, least) < -1 || depth_m > vehicle_.limits.depth_m) return kImpossible;
+    // A gauge that is in Pa is usual; in other units it reads like an absolute one of ten metres less: where
+    // that came near the surface it was absolute.
     const bool other_gauge = unit.from == PressureUnit::From::air && unit.pa != 1;
-    const double how_usual =
-        0.01 * static_cast<double>(&unit - pressureUnits().data()) + (other_gauge ? 1 : 0);
+    const double absolute_m = depthOf(unit.pa * least);
+    const double gauge = !other_gauge ? 0 : absolute_m > -0.5 && absolute_m < 2 ? 1 : 0.3;
+    const double how_usual = 0.01 * static_cast<double>(&unit - pressureUnits().data()) + gauge;
     const double each_pa = pascalsEach(unit, vehicle_, instance_);
     // The same slope is a gauge's too, or a metre's and a decibar's: then what is usual, and dived to.
     const double unlikely = (depth_m < 0.3 ? 2 : 0) + how_usual;
@@ -98,6 +101,15 @@ class DepthCheck {
     if (each_pa < 0) return kImpossible;
     const double noise = std::abs(std::log(noiseOfReadings() * each_pa / sheet_.pressure_sigma_pa));
     return std::min(noise, kNoTelling) + unlikely;
+  }
+
+  /// Of the least deep, outliers apart.
+  double leastReading() const {
+    std::vector<double> all;
+    for (const auto& reading : stream_.pressures) all.push_back(reading.value);
+    const auto at = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 50);
+    std::nth_element(all.begin(), at, all.end());
+    return *at;
   }
 
   /// Of what is no motion: second differences (von Neumann's way; sum of squares of 1, -2, 1 is 6).

@@ -8,16 +8,18 @@
 namespace fathom {
 namespace {
 
-// Of faults that drivers make: forward-right-down for forward-left-up, all signs, one sign, an instrument
-// mounted the other way round, east-north for north-east.
+// Of faults that drivers make: forward-right-down for forward-left-up, all signs; other signs, east-north for
+// north-east; an instrument mounted the other way round, two axes exchanged.
 double unusualOf(const SignedAxes& axes) {
-  constexpr double kUsual = 5, kLess = 6, kRare = 7.5;
+  constexpr double kUsual = 5, kLess = 5.5, kLesser = 6, kRare = 7.5;
   const bool in_order = axes.source == std::array{0, 1, 2};
   const bool forward_right_down = axes == SignedAxes{{0, 1, 2}, {1, -1, -1}};
   const bool all_signs = axes == SignedAxes{{0, 1, 2}, {-1, -1, -1}};
   if (forward_right_down || all_signs) return kUsual;
   const bool ned = axes == SignedAxes{{1, 0, 2}, {1, 1, -1}};
-  return in_order || ned || axes.source[2] == 2 ? kLess : kRare;
+  if (in_order || ned) return kLess;
+  const bool exchanged = axes.sign == std::array{1, 1, 1} && !axes.proper();
+  return exchanged || axes.source[2] == 2 ? kLesser : kRare;
 }
 
 constexpr double kTwoFaults = 3;  // more
@@ -45,13 +47,26 @@ class DriverFaults {
           .taken_for.accelerometer = m;
       add(correction("gyro-axes", axes), "the gyro's axes are " + text, kAgree, unusualOf(axes))
           .taken_for.gyro = m;
-      if (!axes.proper()) continue;  // of an instrument as a whole
+      if (!axes.proper()) {  // no instrument as a whole
+        addInertialPair(axes);
+        continue;
+      }
       DriverFault& all_of_it =
           add(correction("ins-axes", axes), "the INS's axes are " + text, kAgree, unusualOf(axes));
       all_of_it.taken_for.gyro = all_of_it.taken_for.accelerometer = all_of_it.taken_for.attitude_axes = m;
     }
     for (const SensorUnit& unit : kRateUnits)
-      add(unit.name, unit.says, "radians a second", 5).taken_for.gyro *= unit.si;
+      add(unit.name, unit.says, "radians a second", unit.unusual).taken_for.gyro *= unit.si;
+  }
+
+  /// Of vectors, by a driver's own formulas, which leave an attitude alone.
+  void addInertialPair(const SignedAxes& axes) {
+    DriverFault& pair = all.emplace_back();
+    pair.parts = {
+        {correction("gyro-axes", axes), "the gyro's axes are " + axes.text(), kAgree},
+        {correction("accelerometer-axes", axes), "the accelerometer's axes are " + axes.text(), kAgree}};
+    pair.taken_for.gyro = pair.taken_for.accelerometer = axes.matrix();
+    pair.unusual = unusualOf(axes) + 1;
   }
 
   /// Of an attitude, alone or with the INS's axes; and of a gyro and an accelerometer whose attitude is
@@ -72,12 +87,7 @@ class DriverFaults {
         both.taken_for.attitude = reading;
         both.unusual = unusualOf(axes) + kTwoFaults;
       }
-      DriverFault& inertial = all.emplace_back();
-      inertial.parts = {
-          {correction("gyro-axes", axes), "the gyro's axes are " + axes.text(), kAgree},
-          {correction("accelerometer-axes", axes), "the accelerometer's axes are " + axes.text(), kAgree}};
-      inertial.taken_for.gyro = inertial.taken_for.accelerometer = m;
-      inertial.unusual = unusualOf(axes) + 1;
+      addInertialPair(axes);
     }
   }
 
@@ -101,7 +111,7 @@ class DriverFaults {
         add(correction("dvl-axes", axes), "its axes are " + axes.text(), kAgree, unusualOf(axes))
             .taken_for.dvl = axes.matrix();
     for (const SensorUnit& unit : kVelocityUnits)
-      add(unit.name, unit.says, "metres a second", 5).taken_for.dvl *= unit.si;
+      add(unit.name, unit.says, "metres a second", unit.unusual).taken_for.dvl *= unit.si;
   }
 
   void addDepth() { add("pressure-falls", "it falls as the vehicle dives", "", 5).taken_for.rise = -1; }

@@ -12,13 +12,13 @@ struct Explanation {
   DriverFault fault;
   Agreement::Differences differences;
   std::array<double, Agreement::kRelations> gains{};
-  double gain = 0;            ///< in log likelihood, its prior included
-  double witnessed = 0;       ///< of it by streams that differ, not by what robots usually do
-  double largest_ratio = 1;   ///< of squares, before and after
-  bool leaves_little = true;  ///< of what it changes: else something else is wrong, too
+  double gain = 0;           ///< in log likelihood, its prior included
+  double witnessed = 0;      ///< of it by streams that differ, not by what robots usually do
+  double largest_ratio = 1;  ///< of squares, before and after
+  bool agrees = true;        ///< all streams then, as healthy ones do: else something else is wrong, too
 
   /// So good that physics leave no other: much more likely, a relation's difference half of what it was or
-  /// less, and little left.
+  /// less, and all streams agree then.
   bool isSure() const;
 };
 
@@ -30,7 +30,7 @@ struct ExplanationSearch {
   std::vector<DriverFault> faults;
   bool vectors_in_world = false;  ///< they may be turned into the world already; there is an attitude
   bool dvl_turned = false;        ///< by any angle about its z axis
-  bool dvl_late = false;          ///< its clock may be off
+  bool clock_off = false;         ///< the DVL's or the INS's may be
   /// Of other streams in place of those.
   std::function<Agreement(const InsStream&, const DvlStream*)> agreementOf;
 };

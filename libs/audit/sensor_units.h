@@ -11,7 +11,8 @@ namespace fathom {
 struct SensorUnit {
   const char* name;  ///< of the finding and its correction
   const char* says;
-  double si;  ///< of one
+  double si;           ///< of one
+  double unusual = 5;  ///< as DriverFault's
 };
 
 inline constexpr std::array kForceUnits{
@@ -22,14 +23,14 @@ inline constexpr std::array kForceUnits{
 
 inline constexpr std::array kRateUnits{
     SensorUnit{"gyro-in-degrees", "it is in degrees a second", std::numbers::pi / 180},
-    SensorUnit{"gyro-in-milliradians", "it is in thousandths of radians a second", 1e-3},
+    SensorUnit{"gyro-in-milliradians", "it is in thousandths of radians a second", 1e-3, 6},
     SensorUnit{"gyro-in-millidegrees", "it is in thousandths of degrees a second",
-               1e-3 * std::numbers::pi / 180},
+               1e-3 * std::numbers::pi / 180, 6.5},
     SensorUnit{"gyro-in-centidegrees", "it is in hundredths of degrees a second",
-               1e-2 * std::numbers::pi / 180},
+               1e-2 * std::numbers::pi / 180, 6.5},
     SensorUnit{"gyro-converted-twice", "it was taken for degrees a second, which it was not",
-               180 / std::numbers::pi},
-    SensorUnit{"gyro-in-rpm", "it is in turns a minute", std::numbers::pi / 30}};
+               180 / std::numbers::pi, 5.5},
+    SensorUnit{"gyro-in-rpm", "it is in turns a minute", std::numbers::pi / 30, 6}};
 
 inline constexpr std::array kVelocityUnits{SensorUnit{"dvl-in-millimetres", "it is in mm/s", 1e-3},
                                            SensorUnit{"dvl-in-centimetres", "it is in cm/s", 1e-2},
