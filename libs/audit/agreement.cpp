@@ -108,20 +108,27 @@ Agreement::Agreement(const InsStream& ins, const InsSheet& sheet, bool with_atti
     as_they_stand_[relation].with_biases = squares.with_biases;
   };
   compare(kUp, squared(0.05), 1, 0.5 * static_cast<double>(ups_.size()), &Agreement::upSquare);
-  double turned = 0, tipped = 0;
+  double turned = 0, tipped = 0, swung = 0;
   for (const Turning& t : turnings_)
     turned += (logSO3<double>(t.before.transpose() * t.after) / t.seconds).squaredNorm();
-  for (const Gravity& g : gravities_) tipped += g.change.squaredNorm();
+  // An INS beside the axis of a turn feels what pulls it round: so far it takes up to be elsewhere.
+  const double lever_m = ins.T_robot_ins.position.norm();
+  for (const Gravity& g : gravities_) {
+    tipped += g.change.squaredNorm();
+    const double rate = g.rate.norm(), tilt = std::min(1.0, rate * rate * lever_m / kStandardGravity_m_s2);
+    if (rate < vehicle.limits.turn_rate_rad_s) swung += squared(rate * tilt);
+  }
   if (!turnings_.empty()) turned /= static_cast<double>(turnings_.size());
   if (!gravities_.empty()) tipped /= static_cast<double>(gravities_.size());
+  if (!gravities_.empty()) swung /= static_cast<double>(gravities_.size());
   if (!turnings_.empty()) noise_squares_[kTurning] = turningNoiseSquare(ins_);
   compare(kTurning, squared(radians(0.3)) + 0.01 * turned, turned, 2 * static_cast<double>(turnings_.size()),
           &Agreement::turningSquare);
   const Vector3d bias = turningFit(none).bias;
   for (const Turning& t : turnings_)
     regressions_[kTurning].add(t.rate - bias, logSO3<double>(t.before.transpose() * t.after) / t.seconds);
-  compare(kGravity, squared(radians(0.5)) + 0.01 * tipped, tipped, static_cast<double>(gravities_.size()),
-          &Agreement::gravitySquare);
+  compare(kGravity, squared(radians(0.5)) + 0.01 * tipped + swung, tipped,
+          static_cast<double>(gravities_.size()), &Agreement::gravitySquare);
   if (dvl_ && force_scale_ > 0) {
     const Regression all = velocitiesOf(none).all();
     const double moves = std::min(all.rmsX(), all.rmsY());
