@@ -111,8 +111,11 @@ void alignOrientation(const LocalizationSetup& setup, const FirstReadings& first
     initial.source = "pose: " + setup.start->source;
   } else if (first.R_odom_robot) {
     motion.R_odom_robot = *first.R_odom_robot;
-    if (setup.vehicle.ins && setup.vehicle.ins->attitude_sigma_rad)
-      tilt_sigma = yaw_sigma = std::max(*setup.vehicle.ins->attitude_sigma_rad, radians(0.05));
+    constexpr double kLeast_rad = radians(0.05);
+    if (const auto sigma = setup.vehicle.ins ? setup.vehicle.ins->attitude_sigma : std::nullopt) {
+      tilt_sigma = std::max({sigma->roll_rad, sigma->pitch_rad, kLeast_rad});
+      yaw_sigma = std::max(sigma->heading_rad, kLeast_rad);
+    }
     initial.source = "orientation: INS attitude";
   } else if (first.specific_force.any()) {
     // Leveled while the vehicle may accelerate by some 0.1 m/s²; heading zero defines odom's x axis.

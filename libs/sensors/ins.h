@@ -10,6 +10,27 @@
 
 namespace fathom {
 
+/// How well an attitude is known: the angles turn about the vertical (heading) and about the two level axes
+/// of the robot as it heads (pitch, roll), rad.
+struct AttitudeSigma {
+  double roll_rad = 0, pitch_rad = 0, heading_rad = 0;
+
+  AttitudeSigma() = default;
+  AttitudeSigma(double each_rad) : roll_rad(each_rad), pitch_rad(each_rad), heading_rad(each_rad) {}
+  AttitudeSigma(double roll, double pitch, double heading)
+      : roll_rad(roll), pitch_rad(pitch), heading_rad(heading) {}
+
+  bool isOneOfAll() const { return roll_rad == pitch_rad && pitch_rad == heading_rad; }
+  /// A square root of the covariance of the rotation vector in the INS's axes.
+  Matrix3d errorRoot(const Matrix3d& R_odom_ins, const Pose& T_robot_ins) const {
+    if (isOneOfAll()) return Matrix3d::Identity() * heading_rad;
+    const Matrix3d R_odom_robot = R_odom_ins * T_robot_ins.rotation.transpose();
+    const Vector3d forward = R_odom_robot.col(0);
+    const Matrix3d level = rotationFromYawPitchRoll(std::atan2(forward.y(), forward.x()), 0, 0);
+    return R_odom_ins.transpose() * level * Vector3d(roll_rad, pitch_rad, heading_rad).asDiagonal();
+  }
+};
+
 /// Section `ins` of the vehicle file.
 struct InsSheet {
   double rate_hz = 100;
@@ -18,9 +39,9 @@ struct InsSheet {
   double gyro_bias_sigma_rad_s = 5e-5;          ///< stationary sigma of a first-order Gauss-Markov process
   double accelerometer_bias_sigma_m_s2 = 3e-3;  ///< likewise
   double bias_time_constant_s = 120;
-  /// Optional key: sigma of the attitude, where the INS gives one; absent, its attitude is used for the start
-  /// only.
-  std::optional<double> attitude_sigma_rad;
+  /// Optional key: sigma of the attitude, where the INS gives one: a number, or [roll, pitch, heading];
+  /// absent, its attitude is used for the start only.
+  std::optional<AttitudeSigma> attitude_sigma;
   Pose T_robot_ins;
 
   template <class Fields>
@@ -31,7 +52,7 @@ struct InsSheet {
     f.notNegative("gyro_bias_sigma_rad_s", gyro_bias_sigma_rad_s);
     f.notNegative("accelerometer_bias_sigma_m_s2", accelerometer_bias_sigma_m_s2);
     f.positive("bias_time_constant_s", bias_time_constant_s);
-    f.optionalDegrees("attitude_sigma_deg", attitude_sigma_rad);
+    f.optionalAngles("attitude_sigma_deg", attitude_sigma);
     f.pose("pose", T_robot_ins);
   }
 };
@@ -186,8 +207,9 @@ struct Attitude {
                                        .start = ChannelText::Start::orientation};
   template <class F>
   static void observe(const InsSample& s, const InsSheet& sheet, F&& f) {
-    if (s.R_odom_ins && sheet.attitude_sigma_rad)
-      f(Observation::rotation(*s.R_odom_ins, *sheet.attitude_sigma_rad, s.T_robot_ins));
+    if (s.R_odom_ins && sheet.attitude_sigma)
+      f(Observation::rotation(*s.R_odom_ins, sheet.attitude_sigma->errorRoot(*s.R_odom_ins, s.T_robot_ins),
+                              s.T_robot_ins));
   }
   /// rad, INS frame.
   template <class T>
@@ -235,9 +257,12 @@ class Ins::Simulated {
     if (in == nullptr) return sample;
     sample.angular_velocity_ins = Gyro::angularVelocity(*in, sheet_.T_robot_ins) + gyro_error;
     sample.specific_force_ins = Accelerometer::specificForce(*in, sheet_.T_robot_ins) + force_error;
-    if (sheet_.attitude_sigma_rad) {
-      const Vector3d error = noise_.sigma(*sheet_.attitude_sigma_rad) * attitude_.normal3();
-      sample.R_odom_ins = Attitude::orientation(*in, sheet_.T_robot_ins) * expSO3<double>(error);
+    if (sheet_.attitude_sigma) {
+      const Matrix3d R_odom_ins = Attitude::orientation(*in, sheet_.T_robot_ins);
+      const Vector3d error =
+          noise_.sigma(1.0) *
+          (sheet_.attitude_sigma->errorRoot(R_odom_ins, sheet_.T_robot_ins) * attitude_.normal3());
+      sample.R_odom_ins = R_odom_ins * expSO3<double>(error);
     }
     return sample;
   }

@@ -73,8 +73,13 @@ struct Observation {
   static Observation vector(const Vector3d& value, const Vector3d& sigma, const Pose& T_robot_sensor) {
     return {value, sigma.cwiseAbs2().asDiagonal().toDenseMatrix(), T_robot_sensor};
   }
+  /// `error_root`: a square root of the covariance of its rotation vector, sensor axes.
+  static Observation rotation(const Matrix3d& R_odom_sensor, const Matrix3d& error_root,
+                              const Pose& T_robot_sensor) {
+    return {Vector3d::Zero(), error_root * error_root.transpose(), T_robot_sensor, R_odom_sensor};
+  }
   static Observation rotation(const Matrix3d& R_odom_sensor, double sigma_rad, const Pose& T_robot_sensor) {
-    return {Vector3d::Zero(), Matrix3d::Identity() * sigma_rad * sigma_rad, T_robot_sensor, R_odom_sensor};
+    return rotation(R_odom_sensor, Matrix3d::Identity() * sigma_rad, T_robot_sensor);
   }
 };
 

@@ -28,8 +28,16 @@ class ReadFields {
     if (value_rad >= radians(limit_deg))
       throw y_.error(key, "must be below " + std::to_string(std::lround(limit_deg)));
   }
-  void optionalDegrees(const char* key, std::optional<double>& value_rad) const {
-    if (y_.has(key)) value_rad = radians(y_.positive(key));
+  /// One for all axes, or [roll, pitch, heading].
+  void optionalAngles(const char* key, std::optional<AttitudeSigma>& sigma) const {
+    if (!y_.has(key)) return;
+    if (!y_.isList(key)) {
+      sigma = radians(y_.positive(key));
+      return;
+    }
+    const Vector3d axes = y_.vector3(key);
+    if (axes.minCoeff() <= 0.0) throw y_.error(key, "must be greater than zero");
+    sigma.emplace(radians(axes.x()), radians(axes.y()), radians(axes.z()));
   }
   void listOfDegrees(const char* key, std::vector<double>& values_rad) const {
     values_rad.clear();

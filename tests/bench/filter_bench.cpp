@@ -60,7 +60,7 @@ void keepBest(Run& run, Work&& work) {
 }
 
 double update(ErrorStateFilter<15>& filter, const auto& m, const EkfLine&, double gate) {
-  return filter.update(m, gate);
+  return filter.update(m, gate).nis;
 }
 double update(TextbookFilter<15>& filter, const auto& m, const EkfLine& line, double gate) {
   return filter.update(m, line.index, gate);
@@ -100,7 +100,7 @@ LocalizationSetup setupFor() {
   auto& ins = setup.vehicle.ins.emplace();
   ins.gyro_sigma_rad_s = 0.005;
   ins.accelerometer_sigma_m_s2 = 0.05;
-  ins.attitude_sigma_rad = kAttitudeSigma_rad;
+  ins.attitude_sigma = kAttitudeSigma_rad;
   auto& dvl = setup.vehicle.dvl.emplace();
   dvl.velocity_sigma_xy_m_s = dvl.velocity_sigma_z_m_s = 0.02;
   setup.options.fuse = {kChannel<Gyro>, kChannel<Accelerometer>, kChannel<Attitude>, kChannel<Dvl>,

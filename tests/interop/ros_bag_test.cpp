@@ -72,7 +72,7 @@ TEST(RosBag, Imu) {
   const Vehicle vehicle = vehicleOf(recording);
   EXPECT_NEAR(vehicle.ins->gyro_sigma_rad_s, 0.002, 1e-12);
   EXPECT_NEAR(vehicle.ins->accelerometer_sigma_m_s2, 0.03, 1e-12);
-  EXPECT_NEAR(*vehicle.ins->attitude_sigma_rad, 0.01, 1e-5);
+  EXPECT_NEAR(vehicle.ins->attitude_sigma->heading_rad, 0.01, 1e-5);
   EXPECT_NEAR(angleBetween(vehicle.ins->T_robot_ins.rotation, topic.T_robot_sensor.rotation), 0.0, 1e-8);
 }
 
@@ -90,7 +90,7 @@ TEST(RosBag, ImuFieldsAbsentOrUnusedStayAbsent) {
   const auto recording = importBag(bag, topicMap({topic}));
   ins = onlyReading<InsSample>(recording, labels::kIns);
   EXPECT_FALSE(ins.R_odom_ins || ins.angular_velocity_ins);
-  EXPECT_FALSE(vehicleOf(recording).ins->attitude_sigma_rad);
+  EXPECT_FALSE(vehicleOf(recording).ins->attitude_sigma);
 }
 
 TEST(RosBag, ImuOrientationOfTheRobotIsTurnedIntoTheSensors) {

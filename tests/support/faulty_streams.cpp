@@ -135,7 +135,7 @@ std::vector<StreamFault> streamFaults(const Vehicle& vehicle) {
         "ins-axes", "gyro-frozen", "accelerometer-frozen", "stamps-missing:INS", "stamps-equal:INS",
         "stamps-step-back:INS", "stamps-of-arrival:INS", "clock-rate:INS"})
     faults.push_back({name, labels::kIns});
-  if (vehicle.ins->attitude_sigma_rad)
+  if (vehicle.ins->attitude_sigma)
     for (const char* name : {"gyro-axes half-turn, and the accelerometer's", "attitude-frozen",
                              "attitude-inverse", "attitude-ned", "attitude-ned-frd", "attitude-w-first"})
       faults.push_back({name, labels::kIns});
@@ -161,7 +161,7 @@ Vehicle randomVehicle(std::uint64_t seed) {
   ins.accelerometer_sigma_m_s2 = within(3e-3, 5e-2);
   ins.gyro_bias_sigma_rad_s = within(1e-5, 1e-3);
   ins.accelerometer_bias_sigma_m_s2 = within(1e-3, 3e-2);
-  if (random.uniform() < 0.7) ins.attitude_sigma_rad = radians(within(0.05, 1));
+  if (random.uniform() < 0.7) ins.attitude_sigma = radians(within(0.05, 1));
   ins.T_robot_ins = mounting(random, 180, 8);
   DvlSheet& dvl = vehicle.dvl.emplace();
   dvl.rate_hz = random.uniform() < 0.5 ? 5 : 8;

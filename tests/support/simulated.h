@@ -17,7 +17,7 @@ inline Vehicle slantedVehicle() {
   };
   Vehicle vehicle;
   vehicle.ins.emplace().T_robot_ins = pose(0.15, -0.12, 0.13, 20, -5, 8);
-  vehicle.ins->attitude_sigma_rad = radians(0.2);
+  vehicle.ins->attitude_sigma = radians(0.2);
   vehicle.dvl.emplace().T_robot_dvl = pose(-0.2, 0.05, -0.18, 45, 2, -3);
   vehicle.depth.emplace().T_robot_depth = pose(-0.3, 0.2, 0.1, 0, 0, 0);
   vehicle.usbl.emplace().T_robot_usbl = pose(0.1, 0.0, 0.4, 0, 0, 0);

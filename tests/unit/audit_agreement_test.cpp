@@ -38,7 +38,7 @@ Vehicle aVehicle(bool with_attitude) {
   InsSheet& ins = vehicle.ins.emplace();
   ins.rate_hz = 50;
   ins.accelerometer_sigma_m_s2 = 0.01;
-  if (with_attitude) ins.attitude_sigma_rad = 0.002;
+  if (with_attitude) ins.attitude_sigma = 0.002;
   DvlSheet& dvl = vehicle.dvl.emplace();
   dvl.rate_hz = 5;
   dvl.velocity_sigma_xy_m_s = dvl.velocity_sigma_z_m_s = 0.01;

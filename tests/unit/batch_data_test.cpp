@@ -12,7 +12,7 @@ using test::at;
 
 Vehicle withAttitude() {
   Vehicle vehicle = readVehicle(test::kRov);
-  vehicle.ins->attitude_sigma_rad = 0.01;
+  vehicle.ins->attitude_sigma = 0.01;
   return vehicle;
 }
 

@@ -197,7 +197,7 @@ TEST(NavigationSimulator, WhiteNoiseIsThatOfTheDataSheet) {
                                           *reading<InsSample>(noisy, labels::kIns, i).R_odom_ins);
     for (std::size_t j = 0; j < 3; ++j) attitude[j].push_back(error[static_cast<Eigen::Index>(j)]);
   }
-  for (const auto& axis : attitude) expectWhite(axis, *vehicle.ins->attitude_sigma_rad, "attitude");
+  for (const auto& axis : attitude) expectWhite(axis, vehicle.ins->attitude_sigma->heading_rad, "attitude");
 }
 
 TEST(NavigationSimulator, BiasIsTheGaussMarkovProcessOfTheDataSheet) {
@@ -280,7 +280,7 @@ TEST(NavigationSimulator, LeavingOutASensorChangesNoOther) {
       EXPECT_EQ(largestDifference(samples, with.at(other)), 0) << other;
   }
   SimulationOptions no_attitude = all;
-  no_attitude.vehicle.ins->attitude_sigma_rad.reset();
+  no_attitude.vehicle.ins->attitude_sigma.reset();
   const auto plain = simulated(no_attitude, trajectory);
   EXPECT_FALSE(reading<InsSample>(plain, labels::kIns, 3).R_odom_ins);
   EXPECT_EQ(*reading<InsSample>(plain, labels::kIns, 3).specific_force_ins,

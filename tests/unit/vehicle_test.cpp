@@ -16,7 +16,7 @@ void expectExample(const Vehicle& v) {
   EXPECT_EQ(v.gravityOdom(), Vector3d(0, 0, -9.80665));
   ASSERT_TRUE(v.ins && v.dvl && v.depth && v.camera);
   EXPECT_FALSE(v.usbl);
-  EXPECT_FALSE(v.ins->attitude_sigma_rad);
+  EXPECT_FALSE(v.ins->attitude_sigma);
   EXPECT_EQ(v.ins->rate_hz, 100);
   EXPECT_EQ(v.ins->gyro_sigma_rad_s, 0.001);
   EXPECT_EQ(v.ins->accelerometer_sigma_m_s2, 0.01);
@@ -81,9 +81,36 @@ usbl:
   pose: {x: 0, y: 0, z: 0.3, yaw_deg: 0, pitch_deg: 0, roll_deg: 0}
 )");
   const Vehicle v = readVehicle(file);
-  EXPECT_NEAR(v.ins->attitude_sigma_rad.value(), radians(0.5), 1e-15);
+  EXPECT_NEAR(v.ins->attitude_sigma.value().roll_rad, radians(0.5), 1e-15);
+  EXPECT_TRUE(v.ins->attitude_sigma->isOneOfAll());
   EXPECT_EQ(v.usbl.value().position_sigma_m, 0.8);
   EXPECT_EQ(v.usbl->T_robot_usbl.position.z(), 0.3);
+}
+
+// About the vertical the heading turns, about the level axis to the left the pitch, and nothing else of the
+// three.
+TEST(Vehicle, AnAttitudeMayBeKnownOtherwiseAboutEachAxis) {
+  std::string text = readTextFile(shipped());
+  const std::string key = "  bias_time_constant_s: 120\n";
+  text.replace(text.find(key), key.size(), key + "  attitude_sigma_deg: [0.1, 0.2, 3]\n");
+  const auto file = test::scratchFolder() / "v.yaml";
+  writeTextFile(file, text);
+  const AttitudeSigma sigma = readVehicle(file).ins->attitude_sigma.value();
+  EXPECT_NEAR(sigma.heading_rad, radians(3.0), 1e-15);
+  const Pose T_robot_ins{rotationFromYawPitchRoll(1.0, 0.5, -2.0), {}};
+  const double yaw = 2.0, pitch = 0.3, roll = -0.4;
+  const Matrix3d R_odom_ins = rotationFromYawPitchRoll(yaw, pitch, roll) * T_robot_ins.rotation;
+  const Matrix3d root = sigma.errorRoot(R_odom_ins, T_robot_ins);
+  const auto moved = [&](const Vector3d& n) -> Matrix3d {
+    return R_odom_ins * expSO3<double>(root * n) * T_robot_ins.rotation.transpose();
+  };
+  EXPECT_LT(
+      angleBetween(moved(Vector3d::UnitZ()), rotationFromYawPitchRoll(yaw + sigma.heading_rad, pitch, roll)),
+      1e-12);
+  EXPECT_LT(
+      angleBetween(moved(Vector3d::UnitY()), rotationFromYawPitchRoll(yaw, pitch + sigma.pitch_rad, roll)),
+      1e-12);
+  EXPECT_NEAR(root.col(0).norm(), sigma.roll_rad, 1e-15);
 }
 
 TEST(Vehicle, APairOfCamerasMayLookThroughWindows) {
