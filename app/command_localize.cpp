@@ -80,7 +80,9 @@ void printStory(const RecordingStory& recording, const TaskStory& story) {
               << fixed(100.0 * e.within_3_sigma, 2) << " % inside 3 sigma\n";
   };
   std::cout << "\nagainst " << recording.reference_name << " (path " << fixed(story.filter->path_m, 1)
-            << " m)\n";
+            << " m)"
+            << (story.filter->is_laid ? ", laid on the first estimate where odom is a definition" : "")
+            << "\n";
   show("filter", *story.filter);
   if (story.smoother) show("smoother", *story.smoother);
   std::cout << "\n" << formatTable(errorsOverTime(recording, story));
@@ -164,9 +166,12 @@ constexpr const char* kLocalizeHelp =
     "Several recordings go to a folder each, with a summary over all. What was done before with the same\n"
     "inputs is not done again; a broken recording is reported, the rest goes on, the exit status is 2.\n"
     "\n"
-    "Where the path starts: `auto` aligns from the first seconds (gravity, INS attitude, USBL, pressure; "
-    "what no\n"
-    "sensor tells is zero and defines odom), `reference` takes the reference's first pose, or give numbers.\n"
+    "Where the path starts: `auto` takes what the first seconds tell (gravity, INS attitude, USBL, pressure, "
+    "panels\n"
+    "of known pose: most of their sightings); what nothing tells is zero and defines odom, until the first "
+    "fix\n"
+    "moves it. `reference` takes the reference's first pose, where it turns as the gyro does, or give "
+    "numbers.\n"
     "A reference (--reference, or TRUTH in a simulated recording) is used to judge, never to estimate.\n"
     "\n"
     "Examples:\n"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "localization/covariance_kernels.h"
+#include "localization/covariance_blocks.h"
 
 /// The kernels, written on four rows at a time: `Four` is a vector of the compiler's, or whatever else
 /// computes like one. All is inlined into whoever calls, and so compiled for the caller's instructions.

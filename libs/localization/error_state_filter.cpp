@@ -1,5 +1,8 @@
 #include "localization/error_state_filter.h"
 
+#include <cmath>
+#include <stdexcept>
+
 #include "core/gauss_markov.h"
 #include "core/linear_algebra.h"
 
@@ -142,6 +145,8 @@ void ErrorStateFilter<N>::correct(const Border<N>& border) {
 
 template <int N>
 void ErrorStateFilter<N>::predict(double dt_s, const ProcessNoise& noise) {
+  if (!(dt_s >= 0.0 && std::isfinite(dt_s)))
+    throw std::invalid_argument("a prediction over " + std::to_string(dt_s) + " s");
   const int steps = std::max(1, static_cast<int>(std::ceil(dt_s / kMaximumStep_s - 1e-9)));
   for (int k = 0; k < steps; ++k) step(dt_s / steps, noise);
 }
@@ -207,8 +212,7 @@ Eigen::MatrixXd takenApart(const Eigen::MatrixXd& covariance, Eigen::Index motio
 
 /// Joseph form as printed, over all states; moves the attached poses where it fuses.
 struct WholeUpdate {
-  double nis = 0;
-  bool fused = false;
+  Update done;
   Eigen::VectorXd delta;
   Eigen::MatrixXd covariance;
 
@@ -216,9 +220,9 @@ struct WholeUpdate {
               const Eigen::MatrixXd& R, double gate, std::vector<Pose>& poses) {
     const Eigen::MatrixXd PHt = before * H.transpose();
     const SymmetricFactors S(H * PHt + R);
-    nis = residual.dot(S.solve(residual));
-    fused = S.isPositive() && nis <= gate;
-    if (!fused) return;
+    const double nis = residual.dot(S.solve(residual));
+    done = {nis, std::exp(S.logDeterminant()), S.isPositive() && nis <= gate};
+    if (!done.fused) return;
     const Eigen::MatrixXd gain = S.solve(PHt.transpose()).transpose();
     const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(before.rows(), before.rows()) - gain * H;
     delta = gain * residual;
@@ -254,13 +258,13 @@ void ErrorStateFilter<N>::setWholeCovariance(const Eigen::MatrixXd& covariance) 
 }
 
 template <int N>
-double ErrorStateFilter<N>::updateWhole(const Eigen::VectorXd& residual, const Eigen::MatrixXd& H,
+Update ErrorStateFilter<N>::updateWhole(const Eigen::VectorXd& residual, const Eigen::MatrixXd& H,
                                         const Eigen::MatrixXd& R, double gate) {
   const WholeUpdate update(wholeCovariance(), residual, H, R, gate, attached.T_odom);
-  if (!update.fused) return update.nis;
+  if (!update.done.fused) return update.done;
   retract<N>(x, update.delta.head<N>());
   setWholeCovariance(update.covariance);
-  return update.nis;
+  return update.done;
 }
 
 template <int N>
@@ -284,7 +288,7 @@ void ErrorStateFilter<N>::attachAnew(int index, const UncertainPose& T_robot_pos
 }
 
 template <int N>
-double ErrorStateFilter<N>::updateSighting(int index, const UncertainPose& T_robot_pose, double gate) {
+Update ErrorStateFilter<N>::updateSighting(int index, const UncertainPose& T_robot_pose, double gate) {
   const auto [predicted, wrt_robot, wrt_pose] = between({x.motion.R_odom_robot, x.motion.position_odom},
                                                         attached.T_odom[static_cast<std::size_t>(index)]);
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(6, N + attached.block.rows());
@@ -294,7 +298,7 @@ double ErrorStateFilter<N>::updateSighting(int index, const UncertainPose& T_rob
 }
 
 template <int N>
-double ErrorStateFilter<N>::updateAttached(int index, const UncertainPose& T_odom_pose, double gate) {
+Update ErrorStateFilter<N>::updateAttached(int index, const UncertainPose& T_odom_pose, double gate) {
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(6, N + attached.block.rows());
   H.middleCols<6>(attachedRow(index)).setIdentity();
   return updateWhole(poseDifference(attached.T_odom[static_cast<std::size_t>(index)], T_odom_pose.pose), H,

@@ -27,6 +27,14 @@ struct ProcessNoise {
   double bias_time_constant_s = 120.0;
 };
 
+/// What became of a measurement.
+struct Update {
+  double nis = 0.0;          ///< normalized innovation squared, r^T S^-1 r
+  double determinant = 0.0;  ///< of the innovation's covariance S
+  bool fused =
+      false;  ///< false: NIS beyond the gate or no number, or S not positive definite; nothing is changed
+};
+
 /// The largest step predict() takes at once; longer ones are split (its noise integral is second order).
 inline constexpr double kMaximumStep_s = 0.05;
 
@@ -60,6 +68,7 @@ class ErrorStateFilter {
   AttachedPoses attached{N};  ///< costs nothing where there is none
   const CovarianceKernels<N>* kernels = &fastestKernels<N>();
 
+  /// Throws std::invalid_argument where dt is negative or no number.
   void predict(double dt_s, const ProcessNoise& noise);
 
   /// Dense transition Jacobian of one predict step of at most kMaximumStep_s: for the smoother and tests.
@@ -86,14 +95,14 @@ class ErrorStateFilter {
     Eigen::Matrix<double, Cols::size, Cols::size> R;
   };
 
-  /// Normalized innovation squared r^T S^-1 r. Fuses when it is at most `gate`.
+  /// Fuses where NIS is at most `gate`.
   ///
   /// P' = P - W D^-1 W^T, where S = L D L^T and W = P H^T L^-T: the same as P - K S K^T, in O(N² M) and
   /// symmetric to the last bit. It loses digits in the ratio of what a component of the reading is known to
   /// before and after; where that is large, as of a precise reading of a state that nothing is known of, the
   /// Joseph form (Bucy & Joseph 1968) is computed instead, which stays positive definite.
   template <class AnyMeasurement>
-  double update(const AnyMeasurement& m, double gate = std::numeric_limits<double>::infinity());
+  Update update(const AnyMeasurement& m, double gate = std::numeric_limits<double>::infinity());
 
   /// A pose seen from the robot becomes one more state, by this sighting alone. Returns its index. (Error of
   /// T_odom_robot T_robot_pose to first order in both.)
@@ -101,8 +110,8 @@ class ErrorStateFilter {
   /// The same for one that is attached already: all that was known of it is forgotten.
   void attachAnew(int index, const UncertainPose& T_robot_pose);
   /// Fuse another sighting of an attached pose, or what is known of it from elsewhere; as update().
-  double updateSighting(int index, const UncertainPose& T_robot_pose, double gate);
-  double updateAttached(int index, const UncertainPose& T_odom_pose, double gate);
+  Update updateSighting(int index, const UncertainPose& T_robot_pose, double gate);
+  Update updateAttached(int index, const UncertainPose& T_odom_pose, double gate);
   UncertainPose attachedPose(int index) const;
 
   /// The robot's pose is what the sighting of a pose says, exact or attached, and nothing else: motion and
@@ -130,7 +139,7 @@ class ErrorStateFilter {
   /// What an update of the motion does to the attached poses, before P is changed: Joseph form, too.
   void carryAttached(const Eigen::VectorXd& residual, const Eigen::MatrixXd& H, const Eigen::MatrixXd& R);
   /// Joseph form as printed, over all states.
-  double updateWhole(const Eigen::VectorXd& residual, const Eigen::MatrixXd& H, const Eigen::MatrixXd& R,
+  Update updateWhole(const Eigen::VectorXd& residual, const Eigen::MatrixXd& H, const Eigen::MatrixXd& R,
                      double gate);
   int attachedRow(int index) const { return N + 6 * index; }
   /// P - W D^-1 W^T, and the state moved by the correction that comes with it.
@@ -141,16 +150,17 @@ class ErrorStateFilter {
 
 template <int N>
 template <class AnyMeasurement>
-double ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
+Update ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
   Border<N> border;
   fillBorder(m, border);
   if (!border.isModest(m.R.diagonal()) || !kernels->eliminate(border))
     return updateWhole(m.residual, wholeH(m), m.R, gate);
   const double nis = border.nis();
-  if (!(nis <= gate)) return nis;
+  const Update done{nis, border.determinant(), nis <= gate};
+  if (!done.fused) return done;
   if (!attached.T_odom.empty()) carryAttached(m.residual, wholeH(m), m.R);
   correct(border);
-  return nis;
+  return done;
 }
 
 template <int N>

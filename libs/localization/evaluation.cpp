@@ -25,9 +25,14 @@ MeanAndSigma meanAndSigma(const std::vector<double>& values) {
 }
 
 bool Evaluator::add(const Estimate& estimate) {
-  const auto truth = poseAt(reference_, estimate.time);
+  auto truth = poseAt(reference_, estimate.time);
   if (!truth) return false;
   const KinematicState<double>& m = estimate.state.motion;
+  if (estimate.defined.any()) {
+    if (!T_defined_reference_)
+      T_defined_reference_ = moveTo({m.R_odom_robot, m.position_odom}, *truth, estimate.defined).T_new_old;
+    truth = *T_defined_reference_ * *truth;
+  }
   PoseError error;
   error.t_s = estimate.t_s;
   error.position_m = m.position_odom - truth->position;
@@ -46,6 +51,7 @@ std::optional<Evaluation> Evaluator::finish() const {
   if (errors_.empty()) return std::nullopt;
   Evaluation result;
   result.errors = errors_;
+  result.is_laid = T_defined_reference_.has_value();
   std::vector<double> positions, angles, nees;
   double inside = 0.0;
   for (const PoseError& error : errors_) {

@@ -33,9 +33,12 @@ struct Evaluation {
   double nees_mean = 0.0;
   double within_3_sigma = 0.0;  ///< share of the six components times estimates
   double path_m = 0.0;          ///< length of the reference
+  bool is_laid = false;         ///< the reference was laid on the first estimate: see Evaluator
 };
 
-/// Collects errors as estimates come; summarizes at the end.
+/// Collects errors as estimates come; summarizes at the end. As long as odom is a definition of the start's
+/// (Estimate::defined), the reference is laid on the first estimate in the coordinates that nothing told: it
+/// has a frame of its own.
 class Evaluator {
  public:
   explicit Evaluator(const std::vector<StampedPose>& reference) : reference_(reference) {}
@@ -47,6 +50,7 @@ class Evaluator {
  private:
   const std::vector<StampedPose>& reference_;
   std::vector<PoseError> errors_;
+  std::optional<Pose> T_defined_reference_;
 };
 
 /// |position error| of the last estimate at or before a time since the recording's first entry; NaN where

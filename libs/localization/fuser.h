@@ -61,6 +61,9 @@ class Fuser {
                                                   ? chiSquareQuantile(dof, setup.options.gate.probability)
                                                   : std::numeric_limits<double>::infinity();
     for (const Channel channel : setup.options.fuse) fused_.set(indexOf(channel));
+    variance_times_.fill(1.0);
+    for (const auto& [channel, times] : setup.options.sigma_times)
+      variance_times_[indexOf(channel)] = times * times;
   }
 
   void fuse(GatedFilter<N>& state, const Sample& sample, double t_s, FusionLog& log) {
@@ -72,16 +75,18 @@ class Fuser {
       Rejections& rejected = state.rejected[indexOf(channel)];
       const double gate = gates_[M];
       const bool believed = rejected.in_a_row >= kRejectionsBelieved;
-      const double nis = filter.update(m, believed ? kAlways : gate);
-      if (nis <= gate)
+      const Update done = filter.update(m, believed ? kAlways : gate);
+      if (done.nis <= gate)
         rejected.in_a_row = 0;
       else
         rejected.template add<M>(m.residual, m.R, gate);
-      log.innovations.push_back({t_s, channel, M, nis, believed || nis <= gate, rejected.in_a_row});
+      log.innovations.push_back({t_s, channel, M, done.nis, done.fused, rejected.in_a_row, done.determinant});
     };
     forEachObservation(sample, setup_.vehicle, [&]<class C>(const Observation& seen) {
-      if (isTold<C>())
-        update(kChannel<C>, measure<N, C::channel.component_count>(filter.x, kChannel<C>, seen, context_));
+      if (!isTold<C>()) return;
+      auto m = measure<N, C::channel.component_count>(filter.x, kChannel<C>, seen, context_);
+      m.R *= variance_times_[indexOf(kChannel<C>)];
+      update(kChannel<C>, m);
     });
     if (!uses(kChannel<Landmark>)) return;
     if (const auto* pose = std::get_if<PoseSample>(&sample.reading);
@@ -142,6 +147,7 @@ class Fuser {
   const LocalizationSetup& setup_;
   MeasurementContext context_;
   std::array<double, 7> gates_{};
+  std::array<double, kChannelCount> variance_times_{};
   std::bitset<kChannelCount> fused_;
   LandmarkFuser<N> landmarks_;
 };

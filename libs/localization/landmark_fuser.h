@@ -53,7 +53,10 @@ class LandmarkFuser {
       : setup_(setup),
         gate_(setup.options.gate.kind == Gate::Kind::chi_square
                   ? chiSquareQuantile(6, setup.options.gate.probability)
-                  : kAlways) {}
+                  : kAlways) {
+    const auto times = setup.options.sigma_times.find(kChannel<Landmark>);
+    if (times != setup.options.sigma_times.end()) variance_times_ = times->second * times->second;
+  }
 
   Memory start() const {
     LandmarkMemory memory;
@@ -119,9 +122,10 @@ class LandmarkFuser {
     return {filter.x.motion.R_odom_robot, filter.x.motion.position_odom};
   }
 
-  void fuseFix(ErrorStateFilter<N>& filter, Memory& shared, const Fix& fix, double t_s,
-               FusionLog& log) const {
+  void fuseFix(ErrorStateFilter<N>& filter, Memory& shared, Fix fix, double t_s, FusionLog& log) const {
     LandmarkMemory memory = *shared;
+    fix.T_robot_panel.covariance *= variance_times_;
+    if (fix.T_odom_robot) fix.T_odom_robot->covariance *= variance_times_;
     int* attached = fix.panel == kNoPanel ? nullptr : &memory.attached[static_cast<std::size_t>(fix.panel)];
     if (attached != nullptr && *attached == LandmarkMemory::kUnseen) {
       *attached = filter.attach(fix.T_robot_panel);
@@ -143,7 +147,7 @@ class LandmarkFuser {
     T_odom_panel.covariance.diagonal() << Vector3d::Constant(position_sigma_m * position_sigma_m),
         Vector3d::Constant(angle_sigma_rad * angle_sigma_rad);
     const Vector6d offset = poseDifference(known.T_odom_panel, filter.attachedPose(attached).pose);
-    const double nis = filter.updateAttached(attached, T_odom_panel, gate_);
+    const double nis = filter.updateAttached(attached, T_odom_panel, gate_).nis;
     if (nis > gate_)
       log.events.push_back(
           {t_s, "panel-prior",
@@ -175,16 +179,17 @@ class LandmarkFuser {
     const double gate = setup_.options.gate.kind != Gate::Kind::fixed || isInside(off) ? gate_ : kNever;
     const bool believed = setup_.options.gate.kind == Gate::Kind::fixed && !patient;
     if (!estimated && setup_.options.gate.kind == Gate::Kind::chi_square && isTooWide(filter)) {
-      const double nis = updateByRobotPose(filter, fix, T_odom_panel, kNever);
+      const double nis = updateByRobotPose(filter, fix, T_odom_panel, kNever).nis;
       if (nis <= gate) return restart(filter, memory, fix, judged, off, nis, log);
     }
-    const double nis = estimated
-                           ? filter.updateSighting(attached, fix.T_robot_panel, believed ? kAlways : gate)
-                           : updateByRobotPose(filter, fix, T_odom_panel, believed ? kAlways : gate);
+    const Update done = estimated
+                            ? filter.updateSighting(attached, fix.T_robot_panel, believed ? kAlways : gate)
+                            : updateByRobotPose(filter, fix, T_odom_panel, believed ? kAlways : gate);
+    const double nis = done.nis;
     const bool passed = nis <= gate;
     memory.rejected_in_a_row = passed ? 0 : memory.rejected_in_a_row + 1;
     log.innovations.push_back(
-        {t_s, kChannel<Landmark>, 6, nis, believed || passed, memory.rejected_in_a_row});
+        {t_s, kChannel<Landmark>, 6, nis, done.fused, memory.rejected_in_a_row, done.determinant});
     if (setup_.options.gate.kind != Gate::Kind::chi_square) return;
     if (passed) {
       judged.pose_variance = filter.P.diagonal().template head<6>();
@@ -194,7 +199,7 @@ class LandmarkFuser {
     }
   }
 
-  static double updateByRobotPose(ErrorStateFilter<N>& filter, const Fix& fix, const Pose& T_odom_panel,
+  static Update updateByRobotPose(ErrorStateFilter<N>& filter, const Fix& fix, const Pose& T_odom_panel,
                                   double gate) {
     const UncertainPose T_odom_robot = fix.T_odom_robot.value_or(T_odom_panel * fix.T_robot_panel.inverse());
     return filter.update(poseMeasurement<N>(filter.x, T_odom_robot), gate);
@@ -357,6 +362,7 @@ class LandmarkFuser {
 
   const LocalizationSetup& setup_;
   double gate_;
+  double variance_times_ = 1.0;
 };
 
 }  // namespace fathom

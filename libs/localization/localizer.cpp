@@ -6,6 +6,7 @@
 #include "core/stable_sort.h"
 #include "localization/alignment.h"
 #include "localization/fuser.h"
+#include "localization/future_stamps.h"
 #include "localization/input_watch.h"
 #include "localization/lost_monitor.h"
 #include "localization/smoother.h"
@@ -22,6 +23,16 @@ bool isFusible(const Sample& sample, LandmarkOptions::Form form) {
 
 bool isLandmark(const Sample& sample) {
   return std::holds_alternative<PanelSample>(sample.reading) || baseOf(sample.label) == labels::kMarkers;
+}
+
+/// With the options' biases in the place of the vehicle file's.
+LocalizationSetup withBiases(LocalizationSetup setup) {
+  if (auto& ins = setup.vehicle.ins; ins && setup.options.biases) {
+    ins->gyro_bias_sigma_rad_s = setup.options.biases->gyro_sigma_rad_s;
+    ins->accelerometer_bias_sigma_m_s2 = setup.options.biases->accelerometer_sigma_m_s2;
+    ins->bias_time_constant_s = setup.options.biases->time_constant_s;
+  }
+  return setup;
 }
 
 /// What a chi-square variable of so many degrees of freedom exceeds once in 10 000 times.
@@ -46,18 +57,13 @@ template <int N>
 class Localizer::RunOf : public Run {
  public:
   RunOf(LocalizationSetup setup, LocalizationSink sink)
-      : setup_(std::move(setup)),
+      : setup_(withBiases(std::move(setup))),
         sink_(std::move(sink)),
         fuser_(setup_),
         lost_(setup_.options.lost),
-        watch_(setup_.options,
-               [this](double t, const char* kind, std::string text) { report(t, kind, std::move(text)); }) {
-    noise_ = setup_.options.noise;
-    if (const auto& ins = setup_.vehicle.ins) {
-      noise_.gyro_bias_sigma_rad_s.setConstant(ins->gyro_bias_sigma_rad_s);
-      noise_.accelerometer_bias_sigma_m_s2.setConstant(ins->accelerometer_bias_sigma_m_s2);
-      noise_.bias_time_constant_s = ins->bias_time_constant_s;
-    }
+        watch_(setup_.options, reporter()),
+        future_([this](const Sample& sample, double stamp_s) { take(sample, stamp_s); }, reporter()) {
+    for (const Regime regime : kEveryRegime) noise_[static_cast<std::size_t>(regime)] = noiseIn(regime);
     before_->after.landmarks = fuser_.startLandmarks();
     for (const PanelPrior& panel : setup_.panels)
       summary_.panels.push_back({panel.name, PanelResult::State::unseen, {panel.T_odom_panel}, {}});
@@ -66,18 +72,11 @@ class Localizer::RunOf : public Run {
   void add(const Sample& sample) override {
     if (!isFusible(sample, setup_.options.landmarks.form)) return;
     ++summary_.samples;
-    const double stamp_s = secondsBetween(setup_.time_zero, sample.time);
-    if (!watch_.accept(sample, stamp_s)) return;
-    if (summary_.started) {
-      const double t_s = validity_s(sample);
-      return insert(t_s, sample);
-    }
-    waiting_.push_back(sample);
-    if (isLandmark(sample)) ++waiting_landmarks_;
-    if (isAligned(secondsBetween(waiting_.front().time, sample.time))) start();
+    future_.add(sample, secondsBetween(setup_.time_zero, sample.time));
   }
 
   LocalizationSummary finish() override {
+    future_.finish();
     if (!summary_.started && !waiting_.empty()) start();
     if (!summary_.started) {
       summary_.failure = "no entry of a navigation sensor";
@@ -118,6 +117,37 @@ class Localizer::RunOf : public Run {
       valid_s += validityOffset<typename Instrument::Instrument>(effects, stamp_s);
     });
     return valid_s;
+  }
+
+  ProcessNoise noiseIn(Regime regime) const {
+    ProcessNoise noise = setup_.options.noise;
+    if (const auto driven = setup_.options.driven.find(regime); driven != setup_.options.driven.end()) {
+      noise.angular_velocity = driven->second.angular_velocity;
+      noise.acceleration = driven->second.acceleration;
+    }
+    if (const auto& ins = setup_.vehicle.ins) {
+      noise.gyro_bias_sigma_rad_s.setConstant(ins->gyro_bias_sigma_rad_s);
+      noise.accelerometer_bias_sigma_m_s2.setConstant(ins->accelerometer_bias_sigma_m_s2);
+      noise.bias_time_constant_s = ins->bias_time_constant_s;
+    }
+    return noise;
+  }
+
+  const ProcessNoise& noiseAt(const NavigationState<double>& x) const {
+    return noise_[static_cast<std::size_t>(setup_.options.regimes.of(x.motion))];
+  }
+
+  InputWatch::Report reporter() {
+    return [this](double t, const char* kind, std::string text) { report(t, kind, std::move(text)); };
+  }
+
+  /// In order of arrival, of a stamp that may be believed.
+  void take(const Sample& sample, double stamp_s) {
+    if (!watch_.accept(sample, stamp_s)) return;
+    if (summary_.started) return insert(validity_s(sample), sample);
+    waiting_.push_back(sample);
+    if (isLandmark(sample)) ++waiting_landmarks_;
+    if (isAligned(secondsBetween(waiting_.front().time, sample.time))) start();
   }
 
   bool isAligned(double waited_s) const {
@@ -180,7 +210,7 @@ class Localizer::RunOf : public Run {
     std::vector<ReckonedFix> fixes;
     for (const Sample* sample : by_time) {
       const double t_s = validity_s(*sample);
-      if (t_s > now.t_s) now.after.filter.predict(t_s - now.t_s, noise_);
+      if (t_s > now.t_s) now.after.filter.predict(t_s - now.t_s, noiseAt(now.after.filter.x));
       now.t_s = std::max(now.t_s, t_s);
       const std::vector<ReckonedFix> seen = fuser_.fixes(now.after, *sample, t_s);
       fixes.insert(fixes.end(), seen.begin(), seen.end());
@@ -218,7 +248,7 @@ class Localizer::RunOf : public Run {
 
   void process(const Entry& last, Entry& entry) {
     entry.after = last.after;
-    if (entry.t_s > last.t_s) entry.after.filter.predict(entry.t_s - last.t_s, noise_);
+    if (entry.t_s > last.t_s) entry.after.filter.predict(entry.t_s - last.t_s, noiseAt(last.after.filter.x));
     entry.log.clear();
     fuser_.fuse(entry.after, entry.sample, entry.t_s, entry.log);
   }
@@ -239,10 +269,11 @@ class Localizer::RunOf : public Run {
   void output(const Entry& entry) {
     summary_.end_t_s = entry.t_s;
     judge(entry);
+    if constexpr (N == kFullSize) noteBiases(entry);
     if (setup_.options.smooth) smoother_.record(entry.t_s, entry.after.filter, std::exchange(anew_, {}));
     // A landmark moves the estimate at once: between grid points that would not show.
     if (!std::exchange(landmark_seen_, false) && entry.t_s < next_output_s_ - 1e-6) return;
-    sink_.estimate(makeEstimate(entry.t_s, entry.after.filter.x, entry.after.filter.P));
+    sink_.estimate(makeEstimate(entry.t_s, entry.after.filter.x, entry.after.filter.P, entry.after.frame));
     outputs_.push_back(entry.t_s);
     // The grid is kept, however unevenly readings come.
     const double period = 1.0 / setup_.options.output_rate_hz;
@@ -252,21 +283,22 @@ class Localizer::RunOf : public Run {
   }
 
   Estimate makeEstimate(double t_s, const NavigationState<double>& x,
-                        const typename ErrorStateFilter<N>::Matrix& P) const {
+                        const typename ErrorStateFilter<N>::Matrix& P, const OdomFrame& frame) const {
     return {after(setup_.time_zero, t_s),
             t_s,
             x,
             P.template topLeftCorner<6, 6>(),
             P.diagonal().template segment<3>(kVelocity).cwiseMax(0.0).cwiseSqrt(),
-            summary_.lost_since_s.has_value()};
+            summary_.lost_since_s.has_value(),
+            frame.defined()};
   }
 
   void smooth() {
-    smoother_.smooth(noise_, [](double) {});
+    smoother_.smooth([this](const auto& x) -> const ProcessNoise& { return noiseAt(x); }, [](double) {});
     std::size_t k = 0;
     for (const double t_s : outputs_) {
       while (smoother_.time(k) < t_s) ++k;
-      sink_.smoothed(makeEstimate(t_s, smoother_.state(k), smoother_.covariance(k)));
+      sink_.smoothed(makeEstimate(t_s, smoother_.state(k), smoother_.covariance(k), before_->after.frame));
     }
   }
 
@@ -312,6 +344,40 @@ class Localizer::RunOf : public Run {
     }
   }
 
+  /// A bias far beyond the vehicle file's sigma is a fault of the file or of the instrument; told once.
+  void noteBiases(const Entry& entry) {
+    const auto& x = entry.after.filter.x;
+    noteBias(entry, kGyroBias, x.gyro_bias_rad_s, noise_[0].gyro_bias_sigma_rad_s,
+             {"gyro", degrees(1.0), "deg/s"});
+    noteBias(entry, kAccelerometerBias, x.accelerometer_bias_m_s2, noise_[0].accelerometer_bias_sigma_m_s2,
+             {"accelerometer", 1.0, "m/s2"});
+  }
+
+  struct BiasText {
+    const char* instrument;
+    double scale;
+    const char* unit;
+  };
+  void noteBias(const Entry& entry, int block, const Vector3d& bias, const Vector3d& sheet_sigma,
+                const BiasText& text) {
+    bool& told = bias_told_[block == kGyroBias ? 0 : 1];
+    if (told) return;
+    const Vector3d sigma =
+        entry.after.filter.P.diagonal().template segment<3>(block).cwiseMax(0.0).cwiseSqrt();
+    // As many of the file's sigmas as no bias has, and surely so.
+    constexpr double kFar = 6.0, kSurely = 6.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double size = std::abs(bias[axis]);
+      if (size <= kFar * sheet_sigma[axis] + kSurely * sigma[axis]) continue;
+      told = true;
+      return report(
+          entry.t_s, "bias",
+          print("the %s's bias about its %c axis is %.4g +- %.2g %s, %.0f times the vehicle file's sigma",
+                text.instrument, "xyz"[axis], bias[axis] * text.scale, sigma[axis] * text.scale, text.unit,
+                size / sheet_sigma[axis]));
+    }
+  }
+
   std::vector<PanelResult> panelResults() const {
     std::vector<PanelResult> results = summary_.panels;
     for (std::size_t i = 0; i < results.size(); ++i) {
@@ -331,10 +397,11 @@ class Localizer::RunOf : public Run {
 
   const LocalizationSetup setup_;
   const LocalizationSink sink_;
-  ProcessNoise noise_;
+  std::array<ProcessNoise, kEveryRegime.size()> noise_;  ///< of each regime
   Fuser<N> fuser_;
   LostMonitor lost_;
   InputWatch watch_;
+  FutureStamps future_;
   LocalizationSummary summary_;
   std::array<ChannelSummary, kChannelCount> channels_{};
   std::vector<Sample> waiting_;  ///< until alignment
@@ -343,7 +410,8 @@ class Localizer::RunOf : public Run {
   std::deque<std::unique_ptr<Entry>> entries_;
   std::vector<std::unique_ptr<Entry>> unused_;
   double next_output_s_ = 0.0;
-  bool landmark_seen_ = false;  ///< since the latest output
+  std::array<bool, 2> bias_told_{};  ///< gyro, accelerometer
+  bool landmark_seen_ = false;       ///< since the latest output
   std::vector<double> outputs_;
   std::vector<int> anew_;  ///< since the smoother's last record
   Smoother<N> smoother_;

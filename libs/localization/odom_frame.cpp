@@ -22,23 +22,6 @@ double turnAboutUp(const Matrix3d& R) { return std::atan2(R(1, 0) - R(0, 1), R(0
 
 Matrix3d aboutUp(double turn_rad) { return rotationFromYawPitchRoll(turn_rad, 0, 0); }
 
-/// Moved so that the defined coordinates are those of the fix.
-FrameMove moveTo(const PoseFix& fix, const Pose& T_odom_robot, const FrameCoordinates& free) {
-  const Pose& there = fix.T_odom_robot.pose;
-  FrameMove move;
-  if (free.heading)
-    move.T_new_old.rotation = aboutUp(turnAboutUp(there.rotation * T_odom_robot.rotation.transpose()));
-  // About the robot: coordinates that are not free stay as they are.
-  Vector3d to = T_odom_robot.position;
-  if (free.position) to.head<2>() = there.position.head<2>();
-  if (free.height) to.z() = there.position.z();
-  move.T_new_old.position = to - move.T_new_old.rotation * T_odom_robot.position;
-  move.pivot_new = to;
-  const double horizontal_m = free.position ? kUnknown_m : 0.0;
-  move.sigma << horizontal_m, horizontal_m, free.height ? kUnknown_m : 0.0, free.heading ? kUnknown_rad : 0.0;
-  return move;
-}
-
 FrameCoordinates both(const FrameCoordinates& a, const FrameCoordinates& b) {
   return {a.position && b.position, a.height && b.height, a.heading && b.heading};
 }
@@ -109,6 +92,21 @@ void thinOut(List& list) {
 
 }  // namespace
 
+FrameMove moveTo(const Pose& there, const Pose& T_odom_robot, const FrameCoordinates& free) {
+  FrameMove move;
+  if (free.heading)
+    move.T_new_old.rotation = aboutUp(turnAboutUp(there.rotation * T_odom_robot.rotation.transpose()));
+  // About the robot: coordinates that are not free stay as they are.
+  Vector3d to = T_odom_robot.position;
+  if (free.position) to.head<2>() = there.position.head<2>();
+  if (free.height) to.z() = there.position.z();
+  move.T_new_old.position = to - move.T_new_old.rotation * T_odom_robot.position;
+  move.pivot_new = to;
+  const double horizontal_m = free.position ? kUnknown_m : 0.0;
+  move.sigma << horizontal_m, horizontal_m, free.height ? kUnknown_m : 0.0, free.heading ? kUnknown_rad : 0.0;
+  return move;
+}
+
 auto OdomFrame::meet(const Pose& T_odom_robot, const PoseFix& fix) -> Meeting {
   const FrameCoordinates free = both(defined_, fix.tells);
   if (!free.any()) return {};
@@ -117,7 +115,7 @@ auto OdomFrame::meet(const Pose& T_odom_robot, const PoseFix& fix) -> Meeting {
   defined_.height = defined_.height && !free.height;
   defined_.heading = defined_.heading && !free.heading;
   if (!defined_.heading) track_.reset();
-  return {moveTo(fix, T_odom_robot, free), false};
+  return {moveTo(fix.T_odom_robot.pose, T_odom_robot, free), false};
 }
 
 /// A position, while the heading is a definition.
@@ -133,7 +131,7 @@ auto OdomFrame::shift(const Pose& T_odom_robot, const PoseFix& fix) -> Meeting {
   defined_.height = defined_.height && !free.height;
   if (fit.turn_sigma_rad > kTurn_rad) {
     shifted_ += there.head<2>() - here.head<2>();
-    return {moveTo(fix, T_odom_robot, free), false};
+    return {moveTo(fix.T_odom_robot.pose, T_odom_robot, free), false};
   }
   FrameMove move;
   move.T_new_old.rotation = aboutUp(fit.turn_rad);
@@ -190,7 +188,7 @@ std::optional<FrameConsensus> consensus(const OdomFrame& frame, const std::vecto
     const FrameCoordinates free = both(frame.defined(), candidate.fix.tells);
     if (!free.position) continue;
     ++of;
-    FrameMove move = moveTo(candidate.fix, candidate.T_odom_robot, free);
+    FrameMove move = moveTo(candidate.fix.T_odom_robot.pose, candidate.T_odom_robot, free);
     const auto agreeing = static_cast<std::size_t>(std::count_if(
         fixes.begin(), fixes.end(), [&](const ReckonedFix& seen) { return confirm(candidate, seen); }));
     // A pose tells more than any number of positions.

@@ -18,6 +18,10 @@ struct FrameCoordinates {
   bool any() const { return position || height || heading; }
 };
 
+/// The move of the frame after which a pose has the free coordinates of another. They are as good as unknown,
+/// for a fix to tell them: the heading no more so than a linear update bears.
+FrameMove moveTo(const Pose& there, const Pose& T_odom_robot, const FrameCoordinates& free);
+
 /// What one reading says of where the robot is: a panel of known pose, USBL, GNSS, pressure.
 struct PoseFix {
   double t_s = 0.0;

@@ -9,22 +9,22 @@ namespace fathom {
 
 namespace {
 
+/// Of those that the filter fuses.
+Channel readChannel(const YamlMap& y, const std::string& key, const std::string& name) {
+  const auto found = std::find_if(kEveryChannel.begin(), kEveryChannel.end(), [&](Channel channel) {
+    return textOf(channel).is_filtered && textOf(channel).id == name;
+  });
+  if (found != kEveryChannel.end()) return *found;
+  std::string known;
+  for (const Channel channel : kEveryChannel)
+    if (textOf(channel).is_filtered) known.append(known.empty() ? "" : ", ").append(nameOf(channel));
+  throw y.error(key,
+                std::string("unknown channel `").append(name).append("` (known: ").append(known).append(")"));
+}
+
 std::vector<Channel> readChannels(const YamlMap& y) {
   std::vector<Channel> channels;
-  for (const std::string& name : y.texts("fuse")) {
-    const auto found = std::find_if(kEveryChannel.begin(), kEveryChannel.end(), [&](Channel channel) {
-      return textOf(channel).is_filtered && textOf(channel).id == name;
-    });
-    if (found == kEveryChannel.end()) {
-      std::string known;
-      for (const Channel channel : kEveryChannel)
-        if (textOf(channel).is_filtered) known.append(known.empty() ? "" : ", ").append(nameOf(channel));
-      throw y.error(
-          "fuse",
-          std::string("unknown channel `").append(name).append("` (known: ").append(known).append(")"));
-    }
-    channels.push_back(*found);
-  }
+  for (const std::string& name : y.texts("fuse")) channels.push_back(readChannel(y, "fuse", name));
   return channels;
 }
 
@@ -43,6 +43,32 @@ ProcessNoise readProcessNoise(const YamlMap& y, ProcessNoise noise) {
   readDensity(y, "acceleration_m2_s5", noise.acceleration);
   if (y.has("sea_floor_m2_s")) noise.sea_floor = y.notNegative("sea_floor_m2_s");
   return noise;
+}
+
+DrivingNoise readDriving(const YamlMap& y, const ProcessNoise& otherwise) {
+  DrivingNoise noise{otherwise.angular_velocity, otherwise.acceleration};
+  readDensity(y, "angular_velocity_rad2_s3", noise.angular_velocity);
+  readDensity(y, "acceleration_m2_s5", noise.acceleration);
+  return noise;
+}
+
+/// Sections `transit` and `turning` of the process noise.
+void readRegimes(const YamlMap& y, LocalizationOptions& options) {
+  if (y.has("transit")) {
+    const YamlMap transit = y.map("transit");
+    if (transit.has("above_m_s")) options.regimes.transit_m_s = transit.positive("above_m_s");
+    options.driven[Regime::transit] = readDriving(transit, options.noise);
+  }
+  if (y.has("turning")) {
+    const YamlMap turning = y.map("turning");
+    if (turning.has("above_deg_s")) options.regimes.turning_rad_s = radians(turning.positive("above_deg_s"));
+    options.driven[Regime::turning] = readDriving(turning, options.noise);
+  }
+}
+
+BiasNoise readBiases(const YamlMap& y) {
+  return {radians(y.notNegative("gyro_sigma_deg_s")), y.notNegative("accelerometer_sigma_m_s2"),
+          y.positive("time_constant_s")};
 }
 
 Gate readGate(const YamlMap& y) {
@@ -98,6 +124,13 @@ LocalizationOptions readOnto(LocalizationOptions options, const std::filesystem:
   if (y.has("fuse")) options.fuse = readChannels(y);
   y.read("bias_states", options.bias_states);
   if (y.has("process_noise")) options.noise = readProcessNoise(y.map("process_noise"), options.noise);
+  if (y.has("process_noise")) readRegimes(y.map("process_noise"), options);
+  if (y.has("sigma_times")) {
+    const YamlMap times = y.map("sigma_times");
+    for (const std::string& name : times.keys())
+      options.sigma_times[readChannel(y, "sigma_times", name)] = times.positive(name);
+  }
+  if (y.has("biases")) options.biases = readBiases(y.map("biases"));
   if (y.has("gate")) options.gate = readGate(y.map("gate"));
   if (y.has("landmarks")) options.landmarks = readLandmarks(y.map("landmarks"), options.landmarks);
   if (y.has("lost")) options.lost = readLost(y.map("lost"), options.lost);
@@ -119,6 +152,34 @@ std::string channelsText(const std::vector<Channel>& channels) {
   std::string text;
   for (const Channel channel : channels) text.append(text.empty() ? "" : ", ").append(nameOf(channel));
   return print("[%s]", text.c_str());
+}
+
+/// Lines of the section process_noise.
+std::string regimesText(const LocalizationOptions& o) {
+  std::string text;
+  for (const auto& [regime, noise] : o.driven) {
+    const bool turns = regime == Regime::turning;
+    text += print("  %s: {%s: %s, angular_velocity_rad2_s3: %s, acceleration_m2_s5: %s}\n",
+                  turns ? "turning" : "transit", turns ? "above_deg_s" : "above_m_s",
+                  shortest(turns ? degrees(o.regimes.turning_rad_s) : o.regimes.transit_m_s).c_str(),
+                  axes(noise.angular_velocity).c_str(), axes(noise.acceleration).c_str());
+  }
+  return text;
+}
+
+std::string sigmaTimesText(const LocalizationOptions& o) {
+  std::string text;
+  for (const auto& [channel, times] : o.sigma_times)
+    text.append(text.empty() ? "" : ", ").append(nameOf(channel)).append(": " + shortest(times));
+  return text.empty() ? "" : "sigma_times: {" + text + "}\n";
+}
+
+std::string biasesText(const LocalizationOptions& o) {
+  if (!o.biases) return "";
+  return print("biases: {gyro_sigma_deg_s: %s, accelerometer_sigma_m_s2: %s, time_constant_s: %s}\n",
+               shortest(degrees(o.biases->gyro_sigma_rad_s)).c_str(),
+               shortest(o.biases->accelerometer_sigma_m_s2).c_str(),
+               shortest(o.biases->time_constant_s).c_str());
 }
 
 std::string gateText(const Gate& gate) {
@@ -145,7 +206,8 @@ std::string formatLocalizationOptions(const LocalizationOptions& o) {
     << "\n  velocity_m2_s3: " << axes(o.noise.velocity)
     << "\n  angular_velocity_rad2_s3: " << axes(o.noise.angular_velocity)
     << "\n  acceleration_m2_s5: " << axes(o.noise.acceleration)
-    << "\n  sea_floor_m2_s: " << shortest(o.noise.sea_floor) << "\ngate: " << gateText(o.gate)
+    << "\n  sea_floor_m2_s: " << shortest(o.noise.sea_floor) << "\n"
+    << regimesText(o) << sigmaTimesText(o) << biasesText(o) << "gate: " << gateText(o.gate)
     << "\nlandmarks: {pose: " << (o.landmarks.form == LandmarkOptions::Form::mean ? "mean" : "joint")
     << ", position_sigma_m: " << shortest(o.landmarks.position_sigma_m)
     << ", angle_sigma_deg: " << shortest(degrees(o.landmarks.angle_sigma_rad)) << "}"

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "localization/error_state_filter.h"
+#include "localization/regime.h"
 #include "sensors/channels.h"
 #include "sensors/vehicle.h"
 
@@ -33,6 +35,11 @@ struct LandmarkOptions {
   double position_sigma_m = 0.0316, angle_sigma_rad = 0.0316;
 };
 
+/// The INS's biases, where they are known better than by the vehicle file.
+struct BiasNoise {
+  double gyro_sigma_rad_s = 0.0, accelerometer_sigma_m_s2 = 0.0, time_constant_s = 120.0;
+};
+
 /// When an estimate is said to be lost.
 struct LostOptions {
   double position_sigma_m = 5.0;  ///< the filter's own sigma (root of the covariance's trace) is larger
@@ -48,6 +55,10 @@ struct LocalizationOptions {
                             kChannel<DvlBeams>};
   bool bias_states = true;  ///< 23 states instead of the paper's 15 (sigma and time constant: vehicle file)
   ProcessNoise noise;
+  std::map<Regime, DrivingNoise> driven;  ///< where the vehicle travels or turns; absent: as `noise` has it
+  RegimeLimits regimes;
+  std::map<Channel, double> sigma_times;  ///< of a channel's measurements: times the vehicle file's
+  std::optional<BiasNoise> biases;        ///< absent: the vehicle file's
   Gate gate;
   LandmarkOptions landmarks;
   LostOptions lost;

@@ -9,6 +9,7 @@
 
 #include "core/time.h"
 #include "core/uncertain_pose.h"
+#include "localization/odom_frame.h"
 #include "localization/options.h"
 #include "recording/samples.h"
 
@@ -22,7 +23,8 @@ struct Estimate {
   NavigationState<double> state;
   Eigen::Matrix<double, 6, 6> pose_covariance;  ///< position (odom, m), rotation vector (robot axes, rad)
   Vector3d velocity_sigma_robot_m_s = Vector3d::Zero();
-  bool lost = false;  ///< not to be relied on: event `lost` says why
+  bool lost = false;         ///< not to be relied on: event `lost` says why
+  FrameCoordinates defined;  ///< that nothing has told yet: zero at the start, and they define odom
 };
 
 /// MRPT's Gaussian pose with its covariance in MRPT's order and angles.
@@ -36,14 +38,15 @@ struct Innovation {
   double nis = 0.0;  ///< normalized innovation squared; chi-square distributed where the filter is consistent
   bool fused = false;
   int rejected_in_a_row = 0;  ///< of its channel, this one included
+  double determinant = 0.0;   ///< of its covariance
 };
 
 /// Something about the input that must not pass in silence.
 struct Event {
   double t_s = 0.0;
-  /// start, frame-moved, gap, silent, time-jump, duplicate, not-a-number, impossible, too-late, rejected; of
-  /// landmarks: fix-rejected, reacquired, panel-moved, panel-prior, panel-restarted, unknown-panel; lost,
-  /// found
+  /// start, frame-moved, from-the-future, gap, silent, time-jump, duplicate, not-a-number, impossible,
+  /// too-late, rejected; of landmarks: fix-rejected, reacquired, panel-moved, panel-prior, panel-restarted,
+  /// unknown-panel; lost, found, bias
   std::string kind;
   std::string text;
 };

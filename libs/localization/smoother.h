@@ -32,8 +32,9 @@ class Smoother {
   typename Filter::Matrix covariance(std::size_t k) const;
 
   /// Replaces the record by its smoothed values. progress is called with the share done, from the end.
-  template <class F>
-  void smooth(const ProcessNoise& noise, F&& progress);
+  /// `noise_at` gives the process noise at a filtered state.
+  template <class NoiseAt, class F>
+  void smooth(const NoiseAt& noise_at, F&& progress);
 
  private:
   Filter filterAt(std::size_t k) const;
@@ -52,11 +53,11 @@ class Smoother {
 };
 
 template <int N>
-template <class F>
-void Smoother<N>::smooth(const ProcessNoise& noise, F&& progress) {
+template <class NoiseAt, class F>
+void Smoother<N>::smooth(const NoiseAt& noise_at, F&& progress) {
   moveFrames();
   for (std::size_t k = size(); k-- > 0;) {
-    if (k + 1 < size()) smoothStep(k, noise);
+    if (k + 1 < size()) smoothStep(k, noise_at(states_[k]));
     if (k % 1000 == 0) progress(1.0 - static_cast<double>(k) / static_cast<double>(size()));
   }
 }

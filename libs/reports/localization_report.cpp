@@ -136,7 +136,8 @@ nlohmann::ordered_json toJson(const Evaluation& e) {
           {"angle_error_rms_deg", degrees(e.angle_rms_rad)},
           {"pose_nees_mean", e.nees_mean},
           {"share_within_3_sigma", e.within_3_sigma},
-          {"reference_path_m", e.path_m}};
+          {"reference_path_m", e.path_m},
+          {"reference_laid_on_first_estimate", e.is_laid}};
 }
 
 nlohmann::ordered_json jsonList(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -322,6 +323,11 @@ void writeReport(const std::filesystem::path& file, const RecordingStory& record
 
   if (story.filter) {
     report.heading("Error against " + recording.reference_name);
+    if (story.filter->is_laid)
+      report.paragraph(
+          "The reference is laid on the first estimate in the coordinates that no sensor tells: they are "
+          "zero by "
+          "definition.");
     report.table(errorsOverTime(recording, story), "Distance from the reference at fixed times.");
     addErrors(report, *story.filter);
   }

@@ -178,18 +178,24 @@ TEST(EkfInputs, PitchLoops) {
     return truth;
   };
   // The file's covariance of the attitude is stated for angles but made as a rotation vector's (isotropic):
-  // near
-  // +-90 degrees of pitch only the latter has a meaning.
+  // near +-90 degrees of pitch only the latter has a meaning. Both are run: figures are to be compared with
+  // another filter's on the same covariances.
   auto isotropic = inputs;
   for (EkfLine& line : isotropic.lines) {
     if (line.sensor == "ins") line.R.block<3, 3>(0, 0) = Matrix3d::Identity() * 1e-4;
     if (line.sensor == "landmark") line.R.block<3, 3>(3, 3) = Matrix3d::Identity() * 4e-4;
     if (line.sensor == "init") line.R.block<3, 3>(3, 3) = Matrix3d::Identity() * 1e-2;
   }
-  const Errors errors =
-      run<kCoreSize>(isotropic, truth_at, noise(), Eigen::Matrix<double, 15, 15>(isotropic.lines.front().R));
-  std::printf("pitch loops: attitude error at most %.3f deg\n", errors.attitude_max_deg);
-  EXPECT_LE(errors.attitude_max_deg, 1.0);
+  const auto loops = [&](const EkfInputs& as) {
+    return run<kCoreSize>(as, truth_at, noise(), Eigen::Matrix<double, 15, 15>(as.lines.front().R))
+        .attitude_max_deg;
+  };
+  const double as_filed_deg = loops(inputs), as_made_deg = loops(isotropic);
+  std::printf(
+      "pitch loops: attitude error at most %.3f deg with covariances as filed, %.3f deg as the noise is\n",
+      as_filed_deg, as_made_deg);
+  EXPECT_LE(as_made_deg, 1.0);
+  EXPECT_LE(as_filed_deg, 4.0);  // a degree and more of angles' noise is what the file's covariance leaves
 }
 
 }  // namespace

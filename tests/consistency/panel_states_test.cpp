@@ -209,7 +209,7 @@ TYPED_TEST(AttachedPosesTest, EqualADenseFilterOverAllStates) {
     for (int i = 0; i < m.columns.count; ++i) H.col(m.columns.list[static_cast<std::size_t>(i)]) = m.H.col(i);
     const Eigen::VectorXd residual = m.residual;
     const Eigen::MatrixXd R = m.R;
-    EXPECT_NEAR(filter.update(m), dense.update(residual, H, R), 1e-6);
+    EXPECT_NEAR(filter.update(m).nis, dense.update(residual, H, R), 1e-6);
     if (k % 7 == 0)
       for (std::size_t i = 0; i < dense.poses.size(); ++i) {
         const UncertainPose sighting = sightingOf(panels[i]);
@@ -218,7 +218,7 @@ TYPED_TEST(AttachedPosesTest, EqualADenseFilterOverAllStates) {
           return poseDifference(seen, f.robot().inverse() * f.poses[i]);
         });
         const double expected = dense.update(poseDifference(seen, sighting.pose), J, sighting.covariance);
-        EXPECT_NEAR(filter.updateSighting(static_cast<int>(i), sighting, 1e9), expected,
+        EXPECT_NEAR(filter.updateSighting(static_cast<int>(i), sighting, 1e9).nis, expected,
                     1e-4 * (1 + expected));
       }
   }

@@ -59,7 +59,7 @@ TYPED_TEST(FilterSizes, EqualsTheTextbook) {
       const Pose mount = randomPose(random);
       const auto accelerometer = test::measured<N, Accelerometer>(
           ours.x, Observation::vector(random.normal3(), Vector3d::Constant(0.3), mount), context);
-      const double nis = ours.update(accelerometer);
+      const double nis = ours.update(accelerometer).nis;
       EXPECT_NEAR(
           nis,
           textbook.update(accelerometer, {accelerometer.columns.list.begin(),
@@ -139,7 +139,15 @@ TYPED_TEST(FilterSizes, GatedReadingChangesNothing) {
   auto z = filter.x;
   z.motion.position_odom.x() += 100.0;
   const auto m = directMeasurement<N, 0, 1, 2>(filter.x, z, Matrix3d::Identity());
-  EXPECT_GT(filter.update(m, 16.3), 16.3);
+  const Update rejected = filter.update(m, 16.3);
+  EXPECT_GT(rejected.nis, 16.3);
+  EXPECT_FALSE(rejected.fused);
+  auto garbage = m;
+  garbage.residual[1] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(filter.update(garbage).fused);
+  for (const double dt :
+       {-1e-9, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+    EXPECT_THROW(filter.predict(dt, {}), std::invalid_argument) << dt;
   EXPECT_EQ(filter.P, before.P);
   EXPECT_EQ(filter.x.motion.position_odom, before.x.motion.position_odom);
 }

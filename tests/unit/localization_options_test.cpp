@@ -33,9 +33,36 @@ TEST(LocalizationOptions, LandmarksAndLost) {
   EXPECT_EQ(options.lost.blind_s, 20.0);
 }
 
+TEST(LocalizationOptions, NoiseMayDifferByRegimeAndFromTheVehicleFile) {
+  const std::string text =
+      "process_noise:\n  angular_velocity_rad2_s3: 0.002\n  transit: {above_m_s: 0.5, acceleration_m2_s5: "
+      "0.3}\n"
+      "  turning: {above_deg_s: 8, angular_velocity_rad2_s3: [0.1, 0.2, 0.3]}\n"
+      "sigma_times: {gyro: 0.5, dvl: 3}\n"
+      "biases: {gyro_sigma_deg_s: 0.1, accelerometer_sigma_m_s2: 0.02, time_constant_s: 300}\n";
+  const LocalizationOptions options = readOptionsText(text);
+  const DrivingNoise &transit = options.driven.at(Regime::transit),
+                     &turning = options.driven.at(Regime::turning);
+  EXPECT_EQ(transit.angular_velocity.x(), 0.002);
+  EXPECT_EQ(transit.acceleration.y(), 0.3);
+  EXPECT_EQ(turning.angular_velocity.z(), 0.3);
+  EXPECT_EQ(options.sigma_times.at(kChannel<Dvl>), 3.0);
+  EXPECT_NEAR(options.biases->gyro_sigma_rad_s, radians(0.1), 1e-15);
+  KinematicState<double> motion;
+  EXPECT_EQ(options.regimes.of(motion), Regime::station_keeping);
+  motion.velocity_robot.x() = 0.6;
+  EXPECT_EQ(options.regimes.of(motion), Regime::transit);
+  motion.angular_velocity_robot.z() = radians(9);
+  EXPECT_EQ(options.regimes.of(motion), Regime::turning);
+  const std::string formatted = formatLocalizationOptions(options);
+  EXPECT_EQ(formatLocalizationOptions(readOptionsText(formatted)), formatted);
+}
+
 TEST(LocalizationOptions, WrongValuesAreNamed) {
-  for (const char* text : {"landmarks: {pose: median}", "landmarks: {position_sigma_m: 0}",
-                           "lost: {blind_s: -1}", "landmarks: {sigma: 1}", "lost: 3"})
+  for (const char* text :
+       {"landmarks: {pose: median}", "landmarks: {position_sigma_m: 0}", "lost: {blind_s: -1}",
+        "sigma_times: {sonar: 2}", "sigma_times: {dvl: 0}", "process_noise: {transit: {above_m_s: 0}}",
+        "biases: {time_constant_s: 10}", "landmarks: {sigma: 1}", "lost: 3"})
     EXPECT_THROW(readOptionsText(text), Error) << text;
 }
 
