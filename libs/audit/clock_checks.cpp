@@ -88,6 +88,12 @@ class ClockCheck {
   /// left out leaves longer intervals, never shorter ones.
   void checkRegularity() {
     const double mean = (stream_.t_s.back() - stream_.t_s.front()) / static_cast<double>(intervals_.size());
+    if (comesInBundles(mean))
+      return add("stamps-of-arrival", likely,
+                 print("half of its entries or more follow the one before within %.2g s, at a mean interval "
+                       "of %.4g s: "
+                       "they arrive in bundles",
+                       kBundled_s, mean));
     double usual = 0, count = 0;  // without pauses
     for (const double dt : intervals_)
       if (dt < 10 * mean) usual += dt, ++count;
@@ -108,6 +114,16 @@ class ClockCheck {
                 "not of "
                 "measurement",
                 100 * share, usual));
+  }
+
+  /// Faster than an instrument measures, with pauses that are shorter than one that rests.
+  static constexpr double kBundled_s = 1e-3;
+  bool comesInBundles(double mean_s) const {
+    constexpr double kPause_s = 1.0;
+    if (upperMedian(intervals_) > kBundled_s || mean_s < 3.0 * kBundled_s) return false;
+    const auto rests =
+        std::count_if(intervals_.begin(), intervals_.end(), [](double dt) { return dt > kPause_s; });
+    return static_cast<double>(rests) < 0.01 * static_cast<double>(intervals_.size());
   }
 
   const std::string label_;

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "support/run_program.h"
+#include "support/sanitized.h"
 #include "support/shipped.h"
 #include "tasks/stress_runs.h"
 
@@ -261,6 +262,26 @@ TEST_F(LocalizeTasks, StressSaysWhatEachFaultDoes) {
   EXPECT_EQ(dark["strength"], 100.0);
   // Fifteen seconds on INS and DVL alone cost something.
   EXPECT_GT(dark["final_error_m"].get<double>(), none["final_error_m"].get<double>());
+}
+
+TEST_F(LocalizeTasks, TakesTheNoiseThatTuneFinds) {
+  if (test::kSanitized) GTEST_SKIP() << "a thousand runs of the filter";
+  const fs::path folder = test::scratchFolder() / "tuned";
+  const auto tuned =
+      fathomAtHome("tune " + recording() + " --block 2 --out " + test::shellQuoted(folder.string()));
+  ASSERT_EQ(tuned.status, 0) << tuned.err;
+  for (const char* file : {"report.html", "result.json", "localize.yaml", "robot_localization.yaml"})
+    EXPECT_TRUE(fs::exists(folder / file)) << file;
+  const Json result = jsonOf(folder / "result.json");
+  EXPECT_GT(result["judged_gain_per_innovation"].get<double>(), 0.0);
+  for (const Json& p : result["parameters"]) {
+    EXPECT_LE(p["interval95"][0].get<double>(), p["after"].get<double>()) << p;
+    EXPECT_GE(p["interval95"][1].get<double>(), p["after"].get<double>()) << p;
+  }
+  const auto done =
+      localize(recording() + " --config " + test::shellQuoted((folder / "localize.yaml").string()),
+               test::scratchFolder() / "out");
+  EXPECT_EQ(done.status, 0) << done.err;
 }
 
 }  // namespace

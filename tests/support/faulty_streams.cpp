@@ -129,11 +129,11 @@ bool StreamFault::isNamedBy(const Finding& finding) const {
 
 std::vector<StreamFault> streamFaults(const Vehicle& vehicle) {
   std::vector<StreamFault> faults{{"", ""}};
-  for (const char* name :
-       {"accelerometer-in-g", "accelerometer-in-milli-g", "accelerometer-without-gravity", "gyro-in-degrees",
-        "gyro-axes sign", "gyro-axes zyx", "accelerometer-axes frd", "accelerometer-axes half-turn",
-        "ins-axes", "gyro-frozen", "accelerometer-frozen", "stamps-missing:INS", "stamps-equal:INS",
-        "stamps-step-back:INS", "stamps-of-arrival:INS", "clock-rate:INS"})
+  for (const char* name : {"accelerometer-in-g", "accelerometer-in-milli-g", "accelerometer-without-gravity",
+                           "gyro-in-degrees", "gyro-axes sign", "gyro-axes zyx", "accelerometer-axes frd",
+                           "accelerometer-axes half-turn", "ins-axes", "gyro-frozen", "accelerometer-frozen",
+                           "stamps-missing:INS", "stamps-equal:INS", "stamps-step-back:INS",
+                           "stamps-of-arrival:INS", "stamps-of-arrival:INS twenty at once", "clock-rate:INS"})
     faults.push_back({name, labels::kIns});
   if (vehicle.ins->attitude_sigma)
     for (const char* name : {"gyro-axes half-turn, and the accelerometer's", "attitude-frozen",
@@ -215,9 +215,11 @@ void addFault(const StreamFault& fault, const Vehicle& vehicle, std::uint64_t se
     if (fault.name.starts_with("stamps-equal") && n % 5 == 1) sample.time = before;
     if (fault.name.starts_with("stamps-step-back") && n % 900 == 899) sample.time = after(before_that, -0.5);
     if (fault.name.starts_with("clock-rate")) sample.time = after(start, t_s * (1 + 1e-6 * ppm));
-    // In bundles of four, all when the last has come, a millisecond or so apart.
+    // In bundles, all when the last has come: of four, a millisecond or so apart, or of twenty.
+    const std::size_t bundle = fault.name.ends_with("at once") ? 20 : 4;
     if (arrival)
-      burst_s = n % 4 == 0 ? t_s + 3.2 / vehicle.ins->rate_hz : burst_s + random.uniform(0.0005, 0.0015);
+      burst_s = n % bundle == 0 ? t_s + (static_cast<double>(bundle) - 0.8) / vehicle.ins->rate_hz
+                                : burst_s + (bundle == 4 ? 1 : 1e-3) * random.uniform(0.0005, 0.0015);
     if (arrival) sample.time = after(start, burst_s);
     if (fault.name == "clock-offset:DVL")
       sample.time = after(start, t_s + (ppm > 0 ? 1 : -1) * (0.4 + 3e-4 * std::abs(ppm)));
