@@ -47,6 +47,9 @@ struct DegradationStage {
 ///   jitter      sigma_s                    of the stamp; the order of arrival stays
 ///   noise       amounts                    white, sigma in each axis
 ///   bias        amounts                    constant
+///   swing       amounts, [period_s]        a sine of these amplitudes
+///   burst       amounts, [duration_s], [repeat_s]   white noise for 2 s every 20 s, or so long and so often
+///   clock       rate_ppm                   stamps run ahead, or behind
 ///   outage      duration_s, [repeat_s]     from begin_s on
 ///   duplicate   probability, [after_s]     arrives twice
 ///   reorder     probability, [within_s]    some arrive later by up to 0.5 s or within_s
