@@ -61,7 +61,7 @@ class DepthCheck {
     const PressureUnit& best = *units[0].second;
     if (units[0].first > kNoTelling + 3) {
       found.what += "; no usual unit explains it";
-    } else if (units[1].first < units[0].first + kClear) {
+    } else if (units[1].first < units[0].first + kClear && !isItsGauge(*units[1].second, best)) {
       found.what += "; which unit it has is not told:";
       for (std::size_t i = 0; i < 4 && units[i].first < units[0].first + kClear; ++i)
         found.what += print("%s --correct %s makes it %.4g m of water", i == 0 ? "" : ",",
@@ -70,8 +70,16 @@ class DepthCheck {
       found = finding(best.name, Depth::label, instance_, sure, found.what + "; " + best.says);
       found = correctable(found, print("%.6g Pa, %.4g m of water",
                                        inPascal(median, best, vehicle_, instance_), depthBy(best, median)));
+      if (const PressureUnit& other = *units[1].second;
+          units[1].first < units[0].first + kClear && isItsGauge(other, best))
+        found.what += print(", or of a gauge, which is not told: --correct %s makes it %.4g m", other.name,
+                            depthBy(other, median));
     }
     findings_.push_back(found);
+  }
+  /// Far from the surface they read alike, and most are absolute (as the messages of ROS are).
+  static bool isItsGauge(const PressureUnit& unit, const PressureUnit& absolute) {
+    return unit.pa == absolute.pa && unit.from == PressureUnit::From::air && absolute.from != unit.from;
   }
   double depthBy(const PressureUnit& unit, double reading) const {
     return depthOf(inPascal(reading, unit, vehicle_, instance_));

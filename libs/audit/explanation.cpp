@@ -14,6 +14,8 @@ namespace {
 // needs more, and a relation whose difference becomes half of what it was; within kClear of the best nothing
 // is told apart.
 constexpr double kLikelyGain = 8, kLikelyRatio = 1.7, kSureGain = 20, kSureRatio = 4, kClear = 3;
+// Of units that are near each other all are named where the best is no better than that.
+constexpr double kNearUnits = 10;
 constexpr double kMostOffset_s = 5, kOffsetStep_s = 0.25, kFineOffset_s = 0.05;
 // Instruments take up to a second and more for a reading, which is for diagnosis to find; clocks are off by
 // any time.
@@ -49,6 +51,15 @@ double unitOf(const Matrix3d& axes) {
   return axes.isApprox(axes(0, 0) * Matrix3d::Identity()) && axes(0, 0) > 0 ? axes(0, 0) : 1;
 }
 
+/// A DVL in feet a second or km/h, knots or miles an hour: scale errors and noise of ten per cent and more do
+/// not tell them apart, though the smaller one leaves less.
+bool areNearUnits(const Assumption& a, const Assumption& b) {
+  constexpr double kNear = 1.3;
+  const double unit_a = unitOf(a.dvl), unit_b = unitOf(b.dvl);
+  if (unit_a == 1 || unit_b == 1) return false;
+  return unit_a < kNear * unit_b && unit_b < kNear * unit_a;
+}
+
 /// Of the instrument that is compared in a relation; 1 where it is no smaller one.
 double smallerUnit(std::size_t relation, const Assumption& taken_for) {
   switch (relation) {
@@ -66,11 +77,12 @@ double smallerUnit(std::size_t relation, const Assumption& taken_for) {
 /// Of an instrument that is in another unit, where what is compared goes along with each other: by how much
 /// more likely its ratio becomes, whose logarithm ordinary scale errors and noise of either side (which of
 /// them has it is not known: between the one regression's slope and the other's) leave so uncertain. Heavy
-/// tails, as of the differences; of two that are far off the nearer is the better.
-double unitGain(const Regression& regression, double unit, double weight) {
+/// tails, as of the differences; of two that are far off the nearer is the better. Nothing where they do not
+/// go along.
+std::optional<double> unitGain(const Regression& regression, double unit, double weight) {
   constexpr double kScaleErrors = 0.08, kLeastCorrelation = 0.6;
   const double correlation = regression.correlation();
-  if (correlation < kLeastCorrelation || regression.rmsX() <= 0) return 0;
+  if (correlation < kLeastCorrelation || regression.rmsX() <= 0) return {};
   const double ratio = regression.rmsY() / regression.rmsX(), sigma = kScaleErrors - std::log(correlation);
   const auto off = [&](double r) {
     return weight * std::log1p(0.5 * std::pow(std::log(r) / sigma, 2) / weight);
@@ -78,13 +90,14 @@ double unitGain(const Regression& regression, double unit, double weight) {
   return off(ratio) - off(ratio * unit);
 }
 
-/// By the ratio of what goes along; nothing where it does not.
-double unitGain(const Agreement& agreement, Agreement::Relation relation, const Assumption& taken_for) {
+std::optional<double> unitGain(const Agreement& agreement, Agreement::Relation relation,
+                               const Assumption& taken_for) {
   const double weight = agreement.asTheyStand()[relation].weight;
   const Regression& regression = agreement.regression(relation);
   if (relation == Agreement::kVelocity) return unitGain(regression, unitOf(taken_for.dvl), weight);
   if (relation == Agreement::kRise) return unitGain(regression, 1 / unitOf(taken_for.dvl), weight);
-  return relation == Agreement::kTurning ? unitGain(regression, 1 / unitOf(taken_for.gyro), weight) : 0;
+  if (relation == Agreement::kTurning) return unitGain(regression, 1 / unitOf(taken_for.gyro), weight);
+  return {};
 }
 
 /// The gain of each relation. A smaller unit makes noise and whatever else differs smaller, too. So it is
@@ -102,8 +115,8 @@ std::array<double, Agreement::kRelations> gainsOf(const Agreement& agreement,
     gains[r] = less;
     if (read == 1) continue;
     const double more = std::max(0.0, after[r].square - after[r].floor) / read + before[r].floor;
-    gains[r] = std::max({less, std::min(0.0, before[r].weight * std::log(was / more)),
-                         unitGain(agreement, static_cast<Agreement::Relation>(r), taken_for)});
+    const double by_differences = std::max(less, std::min(0.0, before[r].weight * std::log(was / more)));
+    gains[r] = unitGain(agreement, static_cast<Agreement::Relation>(r), taken_for).value_or(by_differences);
   }
   return gains;
 }
@@ -134,7 +147,10 @@ class Explainer {
         return !areTheSame(e.fault.taken_for, {}, R_robot_ins_) &&
                areTheSame(e.fault.taken_for, other.fault.taken_for, R_robot_ins_);
       });
-      if (rank(e) >= rank_of_best - kClear && !known) best.push_back(std::move(e));
+      const bool as_good = rank(e) >= rank_of_best - kClear ||
+                           (!best.empty() && areNearUnits(e.fault.taken_for, best[0].fault.taken_for) &&
+                            e.gain >= best[0].gain - kNearUnits);
+      if (as_good && !known) best.push_back(std::move(e));
     }
     return best;
   }
@@ -163,7 +179,8 @@ class Explainer {
       // Accelerations turn the specific force as much as the robot's own turning does.
       const double usual = r == Agreement::kGravity ? 1 : 0.25;
       const double most_left = std::max(usual * before[r].moves, 4 * e.differences[r].floor);
-      if (e.gains[r] != 0 && e.differences[r].square > most_left) leaves_little = false;
+      if (e.gains[r] != 0 && e.differences[r].square - noiseIn(r, e.fault.taken_for) > most_left)
+        leaves_little = false;
     }
     e.agrees = e.agrees && leaves_little;
     const bool clock = e.fault.taken_for.dvl_later_s != e.fault.taken_for.ins_later_s;
@@ -265,9 +282,13 @@ class Explainer {
   bool agreesNow(std::size_t relation, const Agreement::Difference& now, const Assumption& taken_for) const {
     // Accelerations turn the specific force as much as the robot's own turning does.
     const double usual = relation == Agreement::kGravity ? 1 : relation == Agreement::kUpright ? 0 : 0.04;
+    return now.square - noiseIn(relation, taken_for) <= std::max(usual * now.moves, 4 * now.floor);
+  }
+
+  /// Of a relation's square: white noise of readings, which becomes smaller with their unit.
+  double noiseIn(std::size_t relation, const Assumption& taken_for) const {
     const double read = relation == Agreement::kVelocity ? smallerUnit(relation, taken_for) : 1;
-    const double noise = read * read * agreement_.noiseSquare(static_cast<Agreement::Relation>(relation));
-    return now.square - noise <= std::max(usual * now.moves, 4 * now.floor);
+    return read * read * agreement_.noiseSquare(static_cast<Agreement::Relation>(relation));
   }
 
   /// Of a gyro in another unit: whether what it then reads explains anything.

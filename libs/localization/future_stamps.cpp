@@ -37,8 +37,9 @@ void FutureStamps::finish() {
 }
 
 double FutureStamps::ahead_s() const {
-  const double mean_s = taken_ > 1.0 ? (newest_s_ - first_s_) / (taken_ - 1.0) : 0.0;
-  return std::max(kAhead_s, kIntervals * mean_s);
+  constexpr double kAtFirst_s = 60.0;  // before there is an interval
+  if (taken_ < 2.0) return kAtFirst_s;
+  return std::max(kAhead_s, kIntervals * (newest_s_ - first_s_) / (taken_ - 1.0));
 }
 
 /// Whether the last so many that wait came in a row, and none is far from the next.

@@ -228,9 +228,9 @@ Tuning tune(const std::vector<TunedRecording>& recordings, const LocalizationOpt
     const double sigma = std::sqrt(std::max(covariance(i, i), 0.0));
     const double after = parameter.value * std::exp(logs[i]);
     constexpr double k95 = 1.96;
-    tuning.parameters.push_back({parameter.name, parameter.unit, parameter.value, after,
-                                 after * std::exp(-k95 * sigma), after * std::exp(k95 * sigma),
-                                 sigma > 0.0 && sigma < 0.5 * kPrior});
+    const double times = std::exp(k95 * sigma);
+    tuning.parameters.push_back({parameter.name, parameter.unit, parameter.value, after, after / times,
+                                 after * times, sigma > 0.0 && sigma < 0.5 * kPrior});
   }
   return tuning;
 }

@@ -69,10 +69,10 @@ int main() {
     filter.predict(kStep_s, motion);
     const Vector3d& beacon = beacons[step % 4];  // one answers at a time
     const double range_m = (beacon - truePosition(t_s)).norm() + noise(random);
-    const double nis = filter.update(rangeMeasurement(filter.x, range_m, beacon, kSigma_m), gate);
-    nis_sum += nis;
+    const Update done = filter.update(rangeMeasurement(filter.x, range_m, beacon, kSigma_m), gate);
+    nis_sum += done.nis;
     ++readings;
-    if (nis > gate) ++rejected;
+    if (!done.fused) ++rejected;
   }
 
   const Vector3d error = filter.x.motion.position_odom - truePosition(120.0);
