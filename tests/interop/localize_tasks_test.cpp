@@ -266,7 +266,7 @@ TEST_F(LocalizeTasks, StressSaysWhatEachFaultDoes) {
 
 TEST_F(LocalizeTasks, TakesTheNoiseThatTuneFinds) {
   if (test::kSanitized) GTEST_SKIP() << "a thousand runs of the filter";
-  const fs::path folder = test::scratchFolder() / "tuned";
+  const fs::path scratch = test::scratchFolder(), folder = scratch / "tuned";
   const auto tuned =
       fathomAtHome("tune " + recording() + " --block 2 --out " + test::shellQuoted(folder.string()));
   ASSERT_EQ(tuned.status, 0) << tuned.err;
@@ -278,9 +278,8 @@ TEST_F(LocalizeTasks, TakesTheNoiseThatTuneFinds) {
     EXPECT_LE(p["interval95"][0].get<double>(), p["after"].get<double>()) << p;
     EXPECT_GE(p["interval95"][1].get<double>(), p["after"].get<double>()) << p;
   }
-  const auto done =
-      localize(recording() + " --config " + test::shellQuoted((folder / "localize.yaml").string()),
-               test::scratchFolder() / "out");
+  const auto done = localize(
+      recording() + " --config " + test::shellQuoted((folder / "localize.yaml").string()), scratch / "out");
   EXPECT_EQ(done.status, 0) << done.err;
 }
 

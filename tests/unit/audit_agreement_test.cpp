@@ -120,7 +120,11 @@ TEST(Agreement, NamesTheDvlsUnitThatFits) {
         if (s.velocity_dvl) *s.velocity_dvl /= named.second;
       });
       ASSERT_FALSE(findings.empty()) << named.first;
-      EXPECT_EQ(findings[0].name, named.first) << textOfAll(findings);
+      // A foot a second and a km/h are ten per cent apart: both are named where scale errors might be as
+      // much.
+      const bool is_among = findings[0].what.find("--correct " + named.first) != std::string::npos;
+      EXPECT_TRUE(findings[0].name == named.first || (is_among && findings[0].name == "dvl-in-feet"))
+          << textOfAll(findings);
     }
 }
 
