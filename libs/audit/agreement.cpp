@@ -134,7 +134,9 @@ Agreement::Agreement(const InsStream& ins, const InsSheet& sheet, bool with_atti
     const double moves = std::min(all.rmsX(), all.rmsY());
     compare(kVelocity, squared(0.01) + 0.01 * squared(moves), squared(moves),
             0.5 * static_cast<double>(all.count()), &Agreement::velocitySquare);
-    regressions_[kVelocity] = velocityOf(none).regression;
+    // Biases that are fitted beside a wrong unit take some of it for themselves.
+    constexpr double kGoesAlong = 0.6;
+    regressions_[kVelocity] = all.correlation() > kGoesAlong ? all : velocityOf(none).regression;
     noise_squares_[kVelocity] = velocityNoiseSquare(*dvl_);
   }
   if (dvl_ && depth_ != nullptr && force_scale_ > 0) {
