@@ -335,7 +335,7 @@ std::optional<double> Agreement::bestTurn(const Matrix3d& turned) const {
              upright = changesOf(Vector3d(0, 0, 1).asDiagonal()), all = changesOf(Matrix3d::Identity());
   Eigen::Matrix<double, 8, 8> A = Eigen::Matrix<double, 8, 8>::Zero();
   A.diagonal().tail<6>().setConstant(d.floor + noise_squares_[kVelocity]);
-  Vector8d b = Vector8d::Zero();
+  Eigen::Matrix<double, 8, 1> b = Eigen::Matrix<double, 8, 1>::Zero();
   for (std::size_t i = 0; i < along.size(); ++i) {
     Eigen::Matrix<double, 3, 8> columns;
     columns << along[i].by_dvl, across[i].by_dvl, -gyro_bias_sigma_ * all[i].by_bias.leftCols<3>(),
@@ -343,7 +343,7 @@ std::optional<double> Agreement::bestTurn(const Matrix3d& turned) const {
     A += columns.transpose() * columns;
     b += columns.transpose() * (along[i].by_ins - upright[i].by_dvl);
   }
-  const Vector8d x = A.colPivHouseholderQr().solve(b);
+  const Eigen::Matrix<double, 8, 1> x = A.colPivHouseholderQr().solve(b);
   if (!x.allFinite() || x.head<2>().norm() < 1e-3) return {};
   return std::atan2(x[1], x[0]);
 }

@@ -68,7 +68,7 @@ template <class Places>
 PlaneFit fitRobustly(Places places) {
   static const double kGate = chiSquareQuantile(2, 0.999);
   for (;;) {
-    const PlaneFit fit = fitPlane(places);
+    PlaneFit fit = fitPlane(places);
     const auto misfit = [&](const auto& place) {
       return fit.residual(place.reckoned, place.fixed).squaredNorm() / (place.sigma_m * place.sigma_m);
     };

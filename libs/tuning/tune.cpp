@@ -73,7 +73,7 @@ class Differenced : public ceres::FirstOrderFunction {
     if (gradient != nullptr)
       for (int i = 0; i < objective_.size(); ++i)
         for (const double step : {-kStep, kStep})
-          points.push_back(here + step * Eigen::VectorXd::Unit(here.size(), i));
+          points.emplace_back(here + step * Eigen::VectorXd::Unit(here.size(), i));
     const std::vector<double> values = objective_.at(points);
     *cost = values[0];
     if (gradient != nullptr)
@@ -94,7 +94,7 @@ Eigen::MatrixXd curvature(const Objective& objective, const Eigen::VectorXd& at)
   const auto unit = [n](int i, double step) -> Eigen::VectorXd { return step * Eigen::VectorXd::Unit(n, i); };
   std::vector<Eigen::VectorXd> points{at};
   for (int i = 0; i < n; ++i)
-    for (const double step : {-2.0 * kStep, 2.0 * kStep}) points.push_back(at + unit(i, step));
+    for (const double step : {-2.0 * kStep, 2.0 * kStep}) points.emplace_back(at + unit(i, step));
   const std::vector<double> along = objective.at(points);
   Eigen::VectorXd steps(n);
   for (int i = 0; i < n; ++i) {
@@ -106,7 +106,7 @@ Eigen::MatrixXd curvature(const Objective& objective, const Eigen::VectorXd& at)
   for (int i = 0; i < n; ++i)
     for (int j = 0; j <= i; ++j)
       for (const auto& [a, b] : {std::pair(1, 1), {1, -1}, {-1, 1}, {-1, -1}})
-        points.push_back(at + unit(i, a * steps[i]) + unit(j, b * steps[j]));
+        points.emplace_back(at + unit(i, a * steps[i]) + unit(j, b * steps[j]));
   const std::vector<double> values = objective.at(points);
   Eigen::MatrixXd H(n, n);
   std::size_t k = 1;
@@ -142,7 +142,7 @@ Eigen::VectorXd begin(const Objective& objective) {
     for (const double of_sensor : kTried)
       for (const double of_drive :
            drive.isZero() ? std::vector{0.0} : std::vector(kTried.begin(), kTried.end()))
-        points.push_back(others + of_sensor * sensor + of_drive * drive);
+        points.emplace_back(others + of_sensor * sensor + of_drive * drive);
     const std::vector<double> values = objective.at(points);
     logs = points[static_cast<std::size_t>(std::min_element(values.begin(), values.end()) - values.begin())];
   }
