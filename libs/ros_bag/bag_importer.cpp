@@ -98,7 +98,7 @@ void BagImporter::refuseUnusableTopics() const {
 /// Off norm by what drivers round or calibrate away it is a rotation yet.
 Matrix3d BagImporter::rotationIn(const BagMessage& message, const ros1::Quaternion& q) {
   constexpr double kRounding = 0.01;
-  const Matrix3d rotation = message.rotation(q);
+  Matrix3d rotation = message.rotation(q);
   const double norm = Eigen::Vector4d(q.x, q.y, q.z, q.w).norm();
   if (std::abs(norm - 1) > kRounding) {
     double& worst = worst_norm_.try_emplace(message.topic(), 1).first->second;
