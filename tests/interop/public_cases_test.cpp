@@ -220,7 +220,8 @@ TEST(PublicCases, ARobotStartsWhereMarkersTell) {
   for (const auto& [id, task] : result["tasks"].items()) {
     // Some centimetres, as from the reference's first pose. TL1 improved has lone markers alone, some of them
     // mirrored.
-    EXPECT_LT(task["filter_error"]["position_error_mean_m"].get<double>(), id == "TL1_IMPROVED" ? 0.2 : 0.06) << id;
+    EXPECT_LT(task["filter_error"]["position_error_mean_m"].get<double>(), id == "TL1_IMPROVED" ? 0.2 : 0.06)
+        << id;
     EXPECT_NE(task["start"]["source"].get<std::string>().find("fixes agree"), std::string::npos)
         << task["start"];
   }
