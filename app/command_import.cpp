@@ -3,13 +3,13 @@
 #include <nlohmann/json.hpp>
 
 #include "audit/audit.h"
+#include "audit/corrected_samples.h"
 #include "camera_tables/camera_alone.h"
 #include "commands.h"
 #include "common_options.h"
 #include "core/error.h"
 #include "core/files.h"
 #include "core/progress.h"
-#include "corrected_samples.h"
 #include "imaging/camera_files.h"
 #include "import_corners.h"
 #include "import_target.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "audit/checks.h"
+#include "audit/corrected_samples.h"
 #include "core/error.h"
 
 namespace fathom {

@@ -8,6 +8,7 @@
 #include "audit/correction.h"
 #include "audit/finding.h"
 #include "audit/streams.h"
+#include "recording/sample_source.h"
 
 /// What is wrong with a recording's streams: each compared with physics and with the others. The one place
 /// that says so, for importers, `fathom info`, and whoever is about to believe a recording.

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "recording/axes.h"
-#include "recording/sample_source.h"
+#include "recording/samples.h"
 #include "sensors/vehicle.h"
 
 namespace fathom {
@@ -53,32 +52,5 @@ class Correction {
 
 /// Throws Error as named(), and where one is given twice.
 std::vector<Correction> correctionsNamed(const std::vector<std::string>& texts);
-
-/// A source's samples corrected, in the order of their corrected stamps.
-class CorrectedSource : public SampleSource {
- public:
-  CorrectedSource(std::unique_ptr<SampleSource> source, std::vector<Correction> corrections, Vehicle vehicle);
-  ~CorrectedSource() override;
-
-  const RecordingHeader& header() const override { return source_->header(); }
-  std::optional<Sample> next() override;
-  std::filesystem::path imageFolder() const override { return source_->imageFolder(); }
-  double fraction() const override { return source_->fraction(); }
-  std::optional<RecordingLoss> loss() const override { return source_->loss(); }
-
- private:
-  struct Held;
-  std::optional<Sample> nextCorrected();
-
-  std::unique_ptr<SampleSource> source_;
-  const std::vector<Correction> corrections_;
-  const Vehicle vehicle_;
-  double slowest_ = 1, earlier_s_ = 0;
-  bool reorders_ = false, ended_ = false;
-  std::optional<Time> time_zero_;
-  Time safe_{};  ///< no entry still to come is earlier, corrected
-  std::vector<Held> held_;
-  std::uint64_t read_ = 0;
-};
 
 }  // namespace fathom

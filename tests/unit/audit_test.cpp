@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "audit/corrected_samples.h"
 #include "core/error.h"
 #include "support/streams.h"
 
