@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <limits>
 #include <new>
+#include <opencv2/core/mat.hpp>
+#include <span>
 
 // Programs may have their own; the address sanitizer's, which are weak themselves, are not to be preferred.
 #ifdef FATHOM_SANITIZE
@@ -17,18 +19,18 @@
 namespace {
 
 constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
-thread_local std::size_t bytes_left = kUnlimited;
+thread_local std::size_t bytes_left = kUnlimited, image_bytes_left = kUnlimited;
 
-void charge(std::size_t bytes) {
-  if (bytes_left == kUnlimited) return;
-  if (bytes > bytes_left) throw std::bad_alloc();
-  bytes_left -= bytes;
+void charge(std::size_t& left, std::size_t bytes) {
+  if (left == kUnlimited) return;
+  if (bytes > left) throw std::bad_alloc();
+  left -= bytes;
 }
 
 /// What `get` gives, by the rules of `operator new`.
 template <class Get>
 void* allocate(std::size_t bytes, Get get) {
-  charge(bytes);
+  charge(bytes_left, bytes);
   for (;;) {
     if (void* memory = get()) return memory;
     const std::new_handler handler = std::get_new_handler();
@@ -54,6 +56,40 @@ void* orNull(Allocate allocate) noexcept {
   } catch (const std::bad_alloc&) {
     return nullptr;
   }
+}
+
+/// What an image's pixels take, or more than any image does.
+std::size_t imageBytes(int dims, const int* sizes, int type) {
+  std::size_t bytes = static_cast<std::size_t>(CV_ELEM_SIZE(type));
+  for (const int size : std::span(sizes, static_cast<std::size_t>(dims)))
+    if (__builtin_mul_overflow(bytes, static_cast<std::size_t>(std::max(size, 0)), &bytes)) return kUnlimited;
+  return bytes;
+}
+
+/// OpenCV's own for images, behind the limit.
+class LimitedImages : public cv::MatAllocator {
+ public:
+  cv::UMatData* allocate(int dims, const int* sizes, int type, void* data, std::size_t* step,
+                         cv::AccessFlag flags, cv::UMatUsageFlags usage) const override {
+    if (data == nullptr) charge(image_bytes_left, imageBytes(dims, sizes, type));
+    return own_->allocate(dims, sizes, type, data, step, flags, usage);
+  }
+  bool allocate(cv::UMatData* data, cv::AccessFlag flags, cv::UMatUsageFlags usage) const override {
+    return own_->allocate(data, flags, usage);
+  }
+  void deallocate(cv::UMatData* data) const override { own_->deallocate(data); }
+
+ private:
+  const cv::MatAllocator* own_ = cv::Mat::getStdAllocator();
+};
+
+/// Images are freed by the allocator that they came from, so that this one lives as long as any of them.
+void limitImages() {
+  static const bool once = [] {
+    cv::Mat::setDefaultAllocator(new LimitedImages);
+    return true;
+  }();
+  static_cast<void>(once);
 }
 
 using Bytes = std::size_t;
@@ -103,7 +139,10 @@ FATHOM_REPLACED void* mrpt::aligned_malloc(std::size_t bytes, std::size_t alignm
 
 namespace fathom {
 
-AllocationLimit::AllocationLimit(std::size_t bytes) { bytes_left = bytes; }
-AllocationLimit::~AllocationLimit() { bytes_left = kUnlimited; }
+AllocationLimit::AllocationLimit(std::size_t bytes, std::size_t image_bytes) {
+  limitImages();
+  bytes_left = bytes, image_bytes_left = image_bytes;
+}
+AllocationLimit::~AllocationLimit() { bytes_left = image_bytes_left = kUnlimited; }
 
 }  // namespace fathom

@@ -36,6 +36,7 @@ using mrpt::rtti::TRuntimeClassId;
 constexpr std::uint8_t kEndFlag = 0x88;
 constexpr std::size_t kMaxObjectBytes = std::size_t{64} << 20;  // a raw colour image of 20 megapixels
 constexpr std::size_t kMaxAllocatedBytes = kMaxObjectBytes;
+constexpr std::size_t kMaxImageBytes = 4 * kMaxObjectBytes;  // JPEG images become larger when they are read
 /// Of a class or one of its parts: a version number that is further above those known was never written.
 constexpr int kNewerVersions = 4, kHighestVersion = 16;
 // MRPT counts 100 ns ticks from 1601. Observations are from 1970 to 2500, or have no time at all: 0.
@@ -238,7 +239,7 @@ RawlogObject read(const Place& place) {
   ObjectStream stream(in, place.offset);
   auto archive = mrpt::serialization::archiveFrom<mrpt::io::CStream>(stream);
   try {
-    const AllocationLimit limit(kMaxAllocatedBytes);
+    const AllocationLimit limit(kMaxAllocatedBytes, kMaxImageBytes);
 #ifdef FATHOM_SANITIZE
     // What MRPT has made of a GNSS receiver's message that it then finds damaged it never frees.
     const __lsan::ScopedDisabler leaking;

@@ -185,12 +185,42 @@ TEST(RawlogObjects, SaysWhatAnythingElseIs) {
 TEST(AllocationLimit, EndsWhatItsThreadTakesInAll) {
   const auto allocate = [](std::size_t bytes) { return std::vector<char>(bytes).size(); };
   {
-    const AllocationLimit limit(1000);
+    const AllocationLimit limit(1000, 1000);
     EXPECT_EQ(allocate(600), 600U);
     EXPECT_THROW(allocate(600), std::bad_alloc);
     EXPECT_EQ(allocate(400), 400U);
   }
   EXPECT_EQ(allocate(2000), 2000U);
+}
+
+TEST(AllocationLimit, EndsWhatImagesTake) {
+  {
+    const AllocationLimit limit(10'000, 1000);
+    EXPECT_EQ(cv::Mat(20, 30, CV_8U).total(), 600U);
+    EXPECT_THROW(cv::Mat(20, 30, CV_8U), std::bad_alloc);
+    // Of a damaged file: asked of the allocator itself, it is more than any machine has.
+    EXPECT_THROW(cv::Mat(0x7fffffff, 0x7fffffff, CV_8U), std::bad_alloc);
+  }
+  EXPECT_EQ(cv::Mat(40, 50, CV_8U).total(), 2000U);
+}
+
+TEST(RawlogObjects, AnImageOfImpossibleSizeIsDamage) {
+  const std::int32_t width = 64, height = 48;
+  CObservationImage observation;
+  mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(true);
+  observation.image.resize(width, height, mrpt::img::CH_GRAY);
+  std::string bytes = serialized(observation);
+  mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(false);
+  ASSERT_EQ(readBytes(bytes).kind, RawlogObject::Kind::kRead);
+  std::string size(8, '\0'), hostile = size;
+  std::memcpy(size.data(), &width, 4);
+  std::memcpy(size.data() + 4, &height, 4);
+  const std::size_t at = bytes.find(size);
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at, 8, "\xff\xff\xff\x7f\xff\xff\xff\x7f", 8);
+  const RawlogObject object = readBytes(bytes);
+  EXPECT_NE(object.kind, RawlogObject::Kind::kRead);
+  EXPECT_EQ(object.reason, "a length is impossible");
 }
 
 }  // namespace
