@@ -19,6 +19,7 @@ struct LocalizeOptions {
   std::vector<std::string> recordings;
   std::vector<std::string> tasks;
   std::string config, improved = "config/improved.yaml", folder;
+  std::string noise;
   bool paper_only = false, smooth = false;
   std::uint64_t seed = 0;
   RecordingJob job;  ///< of every recording, but for its name and folder
@@ -38,8 +39,10 @@ std::vector<TaskSpec> readTasks(const LocalizeOptions& options) {
     if (!options.paper_only)
       tasks.push_back({readLocalizationOptions(shippedFile(options.improved), tasks.back().options), true});
   }
-  if (options.smooth)
-    for (TaskSpec& task : tasks) task.options.smooth = true;
+  for (TaskSpec& task : tasks) {
+    if (options.smooth) task.options.smooth = true;
+    if (!options.noise.empty()) task.options.adapts_noise = options.noise == "adaptive";
+  }
   return tasks;
 }
 
@@ -69,6 +72,9 @@ void warnOfLoss(const RecordingStory& story) {
 /// One task, in full.
 void printStory(const RecordingStory& recording, const TaskStory& story) {
   std::cout << "start: " << story.summary.start_source << "\n\n" << formatTable(channelTable(story.summary));
+  if (story.options.adapts_noise)
+    std::cout << "drive at the end, times what is assumed: turning " << fixed(story.summary.turning_times, 2)
+              << ", pushing " << fixed(story.summary.pushing_times, 2) << "\n";
   for (const auto& [kind, count] : story.summary.event_counts)
     if (kind != "start") std::cout << kind << ": " << count << " times\n";
   if (!story.filter) return;
@@ -166,6 +172,11 @@ constexpr const char* kLocalizeHelp =
     "Several recordings go to a folder each, with a summary over all. What was done before with the same\n"
     "inputs is not done again; a broken recording is reported, the rest goes on, the exit status is 2.\n"
     "\n"
+    "The noise of sensors, motion and biases follows what the innovations show, within bounds (a sensor's\n"
+    "sigma up to three times the vehicle file's; a bias, as large as it is), except in the paper's tasks.\n"
+    "What it came to is in the table; `--noise fixed` takes it as the files state it, and `fathom tune`\n"
+    "finds what to state.\n"
+    "\n"
     "Where the path starts: `auto` takes what the first seconds tell (gravity, INS attitude, USBL, pressure, "
     "panels\n"
     "of known pose: most of their sightings); what nothing tells is zero and defines odom, until the first "
@@ -213,6 +224,12 @@ void addLocalize(const RunContext& context) {
       ->type_name(values::kTum);
   command->add_option("--start", job.start, "auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]")
       ->capture_default_str();
+  command
+      ->add_option(
+          "--noise", options->noise,
+          "Of all tasks: adaptive (as innovations show it, within bounds) or fixed (as the files have it); "
+          "default: as each says")
+      ->check(CLI::IsMember({"adaptive", "fixed"}));
   command->add_flag("--smooth", options->smooth,
                     "Also run the RTS smoother (2.4 kB or, with biases, 3.6 kB a step)");
   command->add_option("--seed", options->seed, "Accepted for uniformity: nothing here is random");

@@ -219,9 +219,12 @@ struct WholeUpdate {
   WholeUpdate(const Eigen::MatrixXd& before, const Eigen::VectorXd& residual, const Eigen::MatrixXd& H,
               const Eigen::MatrixXd& R, double gate, std::vector<Pose>& poses) {
     const Eigen::MatrixXd PHt = before * H.transpose();
-    const SymmetricFactors S(H * PHt + R);
+    const Eigen::MatrixXd variance = H * PHt + R;
+    const SymmetricFactors S(variance);
     const double nis = residual.dot(S.solve(residual));
-    done = {nis, std::exp(S.logDeterminant()), S.isPositive() && nis <= gate};
+    done = {nis, std::exp(S.logDeterminant()), S.isPositive() && nis <= gate, {}};
+    for (Eigen::Index k = 0; k < residual.size(); ++k)
+      done.variances[static_cast<std::size_t>(k)] = variance(k, k);
     if (!done.fused) return;
     const Eigen::MatrixXd gain = S.solve(PHt.transpose()).transpose();
     const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(before.rows(), before.rows()) - gain * H;

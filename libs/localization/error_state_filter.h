@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -33,6 +34,7 @@ struct Update {
   double determinant = 0.0;  ///< of the innovation's covariance S
   bool fused =
       false;  ///< false: NIS beyond the gate or no number, or S not positive definite; nothing is changed
+  std::array<double, Border<kCoreSize>::kMost> variances{};  ///< diagonal of S: the first M
 };
 
 /// The largest step predict() takes at once; longer ones are split (its noise integral is second order).
@@ -153,10 +155,14 @@ template <class AnyMeasurement>
 Update ErrorStateFilter<N>::update(const AnyMeasurement& m, double gate) {
   Border<N> border;
   fillBorder(m, border);
+  Update done;
+  static_assert(decltype(m.residual)::RowsAtCompileTime <= Border<N>::kMost);
+  for (int k = 0; k < border.size; ++k) done.variances[static_cast<std::size_t>(k)] = border.columnOfS(k)[k];
   if (!border.isModest(m.R.diagonal()) || !kernels->eliminate(border))
     return updateWhole(m.residual, wholeH(m), m.R, gate);
-  const double nis = border.nis();
-  const Update done{nis, border.determinant(), nis <= gate};
+  done.nis = border.nis();
+  done.determinant = border.determinant();
+  done.fused = done.nis <= gate;
   if (!done.fused) return done;
   if (!attached.T_odom.empty()) carryAttached(m.residual, wholeH(m), m.R);
   correct(border);

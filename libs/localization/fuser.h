@@ -9,6 +9,7 @@
 #include "localization/error_state_filter.h"
 #include "localization/landmark_fuser.h"
 #include "localization/measurements.h"
+#include "localization/noise_adaptation.h"
 #include "localization/pose_fixes.h"
 #include "recording/instrument_entries.h"
 
@@ -42,6 +43,7 @@ struct GatedFilter {
   std::array<Rejections, kChannelCount> rejected{};
   typename LandmarkFuser<N>::Memory landmarks;
   OdomFrame frame;
+  NoiseAdaptation noise;
 };
 
 /// One rejected reading is an outlier. This many in a row that agree are a filter that has gone astray: the
@@ -80,20 +82,22 @@ class Fuser {
         rejected.in_a_row = 0;
       else
         rejected.template add<M>(m.residual, m.R, gate);
+      if (setup_.options.adapts_noise) state.noise.add(channel, shownBy(m, done, gate));
       log.innovations.push_back({t_s, channel, M, done.nis, done.fused, rejected.in_a_row, done.determinant});
     };
     forEachObservation(sample, setup_.vehicle, [&]<class C>(const Observation& seen) {
       if (!isTold<C>()) return;
       auto m = measure<N, C::channel.component_count>(filter.x, kChannel<C>, seen, context_);
-      m.R *= variance_times_[indexOf(kChannel<C>)];
+      m.R *= variance_times_[indexOf(kChannel<C>)] * state.noise.varianceTimes(kChannel<C>);
       update(kChannel<C>, m);
     });
+    if constexpr (N == kFullSize) widenBiases(state, log);
     if (!uses(kChannel<Landmark>)) return;
     if (const auto* pose = std::get_if<PoseSample>(&sample.reading);
         pose && baseOf(sample.label) == labels::kMarkers)
-      landmarks_.fuse(filter, state.landmarks, *pose, t_s, log);
+      landmarks_.fuse(filter, state.landmarks, state.noise, *pose, t_s, log);
     if (const auto* panels = std::get_if<PanelSample>(&sample.reading))
-      landmarks_.fuse(filter, state.landmarks, *panels, t_s, log);
+      landmarks_.fuse(filter, state.landmarks, state.noise, *panels, t_s, log);
   }
 
   /// Where the filter is, and all of its fixes.
@@ -133,6 +137,12 @@ class Fuser {
            print(" tells where odom is: moved by (%.3f, %.3f, %.3f) m, turned by %.2f deg", shift.x(),
                  shift.y(), shift.z(), degrees(logSO3<double>(move.T_new_old.rotation).z())) +
            (frame.isTurned() ? "; its heading is not known until the robot has come some way" : "");
+  }
+
+  void widenBiases(GatedFilter<N>& state, FusionLog& log) const {
+    if (!setup_.options.adapts_noise) return;
+    const std::vector<int> widened = state.noise.biases.widen(state.filter);
+    log.anew.insert(log.anew.end(), widened.begin(), widened.end());
   }
 
   bool uses(Channel channel) const { return fused_[indexOf(channel)]; }

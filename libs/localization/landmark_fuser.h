@@ -8,6 +8,7 @@
 #include "core/text.h"
 #include "localization/landmark_monitor.h"
 #include "localization/measurements.h"
+#include "localization/noise_adaptation.h"
 #include "localization/pose_fixes.h"
 #include "localization/result.h"
 #include "localization/setup.h"
@@ -72,15 +73,16 @@ class LandmarkFuser {
     shared = std::make_shared<const LandmarkMemory>(std::move(memory));
   }
 
-  void fuse(ErrorStateFilter<N>& filter, Memory& memory, const PoseSample& markers, double t_s,
-            FusionLog& log) const {
-    fuseFix(filter, memory, fixOf(markers), t_s, log);
+  void fuse(ErrorStateFilter<N>& filter, Memory& memory, NoiseAdaptation& noise, const PoseSample& markers,
+            double t_s, FusionLog& log) const {
+    fuseFix(filter, memory, noise, fixOf(markers), t_s, log);
   }
-  void fuse(ErrorStateFilter<N>& filter, Memory& memory, const PanelSample& sample, double t_s,
-            FusionLog& log) const {
+  void fuse(ErrorStateFilter<N>& filter, Memory& memory, NoiseAdaptation& noise, const PanelSample& sample,
+            double t_s, FusionLog& log) const {
     for (const SeenPanel& seen : sample.panels) {
       if (seen.panel >= 0 && static_cast<std::size_t>(seen.panel) < setup_.panels.size())
-        fuseFix(filter, memory, {seen.panel, sample.T_robot_camera * seen.T_camera_panel, {}}, t_s, log);
+        fuseFix(filter, memory, noise, {seen.panel, sample.T_robot_camera * seen.T_camera_panel, {}}, t_s,
+                log);
       else
         log.events.push_back(
             {t_s, "unknown-panel",
@@ -122,16 +124,18 @@ class LandmarkFuser {
     return {filter.x.motion.R_odom_robot, filter.x.motion.position_odom};
   }
 
-  void fuseFix(ErrorStateFilter<N>& filter, Memory& shared, Fix fix, double t_s, FusionLog& log) const {
+  void fuseFix(ErrorStateFilter<N>& filter, Memory& shared, NoiseAdaptation& noise, Fix fix, double t_s,
+               FusionLog& log) const {
     LandmarkMemory memory = *shared;
-    fix.T_robot_panel.covariance *= variance_times_;
-    if (fix.T_odom_robot) fix.T_odom_robot->covariance *= variance_times_;
+    const double times = variance_times_ * noise.varianceTimes(kChannel<Landmark>);
+    fix.T_robot_panel.covariance *= times;
+    if (fix.T_odom_robot) fix.T_odom_robot->covariance *= times;
     int* attached = fix.panel == kNoPanel ? nullptr : &memory.attached[static_cast<std::size_t>(fix.panel)];
     if (attached != nullptr && *attached == LandmarkMemory::kUnseen) {
       *attached = filter.attach(fix.T_robot_panel);
       fusePrior(filter, *attached, fix.panel, t_s, log);
     } else {
-      fuseKnown(filter, memory, fix, t_s, log);
+      fuseKnown(filter, memory, noise, fix, t_s, log);
     }
     shared = std::make_shared<const LandmarkMemory>(std::move(memory));
   }
@@ -157,8 +161,8 @@ class LandmarkFuser {
                  gate_)});
   }
 
-  void fuseKnown(ErrorStateFilter<N>& filter, LandmarkMemory& memory, const Fix& fix, double t_s,
-                 FusionLog& log) const {
+  void fuseKnown(ErrorStateFilter<N>& filter, LandmarkMemory& memory, NoiseAdaptation& noise, const Fix& fix,
+                 double t_s, FusionLog& log) const {
     const int attached =
         fix.panel == kNoPanel ? LandmarkMemory::kExact : memory.attached[static_cast<std::size_t>(fix.panel)];
     const bool estimated = attached >= 0;
@@ -188,6 +192,11 @@ class LandmarkFuser {
     const double nis = done.nis;
     const bool passed = nis <= gate;
     memory.rejected_in_a_row = passed ? 0 : memory.rejected_in_a_row + 1;
+    // Of one that is rejected the monitor decides whether it is the fix, the filter or the panel that is
+    // wrong.
+    if (passed && setup_.options.adapts_noise)
+      noise.add(kChannel<Landmark>,
+                shownBySighting(estimated ? fix.T_robot_panel : robotPose(fix, T_odom_panel), done));
     log.innovations.push_back(
         {t_s, kChannel<Landmark>, 6, nis, done.fused, memory.rejected_in_a_row, done.determinant});
     if (setup_.options.gate.kind != Gate::Kind::chi_square) return;
@@ -201,8 +210,10 @@ class LandmarkFuser {
 
   static Update updateByRobotPose(ErrorStateFilter<N>& filter, const Fix& fix, const Pose& T_odom_panel,
                                   double gate) {
-    const UncertainPose T_odom_robot = fix.T_odom_robot.value_or(T_odom_panel * fix.T_robot_panel.inverse());
-    return filter.update(poseMeasurement<N>(filter.x, T_odom_robot), gate);
+    return filter.update(poseMeasurement<N>(filter.x, robotPose(fix, T_odom_panel)), gate);
+  }
+  static UncertainPose robotPose(const Fix& fix, const Pose& T_odom_panel) {
+    return fix.T_odom_robot.value_or(T_odom_panel * fix.T_robot_panel.inverse());
   }
 
   /// Whether the orientation may be off by more than a linear update bears: it would turn what is known of

@@ -65,6 +65,7 @@ class Localizer::RunOf : public Run {
         future_([this](const Sample& sample, double stamp_s) { take(sample, stamp_s); }, reporter()) {
     for (const Regime regime : kEveryRegime) noise_[static_cast<std::size_t>(regime)] = noiseIn(regime);
     before_->after.landmarks = fuser_.startLandmarks();
+    before_->after.noise.biases = {noise_[0].gyro_bias_sigma_rad_s, noise_[0].accelerometer_bias_sigma_m_s2};
     for (const PanelPrior& panel : setup_.panels)
       summary_.panels.push_back({panel.name, PanelResult::State::unseen, {panel.T_odom_panel}, {}});
   }
@@ -84,6 +85,9 @@ class Localizer::RunOf : public Run {
     }
     finalizeBefore(std::numeric_limits<double>::infinity());
     summary_.panels = panelResults();
+    const AdaptedDrive drive = before_->after.noise.drive();
+    summary_.turning_times = std::sqrt(drive.turning_times);
+    summary_.pushing_times = std::sqrt(drive.pushing_times);
     if (setup_.options.smooth) smooth();
     for (const Channel channel : kEveryChannel) {
       ChannelSummary& s = channels_[indexOf(channel)];
@@ -91,6 +95,7 @@ class Localizer::RunOf : public Run {
       if (count == 0) continue;
       s.nis_mean /= static_cast<double>(count);
       std::tie(s.nis_band95_low, s.nis_band95_high) = meanChiSquareBand(s.degrees_of_freedom, count);
+      s.sigma_times = std::sqrt(before_->after.noise.varianceTimes(channel));
       summary_.channels[channel] = s;
     }
     return summary_;
@@ -133,8 +138,11 @@ class Localizer::RunOf : public Run {
     return noise;
   }
 
-  const ProcessNoise& noiseAt(const NavigationState<double>& x) const {
-    return noise_[static_cast<std::size_t>(setup_.options.regimes.of(x.motion))];
+  ProcessNoise noiseAt(const NavigationState<double>& x, const AdaptedDrive& drive) const {
+    return drive.appliedTo(noise_[static_cast<std::size_t>(setup_.options.regimes.of(x.motion))]);
+  }
+  ProcessNoise noiseAt(const GatedFilter<N>& state) const {
+    return noiseAt(state.filter.x, state.noise.drive());
   }
 
   InputWatch::Report reporter() {
@@ -210,7 +218,7 @@ class Localizer::RunOf : public Run {
     std::vector<ReckonedFix> fixes;
     for (const Sample* sample : by_time) {
       const double t_s = validity_s(*sample);
-      if (t_s > now.t_s) now.after.filter.predict(t_s - now.t_s, noiseAt(now.after.filter.x));
+      if (t_s > now.t_s) now.after.filter.predict(t_s - now.t_s, noiseAt(now.after));
       now.t_s = std::max(now.t_s, t_s);
       const std::vector<ReckonedFix> seen = fuser_.fixes(now.after, *sample, t_s);
       fixes.insert(fixes.end(), seen.begin(), seen.end());
@@ -248,7 +256,7 @@ class Localizer::RunOf : public Run {
 
   void process(const Entry& last, Entry& entry) {
     entry.after = last.after;
-    if (entry.t_s > last.t_s) entry.after.filter.predict(entry.t_s - last.t_s, noiseAt(last.after.filter.x));
+    if (entry.t_s > last.t_s) entry.after.filter.predict(entry.t_s - last.t_s, noiseAt(last.after));
     entry.log.clear();
     fuser_.fuse(entry.after, entry.sample, entry.t_s, entry.log);
   }
@@ -270,7 +278,10 @@ class Localizer::RunOf : public Run {
     summary_.end_t_s = entry.t_s;
     judge(entry);
     if constexpr (N == kFullSize) noteBiases(entry);
-    if (setup_.options.smooth) smoother_.record(entry.t_s, entry.after.filter, std::exchange(anew_, {}));
+    if (setup_.options.smooth) {
+      smoother_.record(entry.t_s, entry.after.filter, std::exchange(anew_, {}));
+      drives_.push_back(entry.after.noise.drive());
+    }
     // A landmark moves the estimate at once: between grid points that would not show.
     if (!std::exchange(landmark_seen_, false) && entry.t_s < next_output_s_ - 1e-6) return;
     sink_.estimate(makeEstimate(entry.t_s, entry.after.filter.x, entry.after.filter.P, entry.after.frame));
@@ -294,7 +305,7 @@ class Localizer::RunOf : public Run {
   }
 
   void smooth() {
-    smoother_.smooth([this](const auto& x) -> const ProcessNoise& { return noiseAt(x); }, [](double) {});
+    smoother_.smooth([this](std::size_t k, const auto& x) { return noiseAt(x, drives_[k]); }, [](double) {});
     std::size_t k = 0;
     for (const double t_s : outputs_) {
       while (smoother_.time(k) < t_s) ++k;
@@ -415,6 +426,7 @@ class Localizer::RunOf : public Run {
   std::vector<double> outputs_;
   std::vector<int> anew_;  ///< since the smoother's last record
   Smoother<N> smoother_;
+  std::vector<AdaptedDrive> drives_;  ///< at each step of the smoother
 };
 
 Localizer::Localizer(LocalizationSetup setup, LocalizationSink sink) {

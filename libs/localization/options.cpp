@@ -71,6 +71,13 @@ BiasNoise readBiases(const YamlMap& y) {
           y.positive("time_constant_s")};
 }
 
+/// Whether it adapts.
+bool readNoise(const YamlMap& y) {
+  const std::string noise = y.text("noise");
+  if (noise != "adaptive" && noise != "fixed") throw y.error("noise", "must be adaptive or fixed");
+  return noise == "adaptive";
+}
+
 Gate readGate(const YamlMap& y) {
   Gate gate;
   const std::string kind = y.text("kind");
@@ -131,6 +138,7 @@ LocalizationOptions readOnto(LocalizationOptions options, const std::filesystem:
       options.sigma_times[readChannel(y, "sigma_times", name)] = times.positive(name);
   }
   if (y.has("biases")) options.biases = readBiases(y.map("biases"));
+  if (y.has("noise")) options.adapts_noise = readNoise(y);
   if (y.has("gate")) options.gate = readGate(y.map("gate"));
   if (y.has("landmarks")) options.landmarks = readLandmarks(y.map("landmarks"), options.landmarks);
   if (y.has("lost")) options.lost = readLost(y.map("lost"), options.lost);
@@ -200,6 +208,7 @@ std::string gateText(const Gate& gate) {
 std::string formatLocalizationOptions(const LocalizationOptions& o) {
   std::ostringstream y;
   y << "task: " << o.task << "\nfuse: " << channelsText(o.fuse)
+    << "\nnoise: " << (o.adapts_noise ? "adaptive" : "fixed")
     << "\nbias_states: " << (o.bias_states ? "true" : "false")
     << "\nprocess_noise:\n  position_m2_s: " << axes(o.noise.position)
     << "\n  orientation_rad2_s: " << axes(o.noise.orientation)

@@ -59,6 +59,7 @@ struct LocalizationOptions {
   RegimeLimits regimes;
   std::map<Channel, double> sigma_times;  ///< of a channel's measurements: times the vehicle file's
   std::optional<BiasNoise> biases;        ///< absent: the vehicle file's
+  bool adapts_noise = true;  ///< follows what innovations show of all these noises, within bounds
   Gate gate;
   LandmarkOptions landmarks;
   LostOptions lost;

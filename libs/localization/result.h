@@ -56,6 +56,7 @@ struct ChannelSummary {
   std::size_t fused = 0, gated = 0;                    ///< gated: not fused
   double nis_mean = 0.0;                               ///< over fused and gated
   double nis_band95_low = 0.0, nis_band95_high = 0.0;  ///< where the mean lies if the filter is consistent
+  double sigma_times = 1.0;  ///< its noise at the end, times what options and vehicle file have
 };
 
 /// A panel that was pushed while the robot worked.
@@ -83,6 +84,8 @@ struct LocalizationSummary {
   double start_t_s = 0.0, end_t_s = 0.0;
   std::size_t samples = 0, late_fused = 0;
   std::map<Channel, ChannelSummary> channels;
+  /// Of what drives turning rate and acceleration, at the end: root of the density, times the options'.
+  double turning_times = 1.0, pushing_times = 1.0;
   std::map<std::string, std::size_t> event_counts;
   std::vector<PanelResult> panels;     ///< as in the setup
   std::optional<double> lost_since_s;  ///< where it ends lost

@@ -32,7 +32,7 @@ class Smoother {
   typename Filter::Matrix covariance(std::size_t k) const;
 
   /// Replaces the record by its smoothed values. progress is called with the share done, from the end.
-  /// `noise_at` gives the process noise at a filtered state.
+  /// `noise_at` gives the process noise at a filtered state, the k-th of the record.
   template <class NoiseAt, class F>
   void smooth(const NoiseAt& noise_at, F&& progress);
 
@@ -57,7 +57,7 @@ template <class NoiseAt, class F>
 void Smoother<N>::smooth(const NoiseAt& noise_at, F&& progress) {
   moveFrames();
   for (std::size_t k = size(); k-- > 0;) {
-    if (k + 1 < size()) smoothStep(k, noise_at(states_[k]));
+    if (k + 1 < size()) smoothStep(k, noise_at(k, states_[k]));
     if (k % 1000 == 0) progress(1.0 - static_cast<double>(k) / static_cast<double>(size()));
   }
 }

@@ -218,12 +218,14 @@ Table errorsOverTime(const RecordingStory& recording, const TaskStory& task) {
 }
 
 Table channelTable(const LocalizationSummary& summary) {
-  Table table{.header = {"channel", "fused", "gated", "dof", "mean NIS", "95 % band of the mean"},
+  Table table{.header = {"channel", "fused", "gated", "dof", "mean NIS", "95 % band of the mean",
+                         "sigma, times the file's"},
               .rows = {}};
   for (const auto& [channel, s] : summary.channels)
     table.rows.push_back({nameOf(channel), std::to_string(s.fused), std::to_string(s.gated),
                           std::to_string(s.degrees_of_freedom), fixed(s.nis_mean, 3),
-                          fixed(s.nis_band95_low, 3) + " to " + fixed(s.nis_band95_high, 3)});
+                          fixed(s.nis_band95_low, 3) + " to " + fixed(s.nis_band95_high, 3),
+                          fixed(s.sigma_times, 2)});
   return table;
 }
 
@@ -269,7 +271,9 @@ nlohmann::ordered_json toJson(const RecordingStory& recording, const TaskStory& 
                                          {"gated", s.gated},
                                          {"degrees_of_freedom", s.degrees_of_freedom},
                                          {"nis_mean", s.nis_mean},
-                                         {"nis_mean_band95", {s.nis_band95_low, s.nis_band95_high}}};
+                                         {"nis_mean_band95", {s.nis_band95_low, s.nis_band95_high}},
+                                         {"sigma_times", s.sigma_times}};
+  json["drive_times"] = {{"turning", story.summary.turning_times}, {"pushing", story.summary.pushing_times}};
   if (const auto last = outputs.last()) {
     const auto& x = last->state;
     json["final"] = {

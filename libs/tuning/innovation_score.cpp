@@ -35,6 +35,7 @@ Scores score(const TunedRecording& recording, const LocalizationOptions& options
   LocalizationSetup setup = recording.setup;
   setup.options = options;
   setup.options.smooth = false;
+  setup.options.adapts_noise = false;
   LocalizationSink sink;
   double begin_s = 0.0, last_s = 0.0;
   bool begun = false;

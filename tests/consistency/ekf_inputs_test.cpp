@@ -7,7 +7,9 @@
 #include <cstdlib>
 
 #include "core/linear_algebra.h"
+#include "localization/localizer.h"
 #include "support/observed.h"
+#include "support/recordings.h"
 #include "support/sanitized.h"
 #include "support/shared_data.h"
 
@@ -161,6 +163,110 @@ TEST(EkfInputs, BiasesAreCarriedConsistently) {
               errors.nees_per_dof, errors.attitude_rms_deg, errors.velocity_rms);
   EXPECT_GE(errors.nees_per_dof, 0.8);
   EXPECT_LE(errors.nees_per_dof, 1.3);
+}
+
+/// What the file's noise is, and biases that are a two hundredth of those that it is given.
+Vehicle surveyVehicle() {
+  Vehicle vehicle;
+  InsSheet& ins = vehicle.ins.emplace();
+  ins.gyro_sigma_rad_s = 0.005;
+  ins.accelerometer_sigma_m_s2 = 0.05;
+  ins.attitude_sigma = AttitudeSigma(0.01, 0.01, 0.03);
+  ins.gyro_bias_sigma_rad_s = 5e-5;
+  ins.accelerometer_bias_sigma_m_s2 = 3e-4;
+  ins.bias_time_constant_s = 3600.0;
+  vehicle.dvl.emplace().velocity_sigma_xy_m_s = vehicle.dvl->velocity_sigma_z_m_s = 0.02;
+  return vehicle;
+}
+
+/// A line as a recording has it. The landmark is a panel that stands at odom's origin.
+Sample sampleOf(const EkfLine& line, const Vehicle& vehicle) {
+  const auto& z = line.z.motion;
+  Sample sample{after(kStart, line.t), "", {}};
+  if (line.sensor == "ins") {
+    const Vector3d up = z.R_odom_robot.transpose() * Vector3d(0, 0, vehicle.gravity_m_s2);
+    sample.label = labels::kIns;
+    sample.reading = InsSample{{}, z.angular_velocity_robot, z.acceleration_robot + up, z.R_odom_robot};
+  } else if (line.sensor == "dvl") {
+    sample.label = labels::kDvl;
+    sample.reading = DvlSample{{}, z.velocity_robot};
+  } else {
+    const UncertainPose T_odom_robot{{z.R_odom_robot, z.position_odom}, line.R};
+    sample.label = labels::kPanel;
+    sample.reading = PanelSample{{}, {{0, T_odom_robot.inverse()}}};
+  }
+  return sample;
+}
+
+struct Localized {
+  std::map<std::string, double> nis;  ///< over degrees of freedom
+  double nees = 0;                    ///< over degrees of freedom
+  bool is_lost = false;
+};
+
+/// The survey with biases, as users run it, from t = 10 s on.
+Localized localizeSurvey(const std::filesystem::path& folder, bool adapts_noise) {
+  const auto truth = readNumbers(folder / "syn_truth.csv");
+  LocalizationSetup setup;
+  setup.vehicle = surveyVehicle();
+  setup.options.adapts_noise = adapts_noise;
+  setup.options.noise = noise();
+  setup.options.fuse.push_back(kChannel<Landmark>);
+  setup.options.output_rate_hz = 100;
+  setup.panels.push_back({"origin", {}});
+  setup.time_zero = kStart;
+  Localized localized;
+  int count = 0;
+  LocalizationSink sink;
+  sink.estimate = [&](const Estimate& estimate) {
+    if (estimate.t_s < 10.0) return;
+    const KinematicState<double> at = survey(truth, estimate.t_s);
+    const auto& m = estimate.state.motion;
+    Eigen::Matrix<double, 6, 1> e;
+    e << at.position_odom - m.position_odom, logSO3<double>(m.R_odom_robot.transpose() * at.R_odom_robot);
+    localized.nees += normalizedSquare(estimate.pose_covariance, e) / 6.0;
+    localized.is_lost = localized.is_lost || estimate.lost;
+    ++count;
+  };
+  Localizer localizer(setup, sink);
+  for (const EkfLine& line : readEkfInputs(folder / "syn_inputs.csv").lines) {
+    if (line.sensor == "init") continue;
+    Sample sample = sampleOf(line, setup.vehicle);
+    if (auto* ins = std::get_if<InsSample>(&sample.reading)) {
+      *ins->angular_velocity_ins += Vector3d(0.01, -0.008, 0.012);
+      *ins->specific_force_ins += Vector3d(0.05, -0.08, 0.06);
+    }
+    localizer.add(sample);
+  }
+  localized.nees /= count;
+  for (const auto& [channel, s] : localizer.finish().channels)
+    localized.nis[nameOf(channel)] = s.nis_mean / s.degrees_of_freedom;
+  return localized;
+}
+
+// 600 s are some 20 independent errors of the slowest of six numbers: NEES/6 scatters by less than 0.15
+// about 1.
+TEST(EkfInputs, BiasesThatNobodyToldOfAreFound) {
+  FATHOM_NEEDS_SHARED("ekf_inputs");
+  for (const int seed : kSanitized ? std::vector<int>{1} : std::vector<int>{1, 2, 3}) {
+    const auto folder = generate("gen_syn.py", seed);
+    if (folder.empty()) GTEST_SKIP() << "needs /usr/bin/python3 with numpy";
+    for (const bool adapts : {false, true}) {
+      const Localized found = localizeSurvey(folder, adapts);
+      std::printf("seed %d, noise %s: pose NEES/6 %.2f%s; NIS/dof", seed, adapts ? "adaptive" : "fixed",
+                  found.nees, found.is_lost ? " (lost)" : "");
+      for (const auto& [channel, nis] : found.nis) {
+        std::printf(" %s %.2f", channel.c_str(), nis);
+        if (!adapts) continue;
+        EXPECT_GE(nis, 0.8) << channel;
+        EXPECT_LE(nis, 1.2) << channel;
+      }
+      std::printf("\n");
+      if (!adapts) continue;
+      EXPECT_GE(found.nees, 0.8);
+      EXPECT_LE(found.nees, 1.3);
+    }
+  }
 }
 
 TEST(EkfInputs, PitchLoops) {

@@ -1,0 +1,144 @@
+#include "localization/noise_adaptation.h"
+
+#include <algorithm>
+
+namespace fathom {
+namespace {
+
+// Bounds. A sigma is lowered by little: innovations show what differs from reading to reading, and an error
+// that stays (an alignment, a scale, a gyro's drift) is in the sheet's sigma and not in them. It is raised
+// threefold at most: beyond that the vehicle file is wrong, or the sensor, which is not to be hidden.
+constexpr double kLowestVariance = 0.7, kHighestVariance = 9.0;
+constexpr double kHighestDrive = 100.0;
+
+// A measurement's variance.
+/// What is stated counts as so many readings of three numbers that say the same; readings before the last so
+/// many are forgotten by and by, since noise changes.
+constexpr double kStated = 20.0, kRemembered = 300.0;
+constexpr double informationOf(double readings) { return readings * 1.5; }
+
+// A level's two.
+/// They are judged after so many numbers, and at once after fewer that are this much larger than they should
+/// be.
+constexpr int kNumbers = 300, kAtOnce = 30;
+constexpr double kTooLarge = 2.5;
+/// A judgement is the mean of all before, later of about the last ten.
+constexpr double kShare = 0.1;
+/// Of what the factors are off by: ordinary, and by what a judgement moves them at least and most.
+constexpr double kOrdinary = 0.5, kLeastMove = 0.05, kMostMove = 4.0;
+/// An onset is seen so surely, in sigmas; after kNumbers more so much of it is left.
+constexpr double kSurely = 3.0, kOnsetDecay = 0.5;
+/// Of R or of P in S: where it is less nothing is told of it.
+constexpr double kLeastShare = 1e-3;
+/// Numbers beyond so many sigmas are outliers.
+constexpr double kOutlier = 4.0;
+
+/// A bias of so many sigmas was not told of. No INS that a vehicle carries has larger ones than these.
+constexpr double kFarBias = 3.0, kMostGyro_rad_s = radians(1.0), kMostAccelerometer_m_s2 = 0.3;
+
+void widenBlock(ErrorStateFilter<kFullSize>& filter, int block, const Vector3d& bias, double most,
+                Vector3d& sigmas, std::vector<int>& widened) {
+  for (int axis = 0; axis < 3; ++axis) {
+    double& sigma = sigmas[axis];
+    double& variance = filter.P.diagonal()[block + axis];
+    if (std::abs(bias[axis]) <= kFarBias * sigma) continue;
+    const double wider = std::min(std::sqrt(bias[axis] * bias[axis] + variance), most);
+    if (wider <= sigma) continue;
+    variance += wider * wider - sigma * sigma;
+    sigma = wider;
+    widened.push_back(block + axis);
+  }
+}
+
+}  // namespace
+
+Shown shownBySighting(const UncertainPose& seen, const Update& done) {
+  Shown shown{6, done.nis};
+  for (int k = 0; k < shown.size; ++k)
+    shown.own_share += seen.covariance(k, k) / done.variances[static_cast<std::size_t>(k)] / shown.size;
+  return shown;
+}
+
+void MeasurementVariance::add(const Shown& shown) {
+  const double f = shown.own_share, M = shown.size;
+  information_ = std::min(information_ + 0.5 * f * f * M, informationOf(kRemembered));
+  log_ += 0.5 * f * (shown.nis - M) / (information_ + informationOf(kStated));
+  log_ = std::clamp(log_, std::log(kLowestVariance), std::log(kHighestVariance));
+  times_ = std::exp(log_);
+}
+
+void LevelVariances::Factor::move(double ratio, double variance, double share, double lowest,
+                                  double highest) {
+  const double off = std::clamp(ratio, kLeastMove, kMostMove) - 1.0;
+  times *= 1.0 + share * off * kOrdinary * kOrdinary / (kOrdinary * kOrdinary + variance);
+  times = std::clamp(times, lowest, highest);
+}
+
+void LevelVariances::add(const Shown& shown) {
+  for (std::size_t k = 0; k < past_.size(); ++k) {
+    const double now = std::clamp(shown.residual[k], -kOutlier, kOutlier);
+    squares_ += now * now;
+    products_ += now * past_[k];
+    past_squares_ += past_[k] * past_[k];
+    past_[k] = shown.own_share * past_[k] + now;
+  }
+  shares_ += shown.own_share;
+  ++readings_;
+  numbers_ += shown.size;
+  const bool surprises = numbers_ >= kAtOnce && squares_ > kTooLarge * numbers_;
+  if (numbers_ >= kNumbers || surprises) conclude(surprises);
+}
+
+void LevelVariances::conclude(bool surprises) {
+  const double share = std::max(1.0 / ++judgements_, kShare);
+  const double n = numbers_, C0 = squares_ / n;
+  const double rest = std::clamp(shares_ / readings_, kLeastShare, 1.0 - kLeastShare), g = 1.0 - rest;
+  const double change = past_squares_ > 0.0 ? products_ / past_squares_ : 0.0;
+  const double gain = std::clamp(g + change, 0.5 * g, 1.0 - 0.5 * rest);
+  const double least = std::max(C0 - change * products_ / n, 0.5 * C0);
+  const double gain_variance = (1.0 - rest * rest) / n;
+  const double drive_off = gain * gain / (g * g) * least;
+  measurement_.move((1.0 - gain) / rest * least, 2.0 / n + gain_variance / (rest * rest), share,
+                    kLowestVariance, kHighestVariance);
+  drive_.move(drive_off * onset_, 2.0 / n + 4.0 * gain_variance / (g * g), share, lowest_drive_,
+              kHighestDrive);
+  // What is noise differs from reading to reading; behind a manoeuvre the filter stays back, to one side.
+  const bool stays_back = products_ > kSurely * std::sqrt(past_squares_ * C0);
+  onset_ = surprises && stays_back ? onset_ * std::clamp(drive_off, 1.0, kMostMove)
+                                   : std::max(1.0, std::pow(kOnsetDecay, n / kNumbers) * onset_);
+  squares_ = products_ = past_squares_ = shares_ = 0.0;
+  numbers_ = readings_ = 0;
+}
+
+std::vector<int> BiasSigmas::widen(ErrorStateFilter<kFullSize>& filter) {
+  std::vector<int> widened;
+  widenBlock(filter, kGyroBias, filter.x.gyro_bias_rad_s, kMostGyro_rad_s, gyro_rad_s, widened);
+  widenBlock(filter, kAccelerometerBias, filter.x.accelerometer_bias_m_s2, kMostAccelerometer_m_s2,
+             accelerometer_m_s2, widened);
+  return widened;
+}
+
+ProcessNoise AdaptedDrive::appliedTo(ProcessNoise assumed) const {
+  assumed.angular_velocity *= turning_times;
+  assumed.acceleration *= pushing_times;
+  assumed.gyro_bias_sigma_rad_s = biases.gyro_rad_s;
+  assumed.accelerometer_bias_sigma_m_s2 = biases.accelerometer_m_s2;
+  return assumed;
+}
+
+double NoiseAdaptation::varianceTimes(Channel channel) const {
+  if (channel == kChannel<Gyro>) return gyro_.measurementTimes();
+  if (channel == kChannel<Accelerometer>) return accelerometer_.measurementTimes();
+  return others_[indexOf(channel)].times();
+}
+
+void NoiseAdaptation::add(Channel channel, const Shown& shown) {
+  if (channel == kChannel<Gyro>)
+    gyro_.add(shown);
+  else if (channel == kChannel<Accelerometer>)
+    accelerometer_.add(shown);
+  else
+    others_[indexOf(channel)].add(shown);
+}
+
+}  // namespace fathom

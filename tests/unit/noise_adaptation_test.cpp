@@ -1,0 +1,134 @@
+#include "localization/noise_adaptation.h"
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+
+// The truth is the noise that the readings are drawn with.
+namespace fathom {
+namespace {
+
+/// A filter of three random walks, each read with noise, that follows what it is told of both.
+class Level {
+ public:
+  Level(double assumed_R, double assumed_q) : R_(assumed_R), q_(assumed_q) {}
+
+  void read(const Vector3d& reading, LevelVariances& variances) {
+    P_ += q_ * variances.driveTimes();
+    const double R = R_ * variances.measurementTimes(), S = P_ + R;
+    const Vector3d residual = reading - x_;
+    Shown shown{3, residual.squaredNorm() / S, R / S};
+    for (int k = 0; k < 3; ++k) shown.residual[static_cast<std::size_t>(k)] = residual[k] / std::sqrt(S);
+    nis_ += shown.nis;
+    ++count_;
+    x_ += P_ / S * residual;
+    P_ *= R / S;
+    variances.add(shown);
+  }
+  double takeNisMean() { return std::exchange(nis_, 0.0) / std::exchange(count_, 0); }
+
+ private:
+  double R_, q_, P_ = 1.0, nis_ = 0.0;
+  Vector3d x_ = Vector3d::Zero();
+  int count_ = 0;
+};
+
+struct Case {
+  double R, q;  ///< true, of what is assumed
+};
+
+class LevelVariancesTest : public testing::TestWithParam<Case> {};
+
+// Each judgement is of 300 numbers and counts a tenth: R scatters by sqrt(2/300 0.1/1.9) and what the gain
+// adds, some 5 %; the drive by twice as much.
+TEST_P(LevelVariancesTest, FollowBothNoises) {
+  const double R = GetParam().R, q = GetParam().q;
+  Random random(5);
+  LevelVariances variances(1e-4);
+  Level level(1.0, 0.1);
+  Vector3d truth = Vector3d::Zero();
+  const auto read = [&](int count) {
+    for (int k = 0; k < count; ++k) {
+      truth += std::sqrt(0.1 * q) * random.normal3();
+      level.read(truth + std::sqrt(R) * random.normal3(), variances);
+    }
+  };
+  read(10'000);
+  level.takeNisMean();
+  double R_found = 0.0, q_found = 0.0;
+  constexpr int kParts = 20;
+  for (int part = 0; part < kParts; ++part) {
+    read(500);
+    R_found += variances.measurementTimes() / kParts;
+    q_found += variances.driveTimes() / kParts;
+  }
+  EXPECT_NEAR(R_found / R, 1.0, 0.1);
+  EXPECT_NEAR(q_found / q, 1.0, 0.2);
+  EXPECT_NEAR(level.takeNisMean() / 3.0, 1.0, 0.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, LevelVariancesTest,
+                         testing::Values(Case{1.0, 1.0}, Case{4.0, 1.0}, Case{1.0, 30.0}, Case{1.0, 0.03},
+                                         Case{4.0, 0.1}, Case{3.0, 20.0}));
+
+TEST(LevelVariances, ASigmaIsLoweredByLittle) {
+  Random random(6);
+  LevelVariances variances(1e-4);
+  Level level(1.0, 0.1);
+  for (int k = 0; k < 20'000; ++k) level.read(0.1 * random.normal3(), variances);
+  EXPECT_NEAR(std::sqrt(variances.measurementTimes()), 0.84, 0.01);
+}
+
+// A vehicle that stood still for long, and whose drive is thought to be little, pushes.
+TEST(LevelVariances, AnOnsetIsFollowedAtOnce) {
+  Random random(7);
+  LevelVariances variances(1e-4);
+  Level level(1e-4, 1e-3);
+  for (int k = 0; k < 20'000; ++k) level.read(0.01 * random.normal3(), variances);
+  const double before = variances.driveTimes();
+  EXPECT_LT(before, 0.01);
+  for (int k = 1; k <= 50; ++k) level.read(Vector3d::Constant(0.05 * k) + 0.01 * random.normal3(), variances);
+  EXPECT_GT(variances.driveTimes(), 100.0 * before);
+}
+
+TEST(MeasurementVariance, FollowsTheNoise) {
+  Random random(8);
+  for (const double truth : {1.0, 2.0, 6.0}) {
+    MeasurementVariance variance;
+    double found = 0.0;
+    constexpr int kReadings = 4000;
+    for (int k = 0; k < 2 * kReadings; ++k) {
+      // Half of what a reading differs by is the prediction's.
+      const double S = 1.0 + variance.times();
+      const Vector3d residual = std::sqrt(1.0 + truth) * random.normal3();
+      variance.add({3, residual.squaredNorm() / S, variance.times() / S, {}});
+      if (k >= kReadings) found += variance.times() / kReadings;
+    }
+    EXPECT_NEAR(found / truth, 1.0, 0.1) << truth;
+  }
+}
+
+// Nothing is told of a noise that is nothing beside the prediction's.
+TEST(MeasurementVariance, StaysWhereNothingTellsIt) {
+  MeasurementVariance variance;
+  for (int k = 0; k < 1000; ++k) variance.add({3, 6.0, 1e-3, {}});
+  EXPECT_NEAR(variance.times(), 1.0, 0.1);
+}
+
+TEST(BiasSigmas, GrowToABiasThatNobodyToldOf) {
+  ErrorStateFilter<kFullSize> filter;
+  BiasSigmas sigmas{Vector3d::Constant(1e-4), Vector3d::Constant(1e-2)};
+  filter.x.gyro_bias_rad_s = {2e-4, 5e-4, 0.0};
+  filter.x.accelerometer_bias_m_s2 = {0.0, 0.0, -2.0};
+  filter.P.diagonal().segment<3>(kGyroBias).setConstant(1e-8);
+  filter.P.diagonal().segment<3>(kAccelerometerBias).setConstant(1e-4);
+  EXPECT_EQ(sigmas.widen(filter), (std::vector<int>{kGyroBias + 1, kAccelerometerBias + 2}));
+  EXPECT_DOUBLE_EQ(sigmas.gyro_rad_s.x(), 1e-4) << "three sigmas are ordinary";
+  EXPECT_DOUBLE_EQ(sigmas.gyro_rad_s.y(), std::sqrt(25e-8 + 1e-8));
+  EXPECT_DOUBLE_EQ(filter.P.diagonal()[kGyroBias + 1], 26e-8) << "as if it had been so from the start";
+  EXPECT_DOUBLE_EQ(sigmas.accelerometer_m_s2.z(), 0.3) << "more than any vehicle's";
+  EXPECT_TRUE(sigmas.widen(filter).empty() || sigmas.accelerometer_m_s2.z() <= 0.3);
+}
+
+}  // namespace
+}  // namespace fathom
