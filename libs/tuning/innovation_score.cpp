@@ -10,10 +10,37 @@ namespace fathom {
 
 namespace {
 
+/// Of the filter's gate here: wide enough that only nonsense meets it. A reading that passes or does not by a
+/// hair's breadth moves all that follow, and the log likelihood by a hundred: no slope could be taken. Where
+/// the usual gate lies, an innovation begins to count less (huber).
+constexpr double kWideGate = 1.0 - 1e-12;
+
 /// As NIS within the gate, and beyond it as its root, in one line.
 double huber(double nis, double gate) { return nis <= gate ? nis : 2.0 * std::sqrt(gate * nis) - gate; }
 
 }  // namespace
+
+void ChannelScore::add(double t_s, double nis) {
+  nis_sum += nis;
+  ++count;
+  if (const auto second = static_cast<long>(t_s); second != second_) {
+    square_ += of_second_ * of_second_;
+    product_ += of_second_ * readings_;
+    readings_square_ += readings_ * readings_;
+    all_ += readings_;
+    second_ = second;
+    of_second_ = readings_ = 0.0;
+  }
+  of_second_ += nis;
+  ++readings_;
+}
+
+double ChannelScore::unevenness() const {
+  const double mean = nisMean();
+  if (!(all_ > 0.0) || !(mean > 0.0)) return 1.0;
+  const double by_chance = 2.0 * mean * mean / degrees_of_freedom * all_;
+  return (square_ - 2.0 * mean * product_ + mean * mean * readings_square_) / by_chance;
+}
 
 void InnovationScore::add(const Innovation& innovation, double gate) {
   if (!(innovation.determinant > 0.0)) return;  // a pose that was set anew
@@ -22,8 +49,7 @@ void InnovationScore::add(const Innovation& innovation, double gate) {
                            dof * std::log(2.0 * std::numbers::pi));
   ChannelScore& channel = channels[innovation.channel];
   channel.degrees_of_freedom = innovation.degrees_of_freedom;
-  channel.nis_sum += std::min(innovation.nis, gate);
-  ++channel.count;
+  channel.add(innovation.t_s, std::min(innovation.nis, gate));
   if (!innovation.fused) ++channel.gated;
 }
 
@@ -36,6 +62,7 @@ Scores score(const TunedRecording& recording, const LocalizationOptions& options
   setup.options = options;
   setup.options.smooth = false;
   setup.options.adapts_noise = false;
+  setup.options.gate.probability = std::max(options.gate.probability, kWideGate);
   LocalizationSink sink;
   double begin_s = 0.0, last_s = 0.0;
   bool begun = false;
@@ -43,8 +70,13 @@ Scores score(const TunedRecording& recording, const LocalizationOptions& options
     if (!std::exchange(begun, true)) begin_s = innovation.t_s;
     const double t_s = innovation.t_s - begin_s;
     if (!blocks.counts(t_s)) return;
-    (blocks.isJudged(t_s) ? scores.judged : scores.fit)
-        .add(innovation, gates[static_cast<std::size_t>(innovation.degrees_of_freedom)]);
+    const double gate = gates[static_cast<std::size_t>(innovation.degrees_of_freedom)];
+    if (blocks.isJudged(t_s)) return scores.judged.add(innovation, gate);
+    const double before = scores.fit.log_likelihood;
+    scores.fit.add(innovation, gate);
+    const auto part = static_cast<std::size_t>(t_s / Scores::kPart_s);
+    if (part >= scores.fit_parts.size()) scores.fit_parts.resize(part + 1, 0.0);
+    scores.fit_parts[part] += scores.fit.log_likelihood - before;
   };
   sink.estimate = [&](const Estimate& estimate) {
     if (last_s > 0.0) scores.regimes_s[options.regimes.of(estimate.state.motion)] += estimate.t_s - last_s;

@@ -30,6 +30,15 @@ struct ChannelScore {
   double nis_sum = 0.0;
 
   double nisMean() const { return count == 0 ? 0.0 : nis_sum / static_cast<double>(count); }
+  void add(double t_s, double nis);
+  /// How much more a second's NIS varies than chance has it where noise and drive are constant: 1 then, with
+  /// a standard deviation of sqrt(2 / seconds).
+  double unevenness() const;
+
+ private:
+  long second_ = 0;                                                          ///< the one that is under way
+  double of_second_ = 0.0, readings_ = 0.0;                                  ///< its NIS, its readings
+  double square_ = 0.0, product_ = 0.0, readings_square_ = 0.0, all_ = 0.0;  ///< sums over those before
 };
 
 /// Prediction-error decomposition of the likelihood (Schweppe 1965; Harvey 1989, sec. 3.4): the sum over
@@ -43,7 +52,11 @@ struct InnovationScore {
 };
 
 struct Scores {
+  /// Short: of white innovations the parts scatter independently of each other, and there are many of them.
+  static constexpr double kPart_s = 0.1;
+
   InnovationScore fit, judged;
+  std::vector<double> fit_parts;       ///< its log likelihood by time, in parts of kPart_s
   std::map<Regime, double> regimes_s;  ///< time in each
 };
 
