@@ -8,19 +8,44 @@ constexpr double kLeast_s = 30.0;
 /// Fewer readings of a channel do not tell its noise.
 constexpr std::size_t kLeastReadings = 30;
 
-NoiseParameter driveOf(Regime regime, bool of_turning_rate, const DrivingNoise& drive) {
+/// Of the first of these, and of the others with it.
+NoiseParameter driveOf(const std::vector<Regime>& regimes, bool of_turning_rate, const DrivingNoise& drive) {
   const Vector3d& density = of_turning_rate ? drive.angular_velocity : drive.acceleration;
-  return {std::string(of_turning_rate ? "angular acceleration, " : "jerk, ").append(nameOf(regime)),
+  return {std::string(of_turning_rate ? "angular acceleration, " : "jerk, ").append(nameOf(regimes.front())),
           of_turning_rate ? "rad/s^1.5" : "m/s^2.5", std::sqrt(density.maxCoeff()),
-          [regime, of_turning_rate](LocalizationOptions& options, double factor) {
+          [regimes, of_turning_rate](LocalizationOptions& options, double factor) {
             const double times = factor * factor;
-            if (regime == Regime::station_keeping) {
-              (of_turning_rate ? options.noise.angular_velocity : options.noise.acceleration) *= times;
-            } else {
-              DrivingNoise& driven = options.driven.at(regime);
-              (of_turning_rate ? driven.angular_velocity : driven.acceleration) *= times;
+            for (const Regime regime : regimes) {
+              const auto driven = options.driven.find(regime);
+              if (regime == Regime::station_keeping)
+                (of_turning_rate ? options.noise.angular_velocity : options.noise.acceleration) *= times;
+              else if (driven != options.driven.end())
+                (of_turning_rate ? driven->second.angular_velocity : driven->second.acceleration) *= times;
             }
-          }};
+          },
+          of_turning_rate ? kChannel<Gyro> : kChannel<Accelerometer>};
+}
+
+/// Each regime that lasts; with the longest, those that do not: a drive that stayed as it was would upset the
+/// filter each time it is met.
+std::vector<std::vector<Regime>> drivenTogether(const std::map<Regime, double>& times_s) {
+  const auto timeIn = [&times_s](Regime regime) {
+    const auto time = times_s.find(regime);
+    return time == times_s.end() ? 0.0 : time->second;
+  };
+  std::vector<std::vector<Regime>> groups;
+  std::vector<Regime> rest;
+  for (const Regime regime : kEveryRegime)
+    if (timeIn(regime) >= kLeast_s)
+      groups.push_back({regime});
+    else
+      rest.push_back(regime);
+  if (groups.empty()) return {rest};
+  auto& longest = *std::max_element(groups.begin(), groups.end(), [&](const auto& a, const auto& b) {
+    return timeIn(a.front()) < timeIn(b.front());
+  });
+  longest.insert(longest.end(), rest.begin(), rest.end());
+  return groups;
 }
 
 NoiseParameter sigmaOf(Channel channel, const LocalizationOptions& options) {
@@ -29,7 +54,8 @@ NoiseParameter sigmaOf(Channel channel, const LocalizationOptions& options) {
           times == options.sigma_times.end() ? 1.0 : times->second,
           [channel](LocalizationOptions& o, double factor) {
             o.sigma_times.try_emplace(channel, 1.0).first->second *= factor;
-          }};
+          },
+          channel};
 }
 
 }  // namespace
@@ -52,19 +78,13 @@ std::vector<NoiseParameter> noiseParameters(const LocalizationOptions& options, 
     const auto found = scores.fit.channels.find(channel);
     return found != scores.fit.channels.end() && found->second.count >= kLeastReadings;
   };
-  // Where no regime but one lasts, the drive is of all.
-  const bool stays = std::none_of(scores.regimes_s.begin(), scores.regimes_s.end(),
-                                  [](const auto& r) { return r.second >= kLeast_s; });
-  for (const Regime regime : kEveryRegime) {
-    const auto time = scores.regimes_s.find(regime);
-    const bool lasts = time != scores.regimes_s.end() && time->second >= kLeast_s;
-    if (!lasts && !(stays && regime == Regime::station_keeping)) continue;
-    const auto driven = options.driven.find(regime);
+  for (const std::vector<Regime>& regimes : drivenTogether(scores.regimes_s)) {
+    const auto driven = options.driven.find(regimes.front());
     const DrivingNoise drive = driven == options.driven.end()
                                    ? DrivingNoise{options.noise.angular_velocity, options.noise.acceleration}
                                    : driven->second;
     for (const bool of_turning_rate : {true, false})
-      parameters.push_back(driveOf(regime, of_turning_rate, drive));
+      parameters.push_back(driveOf(regimes, of_turning_rate, drive));
   }
   if (options.bias_states && options.noise.sea_floor > 0.0 &&
       std::any_of(kEveryChannel.begin(), kEveryChannel.end(),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@ struct NoiseParameter {
   std::string name, unit;
   double value = 0.0;  ///< before, in its unit; of a density, its square root
   std::function<void(LocalizationOptions& options, double factor)> multiply;
+  std::optional<Channel> seen_by{};  ///< whose innovations are as large as it is
 };
 
 /// What a recording can tell: the drive of each regime in which it spends some time, the sigma of each
