@@ -40,11 +40,16 @@ std::vector<Sample> samplesOf(SampleSource& source, double longest_s) {
   return samples;
 }
 
+std::string remark(const TunedParameter& p) {
+  if (!p.is_told) return "hardly told";
+  return p.is_constant ? "" : "not constant";
+}
+
 Table parameterTable(const Tuning& tuning) {
   Table table{.header = {"noise", "unit", "before", "after", "95 % from", "to", ""}, .rows = {}};
   for (const TunedParameter& p : tuning.parameters)
     table.rows.push_back({p.name, p.unit, print("%.3g", p.before), print("%.3g", p.after),
-                          print("%.3g", p.low), print("%.3g", p.high), p.is_told ? "" : "hardly told"});
+                          print("%.3g", p.low), print("%.3g", p.high), remark(p)});
   return table;
 }
 
@@ -87,7 +92,8 @@ nlohmann::ordered_json toJson(const Tuning& tuning) {
                                   {"before", p.before},
                                   {"after", p.after},
                                   {"interval95", {p.low, p.high}},
-                                  {"told", p.is_told}});
+                                  {"told", p.is_told},
+                                  {"constant", p.is_constant}});
   json["judged_gain_per_innovation"] = tuning.judgedGain();
   return json;
 }
@@ -110,7 +116,9 @@ void writeOutputs(const TuneCommand& command, const Tuning& tuning, const Vehicl
   report.table(parameterTable(tuning),
                "Standard deviations; of a drive the square root of its density. Hardly told: the interval is "
                "mostly that "
-               "of the prior, one decade.");
+               "of the prior, one decade. Not constant: the innovations scatter more in some seconds than in "
+               "others by more than chance, as where the robot is pushed by fits and starts. What was found "
+               "suits the filter, but is not the sensor's own noise.");
   report.table(nisTable(tuning), "A consistent filter has 1 everywhere.");
   report.heading("As options of fathom localize");
   report.preformatted(formatLocalizationOptions(tuning.after));

@@ -1,10 +1,6 @@
 #include "tuning/tune.h"
 
-#include <ceres/gradient_problem.h>
-#include <ceres/gradient_problem_solver.h>
-
 #include <cmath>
-#include <mutex>
 #include <numbers>
 
 #include "core/error.h"
@@ -40,81 +36,120 @@ class Objective {
 
   /// At several points, on all cores.
   std::vector<double> at(const std::vector<Eigen::VectorXd>& points) const {
-    const std::size_t each = recordings_.size();
-    std::vector<double> parts(points.size() * each);
-    parallelFor(parts.size(), [&](std::size_t i) {
-      const Scores scores = score(recordings_[i % each], optionsAt(points[i / each]), blocks_);
-      parts[i] = -scores.fit.log_likelihood;
-    });
+    const Eigen::MatrixXd parts = partsAt(points);
     std::vector<double> values(points.size());
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      values[k] = 0.5 * (points[k] / kPrior).squaredNorm();
-      for (std::size_t i = 0; i < each; ++i) values[k] += parts[k * each + i];
-    }
+    for (std::size_t k = 0; k < points.size(); ++k)
+      values[k] = parts.col(static_cast<Eigen::Index>(k)).sum() + prior(points[k]);
     return values;
   }
+
+  /// Of each recording, one below the other, part by part in time; a column for each point. The prior is left
+  /// out.
+  Eigen::MatrixXd partsAt(const std::vector<Eigen::VectorXd>& points) const {
+    const std::size_t each = recordings_.size();
+    std::vector<std::vector<double>> parts(points.size() * each);
+    parallelFor(parts.size(), [&](std::size_t i) {
+      parts[i] = score(recordings_[i % each], optionsAt(points[i / each]), blocks_).fit_parts;
+    });
+    runs_ += static_cast<int>(points.size());
+    std::vector<std::size_t> first_row(each + 1, 0);
+    for (std::size_t i = 0; i < each; ++i)
+      for (std::size_t k = 0; k < points.size(); ++k)
+        first_row[i + 1] = std::max(first_row[i + 1], first_row[i] + parts[k * each + i].size());
+    Eigen::MatrixXd columns =
+        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(first_row.back()), std::ssize(points));
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      columns.col(static_cast<Eigen::Index>(i / each))
+          .segment(static_cast<Eigen::Index>(first_row[i % each]), std::ssize(parts[i])) =
+          -Eigen::Map<const Eigen::VectorXd>(parts[i].data(), std::ssize(parts[i]));
+    return columns;
+  }
+
+  static double prior(const Eigen::VectorXd& logs) { return 0.5 * (logs / kPrior).squaredNorm(); }
+  int runs() const { return runs_; }
 
  private:
   const std::vector<TunedRecording>& recordings_;
   const LocalizationOptions options_;
   const std::vector<NoiseParameter> parameters_;
   const Blocks blocks_;
+  mutable int runs_ = 0;
 };
 
-/// The objective with its gradient by central differences.
-class Differenced : public ceres::FirstOrderFunction {
- public:
-  explicit Differenced(const Objective& objective) : objective_(objective) {}
+/// The objective about a point. Each part's gradient is what that part adds to the score, so that the sum of
+/// their squares is the information where the filter explains the recording (Berndt, Hall, Hall & Hausman
+/// 1974): no second differences are needed for a step.
+struct Slope {
+  double value = 0.0;
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd information;
 
-  int NumParameters() const override { return objective_.size(); }
-  bool Evaluate(const double* logs, double* cost, double* gradient) const override {
-    const Eigen::VectorXd here = Eigen::Map<const Eigen::VectorXd>(logs, objective_.size());
-    std::vector<Eigen::VectorXd> points{here};
-    if (gradient != nullptr)
-      for (int i = 0; i < objective_.size(); ++i)
-        for (const double step : {-kStep, kStep})
-          points.emplace_back(here + step * Eigen::VectorXd::Unit(here.size(), i));
-    const std::vector<double> values = objective_.at(points);
-    *cost = values[0];
-    if (gradient != nullptr)
-      for (int i = 0; i < objective_.size(); ++i) {
-        const auto k = static_cast<std::size_t>(2 * i);
-        gradient[i] = (values[k + 2] - values[k + 1]) / (2.0 * kStep);
-      }
-    return std::isfinite(*cost);
+  Slope(const Objective& objective, const Eigen::VectorXd& at) {
+    const Eigen::Index n = at.size();
+    std::vector<Eigen::VectorXd> points{at};
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (const double step : {-kStep, kStep}) points.emplace_back(at + step * Eigen::VectorXd::Unit(n, i));
+    const Eigen::MatrixXd parts = objective.partsAt(points);
+    Eigen::MatrixXd gradients(parts.rows(), n);
+    for (Eigen::Index i = 0; i < n; ++i)
+      gradients.col(i) = (parts.col(2 * i + 2) - parts.col(2 * i + 1)) / (2.0 * kStep);
+    value = parts.col(0).sum() + Objective::prior(at);
+    gradient = gradients.colwise().sum().transpose() + at / (kPrior * kPrior);
+    information = gradients.transpose() * gradients;
+    information.diagonal().array() += 1.0 / (kPrior * kPrior);
   }
-
- private:
-  const Objective& objective_;
 };
 
-/// Curvature at the maximum, over steps of about one sigma of each.
-Eigen::MatrixXd curvature(const Objective& objective, const Eigen::VectorXd& at) {
+/// Second derivatives at the maximum, over steps of about one sigma of each: those of two sizes by the bend
+/// along both at once, less those along each.
+Eigen::MatrixXd curvature(const Objective& objective, const Eigen::VectorXd& at,
+                          const Eigen::MatrixXd& information) {
   const int n = objective.size();
-  const auto unit = [n](int i, double step) -> Eigen::VectorXd { return step * Eigen::VectorXd::Unit(n, i); };
+  const Eigen::VectorXd steps =
+      information.diagonal().cwiseSqrt().cwiseInverse().cwiseMax(kStep).cwiseMin(0.5);
+  const auto along = [&](int i) -> Eigen::VectorXd { return steps[i] * Eigen::VectorXd::Unit(n, i); };
   std::vector<Eigen::VectorXd> points{at};
   for (int i = 0; i < n; ++i)
-    for (const double step : {-2.0 * kStep, 2.0 * kStep}) points.emplace_back(at + unit(i, step));
-  const std::vector<double> along = objective.at(points);
-  Eigen::VectorXd steps(n);
-  for (int i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(2 * i);
-    const double curve = (along[k + 1] + along[k + 2] - 2.0 * along[0]) / (4.0 * kStep * kStep);
-    steps[i] = std::clamp(1.0 / std::sqrt(std::max(curve, 1e-12)), kStep, 0.5);
-  }
-  points = {at};
-  for (int i = 0; i < n; ++i)
     for (int j = 0; j <= i; ++j)
-      for (const auto& [a, b] : {std::pair(1, 1), {1, -1}, {-1, 1}, {-1, -1}})
-        points.emplace_back(at + unit(i, a * steps[i]) + unit(j, b * steps[j]));
+      for (const double sign : {-1.0, 1.0})
+        points.emplace_back(at + sign * (i == j ? along(i) : Eigen::VectorXd(along(i) + along(j))));
   const std::vector<double> values = objective.at(points);
-  Eigen::MatrixXd H(n, n);
+  Eigen::MatrixXd twice(n, n);  // along each direction, and along the sum of two
   std::size_t k = 1;
   for (int i = 0; i < n; ++i)
-    for (int j = 0; j <= i; ++j, k += 4)
+    for (int j = 0; j <= i; ++j, k += 2) twice(i, j) = values[k] + values[k + 1] - 2.0 * values[0];
+  Eigen::MatrixXd H(n, n);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j <= i; ++j)
       H(i, j) = H(j, i) =
-          (values[k] - values[k + 1] - values[k + 2] + values[k + 3]) / (4.0 * steps[i] * steps[j]);
+          (i == j ? twice(i, i) : 0.5 * (twice(i, j) - twice(i, i) - twice(j, j))) / (steps[i] * steps[j]);
   return H;
+}
+
+/// Their inverse. Second differences of what is rough, or bent, may come out far too small, and even below
+/// zero: in no direction is less believed to be known than a tenth of the information.
+Eigen::MatrixXd covarianceOf(const Eigen::MatrixXd& curvature, const Eigen::MatrixXd& information) {
+  constexpr double kLeast = 0.1;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(curvature, information);
+  const Eigen::VectorXd variances = eigen.eigenvalues().cwiseMax(kLeast).cwiseInverse();
+  return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+/// 95 % interval of a factor, by the sigma of its logarithm. A white noise adds to others, as squares do:
+/// what is small among them may as well be none, and its logarithm has no lower end.
+std::pair<double, double> interval(double sigma, bool is_white) {
+  constexpr double k95 = 1.96;
+  const double high = std::exp(k95 * sigma);
+  return {is_white ? std::sqrt(std::max(0.0, 1.0 - 2.0 * k95 * sigma)) : 1.0 / high, high};
+}
+
+/// By all recordings.
+bool isConstant(const NoiseParameter& parameter, const std::vector<Scores>& scores) {
+  constexpr double kUneven = 2.0;  // of fifty seconds, five standard deviations
+  return !parameter.seen_by || std::none_of(scores.begin(), scores.end(), [&](const Scores& of_one) {
+    const auto seen = of_one.fit.channels.find(*parameter.seen_by);
+    return seen != of_one.fit.channels.end() && seen->second.unevenness() > kUneven;
+  });
 }
 
 /// Where the climb begins: the likeliest of decades. A drive and the sensor that sees it are tried together:
@@ -142,9 +177,51 @@ Eigen::VectorXd begin(const Objective& objective) {
     for (const double of_sensor : kTried)
       for (const double of_drive :
            drive.isZero() ? std::vector{0.0} : std::vector(kTried.begin(), kTried.end()))
-        points.emplace_back(others + of_sensor * sensor + of_drive * drive);
+        if (const Eigen::VectorXd point = others + of_sensor * sensor + of_drive * drive; point != logs)
+          points.push_back(point);
     const std::vector<double> values = objective.at(points);
     logs = points[static_cast<std::size_t>(std::min_element(values.begin(), values.end()) - values.begin())];
+  }
+  return logs;
+}
+
+/// Broyden, Fletcher, Goldfarb, Shanno: the curvature as it must be for the gradient to have changed so.
+Eigen::MatrixXd updated(const Eigen::MatrixXd& curvature, const Eigen::VectorXd& step,
+                        const Eigen::VectorXd& change) {
+  const Eigen::VectorXd bent = curvature * step;
+  if (!(change.dot(step) > 0.0)) return curvature;
+  return curvature + change * change.transpose() / change.dot(step) -
+         bent * bent.transpose() / step.dot(bent);
+}
+
+/// From there to the maximum. A step is by the information of the point, or by the curvature that the steps
+/// before have met, whichever gets higher: far off the first knows more, and at the end the second, where the
+/// motion is not driven as the filter has it. Ends where a step gains nothing that matters: a hundredth of
+/// log likelihood is a seventh of a sigma.
+Eigen::VectorXd climb(const Objective& objective, Eigen::VectorXd logs, int most_steps,
+                      const std::function<void(double)>& progress) {
+  constexpr double kMatters = 0.01, kLongest = 1.5;
+  Slope slope(objective, logs);
+  Eigen::MatrixXd met = slope.information;
+  for (int k = 0; k < most_steps; ++k) {
+    progress(0.2 + 0.6 * k / most_steps);
+    std::vector<Eigen::VectorXd> steps;
+    for (const Eigen::MatrixXd* curvature : {&slope.information, &met}) {
+      const Eigen::VectorXd step = -curvature->ldlt().solve(slope.gradient);
+      const double fit = std::min(1.0, kLongest / step.cwiseAbs().maxCoeff());
+      for (const double length : {1.0, 0.5, 0.1}) steps.emplace_back(length * fit * step);
+    }
+    std::vector<Eigen::VectorXd> points;
+    for (const Eigen::VectorXd& step : steps) points.emplace_back(logs + step);
+    const std::vector<double> values = objective.at(points);
+    const auto best = std::min_element(values.begin(), values.end()) - values.begin();
+    const double gain = slope.value - values[static_cast<std::size_t>(best)];
+    if (gain > 0.0) logs = points[static_cast<std::size_t>(best)];
+    if (!(gain > kMatters)) break;
+    const Slope next(objective, logs);
+    met = updated(best < std::ssize(steps) / 2 ? slope.information : met,
+                  steps[static_cast<std::size_t>(best)], next.gradient - slope.gradient);
+    slope = next;
   }
   return logs;
 }
@@ -168,20 +245,6 @@ Scores sumOf(const std::vector<Scores>& scores) {
   return sum;
 }
 
-/// Reports, stops after Ctrl-C, and counts.
-class Watch : public ceres::IterationCallback {
- public:
-  Watch(int most, const std::function<void(double)>& progress) : most_(most), progress_(progress) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    progress_(0.8 * static_cast<double>(summary.iteration) / most_);
-    return ceres::SOLVER_CONTINUE;
-  }
-
- private:
-  int most_;
-  const std::function<void(double)>& progress_;
-};
-
 }  // namespace
 
 double Tuning::judgedGain() const {
@@ -201,36 +264,28 @@ Tuning tune(const std::vector<TunedRecording>& recordings, const LocalizationOpt
   tuning.before = options;
   tuning.scores_before = scoresOf(recordings, options, how.blocks);
   const Scores all = sumOf(tuning.scores_before);
+  if (all.fit.channels.empty())
+    throw Error("recordings", "", "none is long enough: nothing is left of the stretches to fit by");
   tuning.before = writtenOut(options, vehicle, all);
   const Objective objective(recordings, tuning.before, noiseParameters(tuning.before, vehicle, all),
                             how.blocks);
 
-  Eigen::VectorXd logs = begin(objective);
-  ceres::GradientProblem problem(new Differenced(objective));
-  ceres::GradientProblemSolver::Options solver;
-  solver.line_search_direction_type = ceres::BFGS;
-  solver.max_num_iterations = how.most_iterations;
-  solver.function_tolerance = 1e-7;
-  solver.use_approximate_eigenvalue_bfgs_scaling = true;
-  solver.logging_type = ceres::SILENT;
-  Watch watch(how.most_iterations, progress);
-  solver.callbacks.push_back(&watch);
-  ceres::GradientProblemSolver::Summary summary;
-  ceres::Solve(solver, problem, logs.data(), &summary);
-
+  progress(0.0);
+  const Eigen::VectorXd logs = climb(objective, begin(objective), how.most_iterations, progress);
   tuning.after = objective.optionsAt(logs);
   tuning.scores_after = scoresOf(recordings, tuning.after, how.blocks);
-  const Eigen::MatrixXd covariance =
-      curvature(objective, logs).ldlt().solve(Eigen::MatrixXd::Identity(logs.size(), logs.size()));
+  const Eigen::MatrixXd information = Slope(objective, logs).information;
+  const Eigen::MatrixXd covariance = covarianceOf(curvature(objective, logs, information), information);
+  tuning.runs = objective.runs();
   progress(1.0);
   for (int i = 0; i < objective.size(); ++i) {
     const NoiseParameter& parameter = objective.parameters()[static_cast<std::size_t>(i)];
-    const double sigma = std::sqrt(std::max(covariance(i, i), 0.0));
+    const double sigma = std::min(std::sqrt(covariance(i, i)), kPrior);
     const double after = parameter.value * std::exp(logs[i]);
-    constexpr double k95 = 1.96;
-    const double times = std::exp(k95 * sigma);
-    tuning.parameters.push_back({parameter.name, parameter.unit, parameter.value, after, after / times,
-                                 after * times, sigma > 0.0 && sigma < 0.5 * kPrior});
+    const auto [low, high] = interval(sigma, parameter.seen_by.has_value());
+    tuning.parameters.push_back({parameter.name, parameter.unit, parameter.value, after, low * after,
+                                 high * after, sigma < 0.5 * kPrior,
+                                 isConstant(parameter, tuning.scores_after)});
   }
   return tuning;
 }

@@ -5,8 +5,11 @@
 
 #include "core/error.h"
 #include "simulation/navigation_simulator.h"
+#include "simulation/read_trajectory.h"
 #include "support/motions.h"
 #include "support/sanitized.h"
+#include "support/shipped.h"
+#include "tuning/noise_parameters.h"
 
 namespace fathom {
 namespace {
@@ -88,6 +91,70 @@ TEST(Tune, FindsTheNoiseThatTheInstrumentsHave) {
   }
   EXPECT_GT(tuning.judgedGain(), 0.1);  // the defaults' drive is too large for this motion
 }
+
+/// A robot that is pushed by fits and starts.
+TunedRecording manoeuvres(double duration_s) {
+  SimulationOptions options;
+  options.vehicle = filed();
+  options.duration_s = duration_s;
+  TunedRecording recording;
+  recording.setup.vehicle = filed();
+  const Trajectory trajectory = readTrajectory(test::kConfig / "dive_trajectory.yaml");
+  simulateNavigation(options, trajectory, [&](const Sample& sample) {
+    if (sample.label != labels::kTruth) recording.samples.push_back(sample);
+  });
+  recording.setup.time_zero = recording.samples.front().time;
+  return recording;
+}
+
+// A slope can be taken only where no reading passes a gate here and does not a little farther on.
+TEST(Tune, LikelihoodHasNoSteps) {
+  const TunedRecording recording = manoeuvres(60.0);
+  std::vector<double> values;
+  for (int k = 0; k < 12; ++k) {
+    LocalizationOptions options;
+    options.noise.angular_velocity.setConstant(3e-4);
+    options.noise.acceleration.setConstant(3e-3 * std::exp(0.02 * k));
+    values.push_back(score(recording, options, {}).fit.log_likelihood);
+  }
+  for (std::size_t k = 2; k < values.size(); ++k)
+    EXPECT_LT(std::abs(values[k] - 2.0 * values[k - 1] + values[k - 2]), 1.0) << k;
+}
+
+TEST(Tune, SaysWhereTheDriveIsNotConstant) {
+  if (test::kSanitized) GTEST_SKIP() << "sanitizers look at accesses, not at statistics";
+  EXPECT_FALSE(named(tuned(manoeuvres(60.0)), "sigma of accelerometer").is_constant);
+}
+
+// What is met for seconds only cannot be tuned by itself, but must not stay ten times too large.
+TEST(Tune, DriveOfAShortRegimeGoesWithTheLongest) {
+  Scores scores;
+  scores.regimes_s = {{Regime::station_keeping, 5.0}, {Regime::transit, 100.0}, {Regime::turning, 40.0}};
+  LocalizationOptions options = writtenOut({}, filed(), scores);
+  for (const NoiseParameter& p : noiseParameters(options, filed(), scores))
+    p.multiply(options, p.name.ends_with("transit") ? 0.1 : 1.0);
+  EXPECT_NEAR(options.noise.acceleration.x() / options.driven.at(Regime::transit).acceleration.x(), 1.0,
+              1e-12);
+  EXPECT_NEAR(options.noise.acceleration.x() / options.driven.at(Regime::turning).acceleration.x(), 0.01,
+              1e-12);
+}
+
+// Of the biases the likelihood is so flat that a climb may seem to have ended.
+TEST(Tune, EndsAtTheMaximum) {
+  if (test::kSanitized) GTEST_SKIP() << "sanitizers look at accesses, not at statistics";
+  const TunedRecording recording = dive({}, 5, 60.0);
+  const Tuning tuning = tuned(recording);
+  for (const TunedParameter& p : tuning.parameters) EXPECT_GT(p.high, 1.005 * p.after) << p.name;
+  const double found = tuning.scores_after[0].fit.log_likelihood;
+  for (const double times : {0.7, 1.4}) {
+    LocalizationOptions nearby = tuning.after;
+    nearby.biases->gyro_sigma_rad_s *= times;
+    nearby.biases->accelerometer_sigma_m_s2 *= times;
+    EXPECT_LT(score(recording, nearby, {}).fit.log_likelihood, found + 0.3) << times;
+  }
+}
+
+TEST(Tune, SaysWhereARecordingIsTooShort) { EXPECT_THROW(tuned(dive({}, 3, 8.0)), Error); }
 
 TEST(Tune, ReadsBackWhatItWrites) {
   const Tuning tuning = tuned(dive({}, 3, 30.0), {.blocks = {.block_s = 5.0}, .most_iterations = 2});
