@@ -8,11 +8,11 @@
 namespace fathom::test {
 namespace {
 
-/// Time constants of the pull, s: hundreds of the INS's intervals. (A pull makes successive changes of a rate
-/// correlated, as noise of its sensor does: at 3 s that was two hundredths of the drive's variance, which
-/// showed in the gyro's sigma where the drive is ten times its noise.)
+/// Time constants of the pull, s: long against what the filter remembers, or its model is not this one. (A
+/// pull makes successive changes of a rate correlated, as noise of its sensor does, and the drive seem
+/// weaker.)
 constexpr double kMoves_s = 5.0, kTurns_s = 10.0;
-const Vector3d kRest_odom(0, 0, -10);
+const Vector3d kRest_odom(0, 0, -20);
 
 /// Critically damped.
 void pullBack(KinematicState<double>& m, double dt) {

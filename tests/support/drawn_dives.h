@@ -11,7 +11,7 @@ namespace fathom::test {
 
 /// Motion drawn from the filter's own model, one state each `interval_s`: angular velocity and acceleration
 /// are driven by white noise of these densities. Pulled back, so slowly that the filter does not see it, to
-/// rest at (0, 0, -10).
+/// rest at (0, 0, -20).
 std::vector<KinematicState<double>> drawnMotion(const DrivingNoise& drive, double interval_s,
                                                 double duration_s, std::uint64_t seed);
 
