@@ -15,12 +15,13 @@ struct MeasurementContext {
 };
 
 /// The columns of the error state that a channel's measurement depends on, of a filter of N states: traced
-/// through its model.
+/// through its model, with all effects that a calibration may have or with none.
 template <int N>
-const StateColumns& columnsOf(Channel channel);
+const StateColumns& columnsOf(Channel channel, bool has_effects);
 
 /// residual = z - h(x) (of rotations z [-] h(x)), H = dh/d(error). M: the channel's components. The filter's
-/// bias states are the first instance's: of others what drifts counts as noise (Drift::whiteVariance()).
+/// bias states, where it has any (N = 23), are the first instance's: of others what drifts counts as noise
+/// (Drift::whiteVariance()).
 template <int N, int M>
 typename ErrorStateFilter<N>::template Measurement<M> measure(const NavigationState<double>& x,
                                                               Channel channel, const Observation& seen,

@@ -6,14 +6,16 @@
 namespace fathom {
 namespace {
 
+template <class C, class T>
+Prediction<T> predictionOf(const Inputs<T>& in, const Vehicle& vehicle, const Observation& seen) {
+  return C::predict(in, sheetOf<C>(vehicle, seen.instance), seen);
+}
+
 template <class C>
 ChannelModel makeModel() {
-  ChannelModel model{[](const Inputs<double>& in, const Vehicle& vehicle, const Observation& seen) {
-                       return Prediction<double>(C::predict(in, sheetOf<C>(vehicle, seen.instance), seen));
-                     },
-                     [](const Inputs<SensorJet>& in, const Vehicle& vehicle, const Observation& seen) {
-                       return Prediction<SensorJet>(C::predict(in, sheetOf<C>(vehicle, seen.instance), seen));
-                     },
+  ChannelModel model{predictionOf<C, double>,
+                     predictionOf<C, SensorJet>,
+                     predictionOf<C, ShortJet>,
                      [](const EffectParameters<double>& effects, double t_s) {
                        return validityOffset<typename C::Instrument>(effects, t_s);
                      },

@@ -16,14 +16,19 @@ namespace fathom {
 /// So many derivatives at once: as many as a filter's measurement has columns at most.
 inline constexpr int kJetSize = 12;
 using SensorJet = ceres::Jet<double, kJetSize>;
+/// As many as most measurements have: in half the time.
+inline constexpr int kShortJetSize = 6;
+using ShortJet = ceres::Jet<double, kShortJetSize>;
 template <class T>
 using Prediction = Eigen::Matrix<T, Eigen::Dynamic, 1, 0, 3, 1>;
+template <class T>
+using Predict = Prediction<T> (*)(const Inputs<T>& in, const Vehicle& vehicle, const Observation& seen);
 
 struct ChannelModel {
   /// What should be read, own unit; `in` holds the motion at the time of validity.
-  Prediction<double> (*predict)(const Inputs<double>& in, const Vehicle& vehicle, const Observation& seen);
-  Prediction<SensorJet> (*differentiate)(const Inputs<SensorJet>& in, const Vehicle& vehicle,
-                                         const Observation& seen);
+  Predict<double> predict;
+  Predict<SensorJet> differentiate;
+  Predict<ShortJet> differentiate_by_few;
   /// When it was valid, seconds after its stamp.
   double (*validityOffset)(const EffectParameters<double>& effects, double t_s);
   SensorJet (*validityOffsetJet)(const EffectParameters<SensorJet>& effects, double t_s);
