@@ -17,8 +17,9 @@ std::optional<Instance> Instance::named(std::string_view name) {
 }
 
 std::optional<Instance> Instance::of(std::string_view text, std::string_view base) {
+  if (text == base) return Instance();  // as nearly always
   if (baseOf(text) != base) return {};
-  return text == base ? Instance() : named(text.substr(base.size() + 1));
+  return named(text.substr(base.size() + 1));
 }
 
 Instance Instance::of(std::string_view label) { return of(label, baseOf(label)).value_or(Instance()); }
