@@ -43,16 +43,31 @@ FATHOM_INLINE void copyTransposed(Columns<Four, FoursFrom> from, Columns<Four, F
   for (int k = 0; k < Count; ++k) to[4 * a + k][b] = block[k];
 }
 
-/// The upper triangle of the first N columns becomes the lower one's mirror image.
+/// What is above the diagonal in four rows, at four `b`, becomes the mirror image of what is below it in as
+/// many columns.
+template <int N, int b, class Four, int Fours>
+FATHOM_INLINE void mirrorFour(Columns<Four, Fours> P) {
+  constexpr int kWhole = N / 4, kLast = N % 4, kOnDiagonal = b < kWhole ? 4 : kLast;
+  if constexpr (b + 1 < kWhole) copyTransposed<4>(P, P, b + 1, b);
+  if constexpr (b + 2 < kWhole) copyTransposed<4>(P, P, b + 2, b);
+  if constexpr (b + 3 < kWhole) copyTransposed<4>(P, P, b + 3, b);
+  if constexpr (b + 4 < kWhole) copyTransposed<4>(P, P, b + 4, b);
+  if constexpr (b < kWhole && kLast != 0) copyTransposed<kLast>(P, P, kWhole, b);
+  for (int j = 0; j < kOnDiagonal; ++j)
+    for (int i = 0; i < j; ++i) P.at(4 * b + i, 4 * b + j) = P.at(4 * b + j, 4 * b + i);
+}
+
+/// The upper triangle of the first N columns becomes the lower one's mirror image. (Written out, since loops
+/// of few and varying turns are not unrolled.)
 template <int N, class Four, int Fours>
 FATHOM_INLINE void mirrorLower(Columns<Four, Fours> P) {
-  for (int b = 0; 4 * b < N; ++b) {
-    for (int a = b + 1; 4 * a + 4 <= N; ++a) copyTransposed<4>(P, P, a, b);
-    if constexpr (N % 4 != 0)
-      if (4 * b + 4 <= N) copyTransposed<N % 4>(P, P, N / 4, b);
-    for (int j = 4 * b; j < std::min(4 * b + 4, N); ++j)  // on the diagonal
-      for (int i = 4 * b; i < j; ++i) P.at(i, j) = P.at(j, i);
-  }
+  static_assert(N <= 24);
+  mirrorFour<N, 0>(P);
+  mirrorFour<N, 1>(P);
+  mirrorFour<N, 2>(P);
+  if constexpr (N > 12) mirrorFour<N, 3>(P);
+  if constexpr (N > 16) mirrorFour<N, 4>(P);
+  if constexpr (N > 20) mirrorFour<N, 5>(P);
 }
 
 /// B F^T in place, for B's rows four by four.
