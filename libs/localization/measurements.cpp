@@ -17,7 +17,7 @@ class LiftedInputs {
  public:
   const Inputs<Jet>& at(const NavigationState<double>& x, const StateColumns& columns,
                         const MeasurementContext& context, const Instance& instance) {
-    seedOthers(x, columns);
+    seedMotion(x, columns);
     setMotion(x.motion);
     in_.world = {context.vehicle->gravityOdom(), Jet(x.sea_floor_z_m)};
     if (const int k = columns.find(kSeaFloor); k >= 0) in_.world.sea_floor_z_m.v[k] = 1.0;
@@ -31,18 +31,17 @@ class LiftedInputs {
   }
 
  private:
-  /// Derivatives of the motion by these columns instead of those before.
-  void seedOthers(const NavigationState<double>& x, const StateColumns& columns) {
-    if (columns.count != columns_.count || columns.list != columns_.list) {
-      seedMotion(x, 0.0);
-      columns_ = columns;
-    }
-    seedMotion(x, 1.0);
+  /// Derivatives of the motion by these columns. Where they are those of the reading before, only the
+  /// orientation's have changed.
+  void seedMotion(const NavigationState<double>& x, const StateColumns& columns) {
+    const bool same = columns.count == columns_.count && columns.list == columns_.list;
+    if (!same) seedColumns(x, 0, kCoreSize, 0.0);
+    columns_ = columns;
+    seedColumns(x, same ? kOrientation : 0, same ? kVelocity : kCoreSize, 1.0);
   }
-
-  void seedMotion(const NavigationState<double>& x, double factor) {
+  void seedColumns(const NavigationState<double>& x, int first, int end, double factor) {
     for (int k = 0; k < columns_.count; ++k)
-      if (const int column = columns_.list[static_cast<std::size_t>(k)]; column < kCoreSize)
+      if (const int column = columns_.list[static_cast<std::size_t>(k)]; column >= first && column < end)
         seed(in_.state, x.motion.R_odom_robot, column, k, factor);
   }
 
