@@ -141,7 +141,7 @@ class Fuser {
 
   void widenBiases(GatedFilter<N>& state, FusionLog& log) const {
     if (!setup_.options.adapts_noise) return;
-    const std::vector<int> widened = state.noise.biases.widen(state.filter);
+    const std::vector<int> widened = state.noise.widenBiases(state.filter);
     log.anew.insert(log.anew.end(), widened.begin(), widened.end());
   }
 

@@ -25,9 +25,12 @@ constexpr double kTooLarge = 2.5;
 /// A judgement is the mean of all before, later of about the last ten.
 constexpr double kShare = 0.1;
 /// Of what the factors are off by: ordinary, and by what a judgement moves them at least and most.
-constexpr double kOrdinary = 0.5, kLeastMove = 0.05, kMostMove = 4.0;
+constexpr double kOrdinary = 0.5, kLeastMove = 0.05, kMostMove = 4.0, kFarOff = 0.5;
+/// Of a reading's three numbers: squares that a hundredth of readings has; how alike two are that are to one
+/// side.
+constexpr double kSurprise = 11.0, kAlike = 0.7;
 /// An onset is seen so surely, in sigmas; after kNumbers more so much of it is left.
-constexpr double kSurely = 3.0, kOnsetDecay = 0.5;
+constexpr double kSurely = 3.0, kOnsetDecay = 0.5, kMostOnset = 1e4;
 /// Of R or of P in S: where it is less nothing is told of it.
 constexpr double kLeastShare = 1e-3;
 /// Numbers beyond so many sigmas are outliers.
@@ -36,18 +39,16 @@ constexpr double kOutlier = 4.0;
 /// A bias of so many sigmas was not told of. No INS that a vehicle carries has larger ones than these.
 constexpr double kFarBias = 3.0, kMostGyro_rad_s = radians(1.0), kMostAccelerometer_m_s2 = 0.3;
 
+/// All axes of an instrument are of a kind: where one is far off, none is trusted.
 void widenBlock(ErrorStateFilter<kFullSize>& filter, int block, const Vector3d& bias, double most,
-                Vector3d& sigmas, std::vector<int>& widened) {
-  for (int axis = 0; axis < 3; ++axis) {
-    double& sigma = sigmas[axis];
-    double& variance = filter.P.diagonal()[block + axis];
-    if (std::abs(bias[axis]) <= kFarBias * sigma) continue;
-    const double wider = std::min(std::sqrt(bias[axis] * bias[axis] + variance), most);
-    if (wider <= sigma) continue;
-    variance += wider * wider - sigma * sigma;
-    sigma = wider;
-    widened.push_back(block + axis);
-  }
+                double& sigma, std::vector<int>& widened) {
+  if (bias.cwiseAbs().maxCoeff() <= kFarBias * sigma) return;
+  const auto variances = filter.P.diagonal().segment<3>(block);
+  const double wider = std::min(std::sqrt((bias.squaredNorm() + variances.sum()) / 3.0), most);
+  if (wider <= sigma) return;
+  filter.P.diagonal().segment<3>(block).array() += wider * wider - sigma * sigma;
+  sigma = wider;
+  for (int axis = 0; axis < 3; ++axis) widened.push_back(block + axis);
 }
 
 }  // namespace
@@ -69,19 +70,30 @@ void MeasurementVariance::add(const Shown& shown) {
 
 void LevelVariances::Factor::move(double ratio, double variance, double share, double lowest,
                                   double highest) {
-  const double off = std::clamp(ratio, kLeastMove, kMostMove) - 1.0;
-  times *= 1.0 + share * off * kOrdinary * kOrdinary / (kOrdinary * kOrdinary + variance);
+  const double off = std::clamp(ratio, kLeastMove, kMostMove);
+  const double weight = share * kOrdinary * kOrdinary / (kOrdinary * kOrdinary + variance);
+  // By the mean of what is judged, so that NIS comes out right in the mean; down from far off faster.
+  times *= off < kFarOff ? std::pow(off, weight) : 1.0 + weight * (off - 1.0);
   times = std::clamp(times, lowest, highest);
 }
 
 void LevelVariances::add(const Shown& shown) {
+  double square = 0.0, product = 0.0;
   for (std::size_t k = 0; k < past_.size(); ++k) {
     const double now = std::clamp(shown.residual[k], -kOutlier, kOutlier);
-    squares_ += now * now;
+    square += now * now;
+    product += now * last_[k];
     products_ += now * past_[k];
     past_squares_ += past_[k] * past_[k];
     past_[k] = shown.own_share * past_[k] + now;
+    last_[k] = now;
   }
+  // Twice beyond what is ordinary and to the same side: a manoeuvre begins, which the next reading may
+  // follow.
+  if (square > kSurprise && last_square_ > kSurprise && product > kAlike * std::sqrt(square * last_square_))
+    onset_ = std::min(onset_ * kMostMove, kMostOnset);
+  last_square_ = square;
+  squares_ += square;
   shares_ += shown.own_share;
   ++readings_;
   numbers_ += shown.size;
@@ -104,10 +116,16 @@ void LevelVariances::conclude(bool surprises) {
               kHighestDrive);
   // What is noise differs from reading to reading; behind a manoeuvre the filter stays back, to one side.
   const bool stays_back = products_ > kSurely * std::sqrt(past_squares_ * C0);
-  onset_ = surprises && stays_back ? onset_ * std::clamp(drive_off, 1.0, kMostMove)
+  onset_ = surprises && stays_back ? std::min(onset_ * std::clamp(drive_off, 1.0, kMostMove), kMostOnset)
                                    : std::max(1.0, std::pow(kOnsetDecay, n / kNumbers) * onset_);
   squares_ = products_ = past_squares_ = shares_ = 0.0;
   numbers_ = readings_ = 0;
+}
+
+std::vector<int> NoiseAdaptation::widenBiases(ErrorStateFilter<kFullSize>& filter) {
+  std::vector<int> widened = biases.widen(filter);
+  if (!widened.empty()) others_ = {};
+  return widened;
 }
 
 std::vector<int> BiasSigmas::widen(ErrorStateFilter<kFullSize>& filter) {
@@ -121,8 +139,8 @@ std::vector<int> BiasSigmas::widen(ErrorStateFilter<kFullSize>& filter) {
 ProcessNoise AdaptedDrive::appliedTo(ProcessNoise assumed) const {
   assumed.angular_velocity *= turning_times;
   assumed.acceleration *= pushing_times;
-  assumed.gyro_bias_sigma_rad_s = biases.gyro_rad_s;
-  assumed.accelerometer_bias_sigma_m_s2 = biases.accelerometer_m_s2;
+  assumed.gyro_bias_sigma_rad_s.setConstant(biases.gyro_rad_s);
+  assumed.accelerometer_bias_sigma_m_s2.setConstant(biases.accelerometer_m_s2);
   return assumed;
 }
 

@@ -74,16 +74,17 @@ class LevelVariances {
 
   double lowest_drive_;
   Factor measurement_, drive_;
-  double onset_ = 1.0;            ///< of the drive, while a manoeuvre begins that was not foreseen
-  std::array<double, 3> past_{};  ///< u, of each number
+  double onset_ = 1.0;                     ///< of the drive, while a manoeuvre begins that was not foreseen
+  std::array<double, 3> past_{}, last_{};  ///< u, and the latest innovation, of each number
+  double last_square_ = 0.0;
   double squares_ = 0.0, products_ = 0.0, past_squares_ = 0.0, shares_ = 0.0;
   int numbers_ = 0, readings_ = 0, judgements_ = 0;
 };
 
-/// The stationary sigmas of the INS's biases, each axis. Where a bias comes out far beyond, they become what
-/// it is: the EM step of a Gaussian's variance (Dempster, Laird & Rubin 1977).
+/// The stationary sigmas of the INS's biases, of each axis. Where a bias comes out far beyond, they become
+/// what it is: the EM step of a Gaussian's variance (Dempster, Laird & Rubin 1977).
 struct BiasSigmas {
-  Vector3d gyro_rad_s = Vector3d::Zero(), accelerometer_m_s2 = Vector3d::Zero();
+  double gyro_rad_s = 0.0, accelerometer_m_s2 = 0.0;
 
   /// The filter's covariance is widened along. The error coordinates whose sigma has changed.
   std::vector<int> widen(ErrorStateFilter<kFullSize>& filter);
@@ -107,6 +108,8 @@ class NoiseAdaptation {
   AdaptedDrive drive() const { return {gyro_.driveTimes(), accelerometer_.driveTimes(), biases}; }
 
   void add(Channel channel, const Shown& shown);
+  /// As BiasSigmas; what readings have shown of other noise meanwhile was the bias, and is forgotten.
+  std::vector<int> widenBiases(ErrorStateFilter<kFullSize>& filter);
 
  private:
   LevelVariances gyro_{kLowestTurning}, accelerometer_{kLowestPushing};

@@ -204,7 +204,9 @@ struct Localized {
   bool is_lost = false;
 };
 
-/// The survey with biases, as users run it, from t = 10 s on.
+constexpr double kFound_s = 40.0;  ///< by then the biases are found, which takes 30 s
+
+/// The survey with biases, as users run it, from then on.
 Localized localizeSurvey(const std::filesystem::path& folder, bool adapts_noise) {
   const auto truth = readNumbers(folder / "syn_truth.csv");
   LocalizationSetup setup;
@@ -219,7 +221,7 @@ Localized localizeSurvey(const std::filesystem::path& folder, bool adapts_noise)
   int count = 0;
   LocalizationSink sink;
   sink.estimate = [&](const Estimate& estimate) {
-    if (estimate.t_s < 10.0) return;
+    if (estimate.t_s < kFound_s) return;
     const KinematicState<double> at = survey(truth, estimate.t_s);
     const auto& m = estimate.state.motion;
     Eigen::Matrix<double, 6, 1> e;
@@ -227,6 +229,12 @@ Localized localizeSurvey(const std::filesystem::path& folder, bool adapts_noise)
     localized.nees += normalizedSquare(estimate.pose_covariance, e) / 6.0;
     localized.is_lost = localized.is_lost || estimate.lost;
     ++count;
+  };
+  std::map<Channel, std::pair<double, double>> sums;
+  sink.innovation = [&](const Innovation& innovation) {
+    if (innovation.t_s < kFound_s) return;
+    sums[innovation.channel].first += innovation.nis;
+    sums[innovation.channel].second += innovation.degrees_of_freedom;
   };
   Localizer localizer(setup, sink);
   for (const EkfLine& line : readEkfInputs(folder / "syn_inputs.csv").lines) {
@@ -238,9 +246,9 @@ Localized localizeSurvey(const std::filesystem::path& folder, bool adapts_noise)
     }
     localizer.add(sample);
   }
+  localizer.finish();
+  for (const auto& [channel, sum] : sums) localized.nis[nameOf(channel)] = sum.first / sum.second;
   localized.nees /= count;
-  for (const auto& [channel, s] : localizer.finish().channels)
-    localized.nis[nameOf(channel)] = s.nis_mean / s.degrees_of_freedom;
   return localized;
 }
 

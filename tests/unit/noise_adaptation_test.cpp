@@ -117,17 +117,21 @@ TEST(MeasurementVariance, StaysWhereNothingTellsIt) {
 
 TEST(BiasSigmas, GrowToABiasThatNobodyToldOf) {
   ErrorStateFilter<kFullSize> filter;
-  BiasSigmas sigmas{Vector3d::Constant(1e-4), Vector3d::Constant(1e-2)};
-  filter.x.gyro_bias_rad_s = {2e-4, 5e-4, 0.0};
+  BiasSigmas sigmas{1e-4, 1e-2};
+  filter.x.gyro_bias_rad_s = {2e-4, 2.9e-4, 0.0};
   filter.x.accelerometer_bias_m_s2 = {0.0, 0.0, -2.0};
   filter.P.diagonal().segment<3>(kGyroBias).setConstant(1e-8);
   filter.P.diagonal().segment<3>(kAccelerometerBias).setConstant(1e-4);
-  EXPECT_EQ(sigmas.widen(filter), (std::vector<int>{kGyroBias + 1, kAccelerometerBias + 2}));
-  EXPECT_DOUBLE_EQ(sigmas.gyro_rad_s.x(), 1e-4) << "three sigmas are ordinary";
-  EXPECT_DOUBLE_EQ(sigmas.gyro_rad_s.y(), std::sqrt(25e-8 + 1e-8));
-  EXPECT_DOUBLE_EQ(filter.P.diagonal()[kGyroBias + 1], 26e-8) << "as if it had been so from the start";
-  EXPECT_DOUBLE_EQ(sigmas.accelerometer_m_s2.z(), 0.3) << "more than any vehicle's";
-  EXPECT_TRUE(sigmas.widen(filter).empty() || sigmas.accelerometer_m_s2.z() <= 0.3);
+  EXPECT_EQ(sigmas.widen(filter),
+            (std::vector<int>{kAccelerometerBias, kAccelerometerBias + 1, kAccelerometerBias + 2}));
+  EXPECT_DOUBLE_EQ(sigmas.gyro_rad_s, 1e-4) << "three sigmas are ordinary";
+  EXPECT_DOUBLE_EQ(sigmas.accelerometer_m_s2, 0.3) << "no vehicle has more";
+  EXPECT_DOUBLE_EQ(filter.P.diagonal()[kAccelerometerBias], 1e-4 + 0.09 - 1e-4) << "as if so from the start";
+  EXPECT_TRUE(sigmas.widen(filter).empty());
+
+  filter.x.gyro_bias_rad_s.y() = 9e-4;
+  EXPECT_FALSE(sigmas.widen(filter).empty());
+  EXPECT_DOUBLE_EQ(sigmas.gyro_rad_s, std::sqrt((4e-8 + 81e-8 + 3e-8) / 3.0));
 }
 
 }  // namespace
