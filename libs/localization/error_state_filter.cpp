@@ -353,6 +353,22 @@ void ErrorStateFilter<N>::resetMotion(int block, double sigma) {
 }
 
 template <int N>
+void ErrorStateFilter<N>::widenPrior(int coordinate, double value, double before, double after) {
+  const double variance = 1.0 / (1.0 / (after * after) - 1.0 / (before * before));  // negative
+  Eigen::MatrixXd covariance = wholeCovariance();
+  const Eigen::VectorXd column = covariance.col(coordinate);
+  const Eigen::VectorXd gain = column / (column[coordinate] + variance), delta = -value * gain;
+  covariance -= gain * column.transpose();
+  const auto attached_size = 6 * std::ssize(attached.T_odom);
+  Eigen::MatrixXd reset = Eigen::MatrixXd::Identity(covariance.rows(), covariance.rows());
+  reset.block<3, 3>(kOrientation, kOrientation) = rightJacobianSO3<double>(delta.segment<3>(kOrientation));
+  reset.bottomRightCorner(attached_size, attached_size) =
+      moveAttached(attached.T_odom, delta.tail(attached_size));
+  retract<N>(x, delta.head<N>());
+  setWholeCovariance(reset * covariance * reset.transpose());
+}
+
+template <int N>
 void ErrorStateFilter<N>::moveFrame(const FrameMove& move) {
   const Matrix3d& turn = move.T_new_old.rotation;
   const auto attached_count = std::ssize(attached.T_odom);

@@ -124,6 +124,11 @@ class ErrorStateFilter {
   /// it was before.
   void resetMotion(int block, double sigma);
 
+  /// An error coordinate whose state was zero beforehand to sigma `before` was so to `after` only, which is
+  /// more: what its prior has told of all states is taken back (a reading of zero of negative variance),
+  /// exactly where it has not changed since. `value`: of the state.
+  void widenPrior(int coordinate, double value, double before, double after);
+
   /// Everything in the new frame, which is as uncertain as the move is.
   void moveFrame(const FrameMove& move);
 

@@ -33,22 +33,43 @@ constexpr double kSurprise = 11.0, kAlike = 0.7;
 constexpr double kSurely = 3.0, kOnsetDecay = 0.5, kMostOnset = 1e4;
 /// Of R or of P in S: where it is less nothing is told of it.
 constexpr double kLeastShare = 1e-3;
+/// Of a prior's variance: what readings have told at least, for anything to be made of it.
+constexpr double kLeastTold = 1e-4;
 /// Numbers beyond so many sigmas are outliers.
 constexpr double kOutlier = 4.0;
 
-/// A bias of so many sigmas was not told of. No INS that a vehicle carries has larger ones than these.
+/// A bias of so many sigmas was not told of. (Of one that its prior holds down readings tell too little: what
+/// a DVL that is turned a little against the INS tells of it would be taken for a bias, too.) No INS that a
+/// vehicle carries has larger ones than these.
 constexpr double kFarBias = 3.0, kMostGyro_rad_s = radians(1.0), kMostAccelerometer_m_s2 = 0.3;
+
+/// What the readings tell of a bias without its prior: the posterior with the prior taken out.
+struct ToldBias {
+  Vector3d bias, variance;
+
+  ToldBias(const Vector3d& posterior, const Vector3d& posterior_variance, double sigma) {
+    const double prior = sigma * sigma;
+    const Vector3d told = (prior - posterior_variance.array()).max(kLeastTold * prior);
+    bias = posterior.cwiseQuotient(told) * prior;
+    variance = posterior_variance.cwiseQuotient(told) * prior;
+  }
+};
 
 /// All axes of an instrument are of a kind: where one is far off, none is trusted.
 void widenBlock(ErrorStateFilter<kFullSize>& filter, int block, const Vector3d& bias, double most,
                 double& sigma, std::vector<int>& widened) {
   if (bias.cwiseAbs().maxCoeff() <= kFarBias * sigma) return;
-  const auto variances = filter.P.diagonal().segment<3>(block);
-  const double wider = std::min(std::sqrt((bias.squaredNorm() + variances.sum()) / 3.0), most);
+  const ToldBias told(bias, filter.P.diagonal().segment<3>(block), sigma);
+  const double likeliest = std::sqrt(std::max(0.0, (told.bias.squaredNorm() - told.variance.sum()) / 3.0));
+  const double wider = std::min(likeliest, most);
   if (wider <= sigma) return;
-  filter.P.diagonal().segment<3>(block).array() += wider * wider - sigma * sigma;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& x = filter.x;
+    const double now = (block == kGyroBias ? x.gyro_bias_rad_s : x.accelerometer_bias_m_s2)[axis];
+    filter.widenPrior(block + axis, now, sigma, wider);
+    widened.push_back(block + axis);
+  }
   sigma = wider;
-  for (int axis = 0; axis < 3; ++axis) widened.push_back(block + axis);
 }
 
 }  // namespace

@@ -81,12 +81,12 @@ class LevelVariances {
   int numbers_ = 0, readings_ = 0, judgements_ = 0;
 };
 
-/// The stationary sigmas of the INS's biases, of each axis. Where a bias comes out far beyond, they become
-/// what it is: the EM step of a Gaussian's variance (Dempster, Laird & Rubin 1977).
+/// The stationary sigmas of the INS's biases, of each axis. Where a bias comes out far beyond, sigma becomes
+/// the likeliest by what readings tell of the bias without it (empirical Bayes; Efron & Morris 1973).
 struct BiasSigmas {
   double gyro_rad_s = 0.0, accelerometer_m_s2 = 0.0;
 
-  /// The filter's covariance is widened along. The error coordinates whose sigma has changed.
+  /// What the smaller sigma has told the filter is taken back. The error coordinates whose sigma has changed.
   std::vector<int> widen(ErrorStateFilter<kFullSize>& filter);
 };
 

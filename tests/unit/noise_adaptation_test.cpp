@@ -115,23 +115,72 @@ TEST(MeasurementVariance, StaysWhereNothingTellsIt) {
   EXPECT_NEAR(variance.times(), 1.0, 0.1);
 }
 
-TEST(BiasSigmas, GrowToABiasThatNobodyToldOf) {
+/// A filter that was told of a bias by readings of it, with a prior of this sigma.
+ErrorStateFilter<kFullSize> told(double prior, const Vector3d& bias, double reading_sigma) {
   ErrorStateFilter<kFullSize> filter;
-  BiasSigmas sigmas{1e-4, 1e-2};
-  filter.x.gyro_bias_rad_s = {2e-4, 2.9e-4, 0.0};
-  filter.x.accelerometer_bias_m_s2 = {0.0, 0.0, -2.0};
-  filter.P.diagonal().segment<3>(kGyroBias).setConstant(1e-8);
+  const double V = reading_sigma * reading_sigma, p = prior * prior;
   filter.P.diagonal().segment<3>(kAccelerometerBias).setConstant(1e-4);
-  EXPECT_EQ(sigmas.widen(filter),
-            (std::vector<int>{kAccelerometerBias, kAccelerometerBias + 1, kAccelerometerBias + 2}));
-  EXPECT_DOUBLE_EQ(sigmas.gyro_rad_s, 1e-4) << "three sigmas are ordinary";
-  EXPECT_DOUBLE_EQ(sigmas.accelerometer_m_s2, 0.3) << "no vehicle has more";
-  EXPECT_DOUBLE_EQ(filter.P.diagonal()[kAccelerometerBias], 1e-4 + 0.09 - 1e-4) << "as if so from the start";
-  EXPECT_TRUE(sigmas.widen(filter).empty());
+  filter.P.diagonal().segment<3>(kGyroBias).setConstant(p * V / (p + V));
+  filter.x.gyro_bias_rad_s = bias * p / (p + V);
+  return filter;
+}
 
-  filter.x.gyro_bias_rad_s.y() = 9e-4;
+TEST(BiasSigmas, GrowToABiasThatNobodyToldOf) {
+  const Vector3d bias(1e-2, -2e-2, 0.0);
+  // Read worse than the prior has it, so that the posterior is a part of it; and much better.
+  for (const double reading_sigma : {3e-4, 1e-5}) {
+    auto filter = told(1e-4, bias, reading_sigma);
+    BiasSigmas sigmas{1e-4, 1e-2};
+    EXPECT_EQ(sigmas.widen(filter), (std::vector<int>{kGyroBias, kGyroBias + 1, kGyroBias + 2}));
+    EXPECT_NEAR(sigmas.gyro_rad_s, std::sqrt(5e-4 / 3.0), 1e-4);
+    const auto truth = told(sigmas.gyro_rad_s, bias, reading_sigma);
+    EXPECT_NEAR((filter.x.gyro_bias_rad_s - truth.x.gyro_bias_rad_s).norm(), 0.0, 1e-9)
+        << "as if so from the start";
+    EXPECT_NEAR(filter.P(kGyroBias, kGyroBias) / truth.P(kGyroBias, kGyroBias), 1.0, 1e-6);
+    EXPECT_TRUE(sigmas.widen(filter).empty());
+  }
+}
+
+TEST(BiasSigmas, AreLeftWhereABiasIsOrdinary) {
+  for (const double reading_sigma : {1e-3, 1e-4, 1e-5}) {
+    auto filter = told(1e-4, Vector3d(3e-4, 0.0, -3e-4), reading_sigma);
+    BiasSigmas sigmas{1e-4, 1e-2};
+    EXPECT_TRUE(sigmas.widen(filter).empty());
+  }
+}
+
+TEST(BiasSigmas, AreNoLargerThanVehiclesHave) {
+  auto filter = told(1e-4, Vector3d(3.0, 0.0, 0.0), 1e-4);
+  BiasSigmas sigmas{1e-4, 1e-2};
   EXPECT_FALSE(sigmas.widen(filter).empty());
-  EXPECT_DOUBLE_EQ(sigmas.gyro_rad_s, std::sqrt((4e-8 + 81e-8 + 3e-8) / 3.0));
+  EXPECT_DOUBLE_EQ(sigmas.gyro_rad_s, radians(1.0));
+}
+
+// What is correlated with the bias is moved along: a batch solution with the wider prior from the start.
+TEST(ErrorStateFilter, APriorIsWidenedForAllStates) {
+  ErrorStateFilter<kFullSize> narrow;
+  narrow.P.setZero();
+  narrow.P.diagonal().setOnes();
+  narrow.P(kGyroBias, kGyroBias) = 1e-4;
+  ErrorStateFilter<kFullSize> wide = narrow;
+  wide.P(kGyroBias, kGyroBias) = 1e-2;
+  const auto read = [](ErrorStateFilter<kFullSize>& filter) {  // of the sum of a bias and a velocity
+    ErrorStateFilter<kFullSize>::Measurement<1> m;
+    m.columns = {};
+    m.columns.count = 2;
+    m.columns.list[0] = kVelocity;
+    m.columns.list[1] = kGyroBias;
+    m.H.setZero();
+    m.H(0, 0) = m.H(0, 1) = 1.0;
+    m.R(0, 0) = 1e-3;
+    m.residual[0] = 0.5 - filter.x.motion.velocity_robot.x() - filter.x.gyro_bias_rad_s.x();
+    filter.update(m);
+  };
+  for (auto* filter : {&narrow, &wide}) read(*filter);
+  narrow.widenPrior(kGyroBias, narrow.x.gyro_bias_rad_s.x(), 1e-2, 1e-1);
+  EXPECT_NEAR(narrow.x.motion.velocity_robot.x(), wide.x.motion.velocity_robot.x(), 1e-9);
+  EXPECT_NEAR(narrow.x.gyro_bias_rad_s.x(), wide.x.gyro_bias_rad_s.x(), 1e-9);
+  EXPECT_LT((Eigen::MatrixXd(narrow.P) - Eigen::MatrixXd(wide.P)).cwiseAbs().maxCoeff(), 1e-9);
 }
 
 }  // namespace
