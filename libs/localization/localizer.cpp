@@ -65,7 +65,8 @@ class Localizer::RunOf : public Run {
         future_([this](const Sample& sample, double stamp_s) { take(sample, stamp_s); }, reporter()) {
     for (const Regime regime : kEveryRegime) noise_[static_cast<std::size_t>(regime)] = noiseIn(regime);
     before_->after.landmarks = fuser_.startLandmarks();
-    before_->after.noise.biases = {noise_[0].gyro_bias_sigma_rad_s.x(), noise_[0].accelerometer_bias_sigma_m_s2.x()};
+    before_->after.noise.biases = {noise_[0].gyro_bias_sigma_rad_s.x(),
+                                   noise_[0].accelerometer_bias_sigma_m_s2.x()};
     for (const PanelPrior& panel : setup_.panels)
       summary_.panels.push_back({panel.name, PanelResult::State::unseen, {panel.T_odom_panel}, {}});
   }
