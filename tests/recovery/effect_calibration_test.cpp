@@ -49,7 +49,8 @@ class EffectCalibration : public testing::Test {
     setup.options.fuse.push_back(kChannel<Depth>);
     if (with_compass) setup.options.fuse.push_back(kChannel<Compass>);
     setup.options.gate.kind = Gate::Kind::none;
-    setup.options.adapts_noise = false;  // what the calibration makes up for, not what the filter finds by itself
+    setup.options.adapts_noise =
+        false;  // what the calibration makes up for, not what the filter finds by itself
     setup.time_zero = simulation_.start;
     setup.start = StartPose{.T_odom_robot = truth.front().T_odom_robot, .position_sigma_m = 0.01};
     Errors largest;
