@@ -1,5 +1,6 @@
 #include "tuning/tune.h"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
 
