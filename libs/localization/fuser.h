@@ -82,8 +82,10 @@ class Fuser {
         rejected.in_a_row = 0;
       else
         rejected.template add<M>(m.residual, m.R, gate);
-      if (setup_.options.adapts_noise) state.noise.add(channel, shownBy(m, done, gate));
-      log.innovations.push_back({t_s, channel, M, done.nis, done.fused, rejected.in_a_row, done.determinant});
+      const Shown shown = shownBy(m, done, gate);
+      log.innovations.push_back({t_s, channel, M, done.nis, done.fused, rejected.in_a_row, done.determinant,
+                                 statedNis(shown, done.nis, state.noise.varianceTimes(channel))});
+      if (setup_.options.adapts_noise) state.noise.add(channel, shown);
     };
     forEachObservation(sample, setup_.vehicle, [&]<class C>(const Observation& seen) {
       if (!isTold<C>()) return;

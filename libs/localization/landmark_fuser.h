@@ -192,13 +192,12 @@ class LandmarkFuser {
     const double nis = done.nis;
     const bool passed = nis <= gate;
     memory.rejected_in_a_row = passed ? 0 : memory.rejected_in_a_row + 1;
-    // Of one that is rejected the monitor decides whether it is the fix, the filter or the panel that is
-    // wrong.
-    if (passed && setup_.options.adapts_noise)
-      noise.add(kChannel<Landmark>,
-                shownBySighting(estimated ? fix.T_robot_panel : robotPose(fix, T_odom_panel), done));
-    log.innovations.push_back(
-        {t_s, kChannel<Landmark>, 6, nis, done.fused, memory.rejected_in_a_row, done.determinant});
+    const Shown shown = shownBySighting(estimated ? fix.T_robot_panel : robotPose(fix, T_odom_panel), done);
+    log.innovations.push_back({t_s, kChannel<Landmark>, 6, nis, done.fused, memory.rejected_in_a_row,
+                               done.determinant,
+                               statedNis(shown, nis, noise.varianceTimes(kChannel<Landmark>))});
+    // Of one that is rejected the monitor decides what is wrong: the fix, the filter or the panel.
+    if (passed && setup_.options.adapts_noise) noise.add(kChannel<Landmark>, shown);
     if (setup_.options.gate.kind != Gate::Kind::chi_square) return;
     if (passed) {
       judged.pose_variance = filter.P.diagonal().template head<6>();

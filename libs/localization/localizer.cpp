@@ -329,8 +329,9 @@ class Localizer::RunOf : public Run {
     s.nis_mean += innovation.nis;
     ++(innovation.fused ? s.fused : s.gated);
     sink_.innovation(innovation);
-    lost_.reading(innovation.t_s, innovation.channel, innovation.fused,
-                  innovation.nis > kSeenOnceIn10000[static_cast<std::size_t>(innovation.degrees_of_freedom)]);
+    lost_.reading(
+        innovation.t_s, innovation.channel, innovation.fused,
+        innovation.stated_nis > kSeenOnceIn10000[static_cast<std::size_t>(innovation.degrees_of_freedom)]);
     if (innovation.rejected_in_a_row == kRejectionsBelieved &&
         (innovation.channel != kChannel<Landmark> || setup_.options.gate.kind == Gate::Kind::fixed))
       report(innovation.t_s, "rejected",

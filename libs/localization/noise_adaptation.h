@@ -28,6 +28,11 @@ Shown shownBy(const AnyMeasurement& m, const Update& done, double gate) {
   }
   return shown;
 }
+/// NIS as it would be with a measurement's noise as stated, of which it is `times` (R and S alike in all
+/// directions).
+inline double statedNis(const Shown& shown, double nis, double times) {
+  return nis / (1.0 - shown.own_share + shown.own_share / times);
+}
 /// By a sighting that was fused; without its residual.
 Shown shownBySighting(const UncertainPose& seen, const Update& done);
 

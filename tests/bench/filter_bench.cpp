@@ -190,11 +190,16 @@ void printCore(const char* name, const EkfInputs& inputs) {
           [&] { return filtered<TextbookFilter<15>>(lines, start, gated); });
 }
 
+/// With its noise as stated, which is what the textbook's does, and following what innovations show.
 void printLocalizer(const EkfInputs& inputs) {
-  const Recording recording = recordingOf(inputs);
-  print(
-      "Localizer", "samples", recording.samples.size(), [&] { return localized(recording); },
-      [&] { return filtered<TextbookFilter<15>>(recording.lines, recording.start, true); });
+  Recording recording = recordingOf(inputs);
+  for (const bool adapts : {false, true}) {
+    recording.setup.options.adapts_noise = adapts;
+    print(
+        adapts ? "Localizer, adaptive" : "Localizer", "samples", recording.samples.size(),
+        [&] { return localized(recording); },
+        [&] { return filtered<TextbookFilter<15>>(recording.lines, recording.start, true); });
+  }
 }
 
 /// Four rows that count what they are multiplied by.
