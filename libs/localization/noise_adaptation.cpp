@@ -172,6 +172,7 @@ double NoiseAdaptation::varianceTimes(Channel channel) const {
 }
 
 void NoiseAdaptation::add(Channel channel, const Shown& shown) {
+  if (!std::isfinite(shown.nis)) return;  // it would be remembered for good
   if (channel == kChannel<Gyro>)
     gyro_.add(shown);
   else if (channel == kChannel<Accelerometer>)

@@ -115,6 +115,16 @@ TEST(MeasurementVariance, StaysWhereNothingTellsIt) {
   EXPECT_NEAR(variance.times(), 1.0, 0.1);
 }
 
+TEST(NoiseAdaptation, ForgetsWhatIsNoNumber) {
+  NoiseAdaptation noise;
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  for (const Channel channel : {kChannel<Gyro>, kChannel<Dvl>}) {
+    for (int k = 0; k < 500; ++k) noise.add(channel, {3, none, 0.5, {none, none, none}});
+    EXPECT_EQ(noise.varianceTimes(channel), 1.0);
+  }
+  EXPECT_EQ(noise.drive().turning_times, 1.0);
+}
+
 /// A filter that was told of a bias by readings of it, with a prior of this sigma.
 ErrorStateFilter<kFullSize> told(double prior, const Vector3d& bias, double reading_sigma) {
   ErrorStateFilter<kFullSize> filter;
