@@ -6,19 +6,12 @@
 #include "simulation/navigation_simulator.h"
 #include "support/motions.h"
 #include "support/sanitized.h"
+#include "support/small_vehicle.h"
 
 namespace fathom {
 namespace {
 
-Vehicle statedVehicle() {
-  Vehicle vehicle = readVehicle(std::filesystem::path(FATHOM_SOURCE_DIR) / "config/rov.yaml");
-  vehicle.camera.reset();
-  vehicle.ins->rate_hz = 50;
-  vehicle.ins->attitude_sigma = radians(0.5);
-  return vehicle;
-}
-
-/// What a filter by the file above makes of a dive by another vehicle; from 70 s on.
+/// What a filter by the stated vehicle makes of a dive by another vehicle; from 70 s on.
 struct Consistency {
   std::map<std::string, double> nis;            ///< over degrees of freedom
   double attitude_nees = 0, velocity_nees = 0;  ///< over degrees of freedom
@@ -51,7 +44,7 @@ class Dives {
     simulation.begin_s = 5.0;
     simulation.seed = seed;
     LocalizationSetup setup;
-    setup.vehicle = statedVehicle();
+    setup.vehicle = test::blindVehicle();
     setup.options.adapts_noise = adapts;
     std::vector<Sample> samples;
     simulateNavigation(simulation, path_, [&](const Sample& sample) {
@@ -119,14 +112,14 @@ void expectConsistent(const Consistency& run) {
 
 TEST(AdaptiveNoise, IsConsistentWhereTheFileIsRight) {
   if (test::kSanitized) GTEST_SKIP() << "sanitizers look at accesses, not at statistics";
-  const Dives dives(statedVehicle());
+  const Dives dives(test::blindVehicle());
   expectConsistent(dives.run(true));
   EXPECT_LT(dives.run(false).nis.at("gyro"), 0.5) << "by the file's drive, which is of any vehicle";
 }
 
 TEST(AdaptiveNoise, IsConsistentWhereSensorsAreTwiceAsNoisy) {
   if (test::kSanitized) GTEST_SKIP() << "sanitizers look at accesses, not at statistics";
-  Vehicle noisy = statedVehicle();
+  Vehicle noisy = test::blindVehicle();
   noisy.ins->gyro_sigma_rad_s *= 2;
   noisy.ins->accelerometer_sigma_m_s2 *= 2;
   noisy.ins->attitude_sigma = radians(1.0);
@@ -141,7 +134,7 @@ TEST(AdaptiveNoise, IsConsistentWhereSensorsAreTwiceAsNoisy) {
 // shows in the attitude: its NEES is 2, where the file alone gives 100.
 TEST(AdaptiveNoise, FindsGyroBiasesThatNobodyToldOf) {
   if (test::kSanitized) GTEST_SKIP() << "sanitizers look at accesses, not at statistics";
-  Vehicle biased = statedVehicle();
+  Vehicle biased = test::blindVehicle();
   biased.ins->gyro_bias_sigma_rad_s = radians(0.5);
   biased.ins->bias_time_constant_s = 3600;
   const Dives dives(biased);

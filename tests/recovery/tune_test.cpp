@@ -9,6 +9,7 @@
 #include "support/motions.h"
 #include "support/sanitized.h"
 #include "support/shipped.h"
+#include "support/small_vehicle.h"
 #include "tuning/noise_parameters.h"
 
 namespace fathom {
@@ -18,14 +19,6 @@ namespace {
 struct Times {
   double gyro = 1, accelerometer = 1, dvl = 1, attitude = 1;
 };
-
-Vehicle filed() {
-  Vehicle vehicle = readVehicle(std::filesystem::path(FATHOM_SOURCE_DIR) / "config/rov.yaml");
-  vehicle.camera.reset();
-  vehicle.ins->rate_hz = 50;
-  vehicle.ins->attitude_sigma = radians(0.5);
-  return vehicle;
-}
 
 /// A robot that moves so gently that from one reading of its INS to the next it changes less than their
 /// noise: of one that does not, nothing tells noise from drive.
@@ -39,7 +32,7 @@ Trajectory gentle(double duration_s) {
 
 TunedRecording dive(const Times& times, std::uint64_t seed, double duration_s) {
   SimulationOptions options;
-  options.vehicle = filed();
+  options.vehicle = test::blindVehicle();
   InsSheet& ins = *options.vehicle.ins;
   ins.gyro_sigma_rad_s *= times.gyro;
   ins.accelerometer_sigma_m_s2 *= times.accelerometer;
@@ -51,7 +44,7 @@ TunedRecording dive(const Times& times, std::uint64_t seed, double duration_s) {
   options.begin_s = 5.0;
   options.seed = seed;
   TunedRecording recording;
-  recording.setup.vehicle = filed();
+  recording.setup.vehicle = test::blindVehicle();
   simulateNavigation(options, gentle(duration_s + 10.0), [&](const Sample& sample) {
     if (sample.label != labels::kTruth) recording.samples.push_back(sample);
   });
@@ -95,10 +88,10 @@ TEST(Tune, FindsTheNoiseThatTheInstrumentsHave) {
 /// A robot that is pushed by fits and starts.
 TunedRecording manoeuvres(double duration_s) {
   SimulationOptions options;
-  options.vehicle = filed();
+  options.vehicle = test::blindVehicle();
   options.duration_s = duration_s;
   TunedRecording recording;
-  recording.setup.vehicle = filed();
+  recording.setup.vehicle = test::blindVehicle();
   const Trajectory trajectory = readTrajectory(test::kConfig / "dive_trajectory.yaml");
   simulateNavigation(options, trajectory, [&](const Sample& sample) {
     if (sample.label != labels::kTruth) recording.samples.push_back(sample);
@@ -130,8 +123,8 @@ TEST(Tune, SaysWhereTheDriveIsNotConstant) {
 TEST(Tune, DriveOfAShortRegimeGoesWithTheLongest) {
   Scores scores;
   scores.regimes_s = {{Regime::station_keeping, 5.0}, {Regime::transit, 100.0}, {Regime::turning, 40.0}};
-  LocalizationOptions options = writtenOut({}, filed(), scores);
-  for (const NoiseParameter& p : noiseParameters(options, filed(), scores))
+  LocalizationOptions options = writtenOut({}, test::blindVehicle(), scores);
+  for (const NoiseParameter& p : noiseParameters(options, test::blindVehicle(), scores))
     p.multiply(options, p.name.ends_with("transit") ? 0.1 : 1.0);
   EXPECT_NEAR(options.noise.acceleration.x() / options.driven.at(Regime::transit).acceleration.x(), 1.0,
               1e-12);

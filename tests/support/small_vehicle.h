@@ -22,4 +22,13 @@ inline std::filesystem::path writeSmallVehicle(const std::filesystem::path& fold
   return folder / "vehicle.yaml";
 }
 
+/// The shipped vehicle without a camera, with an INS of 50 Hz that gives an attitude.
+inline Vehicle blindVehicle() {
+  Vehicle vehicle = readVehicle(std::filesystem::path(FATHOM_SOURCE_DIR) / "config/rov.yaml");
+  vehicle.camera.reset();
+  vehicle.ins->rate_hz = 50;
+  vehicle.ins->attitude_sigma = radians(0.5);
+  return vehicle;
+}
+
 }  // namespace fathom::test
