@@ -82,12 +82,10 @@ class Fuser {
         rejected.in_a_row = 0;
       else
         rejected.template add<M>(m.residual, m.R, gate);
-      log.innovations.push_back(
-          {t_s, channel, M, done.nis, done.fused, rejected.in_a_row, done.determinant, done.nis});
-      if (!setup_.options.adapts_noise) return;
       const Shown shown = shownBy(m, done, gate);
-      log.innovations.back().stated_nis = statedNis(shown, done.nis, state.noise.varianceTimes(channel));
-      state.noise.add(channel, shown);
+      log.innovations.push_back({t_s, channel, M, done.nis, done.fused, rejected.in_a_row, done.determinant,
+                                 state.noise.contradicts(channel, shown, done.nis)});
+      if (setup_.options.adapts_noise) state.noise.add(channel, shown);
     };
     forEachObservation(sample, setup_.vehicle, [&]<class C>(const Observation& seen) {
       if (!isTold<C>()) return;

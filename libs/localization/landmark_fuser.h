@@ -195,7 +195,7 @@ class LandmarkFuser {
     const Shown shown = shownBySighting(estimated ? fix.T_robot_panel : robotPose(fix, T_odom_panel), done);
     log.innovations.push_back({t_s, kChannel<Landmark>, 6, nis, done.fused, memory.rejected_in_a_row,
                                done.determinant,
-                               statedNis(shown, nis, noise.varianceTimes(kChannel<Landmark>))});
+                               noise.contradicts(kChannel<Landmark>, shown, nis)});
     // Of one that is rejected the monitor decides what is wrong: the fix, the filter or the panel.
     if (passed && setup_.options.adapts_noise) noise.add(kChannel<Landmark>, shown);
     if (setup_.options.gate.kind != Gate::Kind::chi_square) return;

@@ -35,14 +35,6 @@ LocalizationSetup withBiases(LocalizationSetup setup) {
   return setup;
 }
 
-/// What a chi-square variable of so many degrees of freedom exceeds once in 10 000 times.
-const std::array<double, 7> kSeenOnceIn10000 = [] {
-  std::array<double, 7> quantiles{};
-  for (std::size_t dof = 1; dof < quantiles.size(); ++dof)
-    quantiles[dof] = chiSquareQuantile(static_cast<double>(dof), 0.9999);
-  return quantiles;
-}();
-
 }  // namespace
 
 /// A localizer whatever the size of its state.
@@ -329,9 +321,7 @@ class Localizer::RunOf : public Run {
     s.nis_mean += innovation.nis;
     ++(innovation.fused ? s.fused : s.gated);
     sink_.innovation(innovation);
-    lost_.reading(
-        innovation.t_s, innovation.channel, innovation.fused,
-        innovation.stated_nis > kSeenOnceIn10000[static_cast<std::size_t>(innovation.degrees_of_freedom)]);
+    lost_.reading(innovation.t_s, innovation.channel, innovation.fused, innovation.contradicts);
     if (innovation.rejected_in_a_row == kRejectionsBelieved &&
         (innovation.channel != kChannel<Landmark> || setup_.options.gate.kind == Gate::Kind::fixed))
       report(innovation.t_s, "rejected",

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/chi_square.h"
+
 namespace fathom {
 namespace {
 
@@ -37,6 +39,16 @@ constexpr double kLeastShare = 1e-3;
 constexpr double kLeastTold = 1e-4;
 /// Numbers beyond so many sigmas are outliers.
 constexpr double kOutlier = 4.0;
+
+/// A factor is at its bound from so much of it on.
+constexpr double kAtBound = 0.95;
+/// What a chi-square variable of so many degrees of freedom exceeds once in 10 000 times.
+const std::array<double, 7> kSeenOnceIn10000 = [] {
+  std::array<double, 7> quantiles{};
+  for (std::size_t dof = 1; dof < quantiles.size(); ++dof)
+    quantiles[dof] = chiSquareQuantile(static_cast<double>(dof), 0.9999);
+  return quantiles;
+}();
 
 /// A bias of so many sigmas was not told of. (Of one that its prior holds down readings tell too little: what
 /// a DVL that is turned a little against the INS tells of it would be taken for a bias, too.) No INS that a
@@ -87,6 +99,12 @@ void MeasurementVariance::add(const Shown& shown) {
   log_ += 0.5 * f * (shown.nis - M) / (information_ + informationOf(kStated));
   log_ = std::clamp(log_, std::log(kLowestVariance), std::log(kHighestVariance));
   times_ = std::exp(log_);
+}
+
+bool MeasurementVariance::isAtBound() const { return times_ > kAtBound * kHighestVariance; }
+
+bool LevelVariances::isAtBounds() const {
+  return measurement_.times > kAtBound * kHighestVariance && drive_.times > kAtBound * kHighestDrive;
 }
 
 void LevelVariances::Factor::move(double ratio, double variance, double share, double lowest,
@@ -169,6 +187,18 @@ double NoiseAdaptation::varianceTimes(Channel channel) const {
   if (channel == kChannel<Gyro>) return gyro_.measurementTimes();
   if (channel == kChannel<Accelerometer>) return accelerometer_.measurementTimes();
   return others_[indexOf(channel)].times();
+}
+
+bool NoiseAdaptation::contradicts(Channel channel, const Shown& shown, double nis) const {
+  // R and S taken as alike in all directions.
+  const double stated_nis = nis / (1.0 - shown.own_share + shown.own_share / varianceTimes(channel));
+  return isAtBounds(channel) || stated_nis > kSeenOnceIn10000[static_cast<std::size_t>(shown.size)];
+}
+
+bool NoiseAdaptation::isAtBounds(Channel channel) const {
+  if (channel == kChannel<Gyro>) return gyro_.isAtBounds();
+  if (channel == kChannel<Accelerometer>) return accelerometer_.isAtBounds();
+  return textOf(channel).tells == ChannelText::Tells::position && others_[indexOf(channel)].isAtBound();
 }
 
 void NoiseAdaptation::add(Channel channel, const Shown& shown) {

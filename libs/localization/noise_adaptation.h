@@ -28,11 +28,6 @@ Shown shownBy(const AnyMeasurement& m, const Update& done, double gate) {
   }
   return shown;
 }
-/// NIS as it would be with a measurement's noise as stated, of which it is `times` (R and S alike in all
-/// directions).
-inline double statedNis(const Shown& shown, double nis, double times) {
-  return nis / (1.0 - shown.own_share + shown.own_share / times);
-}
 /// By a sighting that was fused; without its residual.
 Shown shownBySighting(const UncertainPose& seen, const Update& done);
 
@@ -42,6 +37,7 @@ Shown shownBySighting(const UncertainPose& seen, const Update& done);
 class MeasurementVariance {
  public:
   double times() const { return times_; }
+  bool isAtBound() const;
   void add(const Shown& shown);
 
  private:
@@ -67,6 +63,8 @@ class LevelVariances {
 
   double measurementTimes() const { return measurement_.times; }
   double driveTimes() const { return drive_.times * onset_; }
+  /// Neither factor can follow any further.
+  bool isAtBounds() const;
   void add(const Shown& shown);
 
  private:
@@ -113,10 +111,16 @@ class NoiseAdaptation {
   AdaptedDrive drive() const { return {gyro_.driveTimes(), accelerometer_.driveTimes(), biases}; }
 
   void add(Channel channel, const Shown& shown);
+  /// Whether a reading of this NIS is one that a consistent filter sees once in 10 000, with the
+  /// measurement's noise as it is stated; or the channel's noise has gone as far as it may: readings that
+  /// drive the state, or that tell where it is, make it follow them and then do not contradict it any more.
+  bool contradicts(Channel channel, const Shown& shown, double nis) const;
   /// As BiasSigmas; what readings have shown of other noise meanwhile was the bias, and is forgotten.
   std::vector<int> widenBiases(ErrorStateFilter<kFullSize>& filter);
 
  private:
+  bool isAtBounds(Channel channel) const;
+
   LevelVariances gyro_{kLowestTurning}, accelerometer_{kLowestPushing};
   std::array<MeasurementVariance, kChannelCount> others_{};
 };

@@ -39,7 +39,7 @@ struct Innovation {
   bool fused = false;
   int rejected_in_a_row = 0;  ///< of its channel, this one included
   double determinant = 0.0;   ///< of its covariance
-  double stated_nis = 0.0;    ///< about what `nis` would be with the measurement's noise as it is stated
+  bool contradicts = false;   ///< the filter: see NoiseAdaptation::contradicts()
 };
 
 /// Something about the input that must not pass in silence.
