@@ -41,7 +41,8 @@ std::vector<Sample> samplesOf(SampleSource& source, double longest_s) {
 }
 
 std::string remark(const TunedParameter& p) {
-  if (!p.is_told) return "hardly told";
+  constexpr double kOpen = 0.1;  // an interval that begins there is one from above
+  if (!p.is_told || p.low < kOpen * p.after) return "hardly told";
   return p.is_constant ? "" : "not constant";
 }
 
@@ -51,6 +52,20 @@ Table parameterTable(const Tuning& tuning) {
     table.rows.push_back({p.name, p.unit, print("%.3g", p.before), print("%.3g", p.after),
                           print("%.3g", p.low), print("%.3g", p.high), remark(p)});
   return table;
+}
+
+std::string gainText(const Tuning& tuning) {
+  const auto gain = tuning.judgedGain();
+  return gain ? fixed(*gain, 3) : "nothing that could be judged";
+}
+
+/// What was found is worse than what it began with, where it had not looked; or nothing tells.
+std::string warningOf(const Tuning& tuning) {
+  if (!tuning.judgedGain()) return "no stretch is left to judge by: what was found is untried";
+  if (*tuning.judgedGain() < 0.0)
+    return "what was found is worse on stretches that were not fitted: keep the noise as it was, or give "
+           "longer recordings, of one vehicle";
+  return {};
 }
 
 /// Mean NIS by its degrees of freedom, over all recordings.
@@ -94,7 +109,9 @@ nlohmann::ordered_json toJson(const Tuning& tuning) {
                                   {"interval95", {p.low, p.high}},
                                   {"told", p.is_told},
                                   {"constant", p.is_constant}});
-  json["judged_gain_per_innovation"] = tuning.judgedGain();
+  json["warning"] = warningOf(tuning);
+  json["judged_gain_per_innovation"] = nullptr;
+  if (const auto gain = tuning.judgedGain()) json["judged_gain_per_innovation"] = *gain;
   return json;
 }
 
@@ -111,8 +128,9 @@ void writeOutputs(const TuneCommand& command, const Tuning& tuning, const Vehicl
       "every "
       "other stretch of " +
       fixed(command.block_s, 0) +
-      " s; the stretches between judge. On them each innovation's log likelihood gains " +
-      fixed(tuning.judgedGain(), 3) + " by what was found.");
+      " s; the stretches between judge. On them each innovation's log likelihood gains " + gainText(tuning) +
+      " by what was found.");
+  if (const std::string warning = warningOf(tuning); !warning.empty()) report.warning(warning);
   report.table(parameterTable(tuning),
                "Standard deviations; of a drive the square root of its density. Hardly told: the interval is "
                "mostly that "
@@ -147,11 +165,12 @@ void tuneNoise(const TuneCommand& command, const RunContext& context) {
   const Tuning tuning = tune(recordings, task.options, {.blocks = {.block_s = command.block_s}},
                              [&](double fraction) { progress.update(fraction); });
   writeOutputs(command, tuning, recordings.front().setup.vehicle, {.command_line = context.command_line});
+  if (const std::string warning = warningOf(tuning); !warning.empty())
+    std::cout << "warning: " << warning << "\n\n";
   std::cout << formatTable(parameterTable(tuning)) << "\n"
             << formatTable(nisTable(tuning))
-            << "\non stretches that were not fitted an innovation's log likelihood gains "
-            << fixed(tuning.judgedGain(), 3) << "\n\nwrote "
-            << (fs::path(command.folder) / "report.html").string()
+            << "\non stretches that were not fitted an innovation's log likelihood gains " << gainText(tuning)
+            << "\n\nwrote " << (fs::path(command.folder) / "report.html").string()
             << ", result.json, localize.yaml and robot_localization.yaml beside it\n";
 }
 

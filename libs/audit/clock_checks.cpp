@@ -31,8 +31,18 @@ class ClockCheck {
  public:
   ClockCheck(const std::string& label, const StampStream& stream, std::vector<Finding>& findings)
       : label_(label), stream_(stream), findings_(findings) {
-    for (std::size_t i = 1; i < stream.t_s.size(); ++i)
-      intervals_.push_back(stream.t_s[i] - stream.t_s[i - 1]);
+    std::vector<double> t_s;
+    for (const double now_s : stream.t_s) {
+      // Back to no less than what the one before came after: it alone was ahead.
+      const bool was_ahead =
+          t_s.size() > 1 && t_s.back() - now_s > kFarAhead_s && now_s >= t_s[t_s.size() - 2];
+      if (was_ahead) {
+        ahead_s_.push_back(t_s.back() - now_s);
+        t_s.pop_back();
+      }
+      t_s.push_back(now_s);
+    }
+    for (std::size_t i = 1; i < t_s.size(); ++i) intervals_.push_back(t_s[i] - t_s[i - 1]);
   }
 
   void check() {
@@ -42,6 +52,10 @@ class ClockCheck {
       add("stamps-missing", share(stream_.without_stamp) > 0.5 ? sure : likely,
           print("%zu of %.0f entries have no stamp", stream_.without_stamp, entries));
     if (stream_.t_s.size() < kFewestEntries) return;
+    if (!ahead_s_.empty())
+      add("stamps-ahead", likely,
+          print("%zu of %.0f entries have a stamp ahead of the next entry's, by up to %.4g s",
+                ahead_s_.size(), entries, *std::max_element(ahead_s_.begin(), ahead_s_.end())));
     const auto equal = static_cast<std::size_t>(std::count(intervals_.begin(), intervals_.end(), 0.0));
     const auto back = static_cast<std::size_t>(
         std::count_if(intervals_.begin(), intervals_.end(), [](double dt) { return dt < 0; }));
@@ -129,7 +143,10 @@ class ClockCheck {
   const std::string label_;
   const StampStream& stream_;
   std::vector<Finding>& findings_;
-  std::vector<double> intervals_;
+  /// Single stamps that are further ahead are mistakes, not a queue's disorder.
+  static constexpr double kFarAhead_s = 1.0;
+  std::vector<double> intervals_;  ///< without the stamps that alone are ahead
+  std::vector<double> ahead_s_;    ///< how far those are
 };
 
 /// One sensor's clock runs otherwise than the others', by thousandths: its rate is off what the vehicle file

@@ -5,6 +5,14 @@
 
 namespace fathom {
 
+/// A stamp that is far ahead by mistake counts until the label's next.
+double Streams::latestOfOthers(const StampStream& stream) const {
+  double latest_s = 0.0;
+  for (const auto& [label, other] : stamps)
+    if (&other != &stream && !other.t_s.empty()) latest_s = std::max(latest_s, other.t_s.back());
+  return latest_s;
+}
+
 void Streams::add(const Sample& sample) {
   if (std::holds_alternative<RecordingHeader>(sample.reading)) return;
   StampStream& stamp = stamps[sample.label];
@@ -14,9 +22,8 @@ void Streams::add(const Sample& sample) {
   }
   if (!time_zero) time_zero = sample.time;
   const double t_s = secondsBetween(*time_zero, sample.time);
+  stamp.behind_s.push_back(std::max(0.0, latestOfOthers(stamp) - t_s));
   stamp.t_s.push_back(t_s);
-  newest_s_ = std::max(newest_s_, t_s);
-  stamp.behind_s.push_back(newest_s_ - t_s);
   const Instance instance = Instance::of(sample.label);
   std::visit(
       [&]<class Entry>(const Entry& entry) {

@@ -47,8 +47,7 @@ inline constexpr double kMostPressuresHz = 10;
 struct StampStream {
   std::vector<double> t_s;        ///< in the order of the recording; seconds since the first
   std::size_t without_stamp = 0;  ///< entries
-  /// By how much each entry is older than the newest one before it, of whatever label; s, 0: it is the
-  /// newest.
+  /// By how much each entry is older than the latest one of any other label; s, 0: it is newer than all.
   std::vector<double> behind_s;
 };
 
@@ -87,8 +86,7 @@ class Streams {
   std::optional<Time> time_zero;                                   ///< of the first entry that has a stamp
 
  private:
-  double newest_s_ = 0;
-
+  double latestOfOthers(const StampStream& stream) const;
   void add(double t_s, const Instance& instance, const InsSample& sample);
   void add(double t_s, const Instance& instance, const DvlSample& sample);
   void add(double t_s, const Instance& instance, const DepthSample& sample);

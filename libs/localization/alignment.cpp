@@ -151,9 +151,9 @@ void alignPosition(const LocalizationSetup& setup, const FirstReadings& first, c
     sigma.segment<3>(kPosition).setConstant(setup.start->position_sigma_m);
     return;
   }
-  // In a frame whose heading is not known positions go on to shift it.
-  initial.defined.position = !motion.position.any() || initial.defined.heading;
-  initial.defined.height = !motion.position.any() && !first.height_z.any();
+  // One position may be false: those that agree move the frame, and go on to where its heading is not known.
+  initial.defined.position = true;
+  initial.defined.height = !first.height_z.any();
   if (motion.position.any()) {
     position = motion.position.value();
     sigma.segment<3>(kPosition).setConstant(motion.position_sigma_m);

@@ -43,7 +43,7 @@ struct GatedFilter {
   std::array<Rejections, kChannelCount> rejected{};
   typename LandmarkFuser<N>::Memory landmarks;
   OdomFrame frame;
-  NoiseAdaptation noise;
+  NoiseAdaptation noise{N == kFullSize};
 };
 
 /// One rejected reading is an outlier. This many in a row that agree are a filter that has gone astray: the
@@ -111,6 +111,7 @@ class Fuser {
     return reckoned;
   }
 
+  bool uses(Channel channel) const { return fused_[indexOf(channel)]; }
   typename LandmarkFuser<N>::Memory startLandmarks() const { return landmarks_.start(); }
 
  private:
@@ -146,8 +147,6 @@ class Fuser {
     const std::vector<int> widened = state.noise.widenBiases(state.filter);
     log.anew.insert(log.anew.end(), widened.begin(), widened.end());
   }
-
-  bool uses(Channel channel) const { return fused_[indexOf(channel)]; }
 
   /// Without a state for the sea floor a range says nothing of the vehicle's height.
   template <class C>

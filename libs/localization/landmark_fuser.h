@@ -67,9 +67,9 @@ class LandmarkFuser {
   }
 
   /// The frame is where one fix says: see LandmarkMonitor.
-  static void startByFix(Memory& shared) {
+  static void startByFix(Memory& shared, bool in_doubt = false) {
     LandmarkMemory memory = *shared;
-    memory.monitor.startByFix();
+    memory.monitor.startByFix(in_doubt);
     shared = std::make_shared<const LandmarkMemory>(std::move(memory));
   }
 
@@ -194,8 +194,7 @@ class LandmarkFuser {
     memory.rejected_in_a_row = passed ? 0 : memory.rejected_in_a_row + 1;
     const Shown shown = shownBySighting(estimated ? fix.T_robot_panel : robotPose(fix, T_odom_panel), done);
     log.innovations.push_back({t_s, kChannel<Landmark>, 6, nis, done.fused, memory.rejected_in_a_row,
-                               done.determinant,
-                               noise.contradicts(kChannel<Landmark>, shown, nis)});
+                               done.determinant, noise.contradicts(kChannel<Landmark>, shown, nis)});
     // Of one that is rejected the monitor decides what is wrong: the fix, the filter or the panel.
     if (passed && setup_.options.adapts_noise) noise.add(kChannel<Landmark>, shown);
     if (setup_.options.gate.kind != Gate::Kind::chi_square) return;
@@ -317,12 +316,26 @@ class LandmarkFuser {
   void reacquire(ErrorStateFilter<N>& filter, LandmarkMemory& memory, const Fix& fix, FusionLog& log) const {
     const int attached =
         fix.panel == kNoPanel ? LandmarkMemory::kExact : memory.attached[static_cast<std::size_t>(fix.panel)];
+    if (attached < 0 && memory.monitor.isByFix()) return startAgain(filter, memory, fix, log);
     if (attached >= 0)
       filter.resetPose(attached, fix.T_robot_panel);
     else
       filter.resetPose(fix.panel == kNoPanel ? Pose{} : prior(fix.panel).T_odom_panel, fix.T_robot_panel);
     memory.monitor.startAnew();
     for (int row = kPosition; row < kVelocity; ++row) log.anew.push_back(row);
+    log.corrected = true;
+  }
+
+  /// The fix that told where odom is was false, and with it all of the path before.
+  void startAgain(ErrorStateFilter<N>& filter, LandmarkMemory& memory, const Fix& fix, FusionLog& log) const {
+    const UncertainPose there =
+        robotPose(fix, fix.panel == kNoPanel ? Pose{} : prior(fix.panel).T_odom_panel);
+    const FrameMove move = moveTo(there.pose, robotOf(filter), {true, true, true});
+    filter.moveFrame(move);
+    log.frame_moves.push_back(move);
+    filter.update(poseMeasurement<N>(filter.x, there), kAlways);
+    memory.monitor.startAnew();
+    memory.monitor.startByFix(false);
     log.corrected = true;
   }
 

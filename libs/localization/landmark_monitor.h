@@ -81,7 +81,17 @@ class LandmarkMonitor {
   void fused(int panel, const JudgedFix& fix);
   Judgement rejected(int panel, const JudgedFix& fix);
   /// Before the first fix is fused, which says where odom is.
-  void startByFix() { by_fix_ = true; }
+  /// `in_doubt`: and of the others that were seen by then none agrees with it.
+  void startByFix(bool in_doubt) {
+    by_fix_ = true;
+    in_doubt_ = in_doubt;
+  }
+  /// Whether it still hangs on that fix alone, or on a few.
+  bool isByFix() const { return by_fix_ && confirmations_ < kAgreeing; }
+  /// And another contradicts it: one of them is false.
+  bool isInDoubt() const {
+    return isByFix() && (rejected_since_s_ || (in_doubt_ && confirmations_ < kConfirming));
+  }
   /// After a reset, by which everything known of the robot's pose starts anew.
   void startAnew();
 
@@ -100,7 +110,7 @@ class LandmarkMonitor {
 
   std::vector<Panel> panels_;
   int confirmations_ = 0;
-  bool by_fix_ = false;
+  bool by_fix_ = false, in_doubt_ = false;
   std::vector<Vector6d> recent_innovations_;  ///< of fused fixes
   std::optional<double> last_fused_s_;
   /// The robot's poses by the last fixes rejected, kAgreeing at most, since when, and whether they lead.

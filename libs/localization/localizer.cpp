@@ -147,16 +147,16 @@ class Localizer::RunOf : public Run {
     if (!watch_.accept(sample, stamp_s)) return;
     if (summary_.started) return insert(validity_s(sample), sample);
     waiting_.push_back(sample);
-    if (isLandmark(sample)) ++waiting_landmarks_;
+    if (tellsPosition(sample)) ++waiting_fixes_;
     if (isAligned(secondsBetween(waiting_.front().time, sample.time))) start();
   }
 
   bool isAligned(double waited_s) const {
     if (waited_s < setup_.options.alignment_s) return false;
     constexpr int kEnough = 3;  // of which two agree where one is false
-    const bool comes_a_fix = !setup_.start && waiting_landmarks_ < kEnough &&
-                             std::any_of(setup_.panels.begin(), setup_.panels.end(),
-                                         [](const PanelPrior& p) { return p.isKnown(); });
+    const bool expected = waiting_fixes_ > 0 || std::any_of(setup_.panels.begin(), setup_.panels.end(),
+                                                            [](const PanelPrior& p) { return p.isKnown(); });
+    const bool comes_a_fix = !setup_.start && expected && waiting_fixes_ < kEnough;
     return !comes_a_fix || waited_s >= setup_.options.first_fix_s;
   }
 
@@ -198,7 +198,8 @@ class Localizer::RunOf : public Run {
     if (!agreed) return;
     start.filter.moveFrame(agreed->move);
     start.frame.meet({}, *agreed->by);
-    if (agreed->by->tells.heading) LandmarkFuser<N>::startByFix(start.landmarks);
+    if (agreed->by->tells.heading)
+      LandmarkFuser<N>::startByFix(start.landmarks, agreed->isInDoubt() && fuser_.uses(agreed->by->channel));
     summary_.start_source += print("; moved to where %s is seen: %zu of %zu fixes agree",
                                    agreed->by->by.c_str(), agreed->agreeing, agreed->of);
   }
@@ -334,8 +335,8 @@ class Localizer::RunOf : public Run {
     const auto sigma = [&](int first) {
       return std::sqrt(entry.after.filter.P.diagonal().template segment<3>(first).sum());
     };
-    const auto reason =
-        lost_.judge(entry.t_s, sigma(kPosition), sigma(kOrientation), entry.after.frame.isTurned());
+    const auto reason = lost_.judge(entry.t_s, sigma(kPosition), sigma(kOrientation),
+                                    entry.after.frame.isTurned(), entry.after.landmarks->monitor.isInDoubt());
     if (reason && !summary_.lost_since_s) {
       report(entry.t_s, "lost", *reason);
       summary_.lost_since_s = entry.t_s;
@@ -408,7 +409,7 @@ class Localizer::RunOf : public Run {
   LocalizationSummary summary_;
   std::array<ChannelSummary, kChannelCount> channels_{};
   std::vector<Sample> waiting_;  ///< until alignment
-  int waiting_landmarks_ = 0;
+  int waiting_fixes_ = 0;
   std::unique_ptr<Entry> before_ = std::make_unique<Entry>();  ///< what the first of the entries starts from
   std::deque<std::unique_ptr<Entry>> entries_;
   std::vector<std::unique_ptr<Entry>> unused_;

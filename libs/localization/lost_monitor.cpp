@@ -38,7 +38,7 @@ void LostMonitor::reading(double t_s, Channel channel, bool fused, bool contradi
 void LostMonitor::corrected(double t_s) { corrections_s_.push_back(t_s); }
 
 std::optional<std::string> LostMonitor::judge(double t_s, double position_sigma_m, double angle_sigma_rad,
-                                              bool is_turned) {
+                                              bool is_turned, bool is_in_doubt) {
   // Half the limit is asked for before the estimate counts again: no flicker.
   const double limit = unsure_ ? 0.5 : 1.0;
   unsure_ = !(position_sigma_m <= limit * options_.position_sigma_m) ||
@@ -46,6 +46,7 @@ std::optional<std::string> LostMonitor::judge(double t_s, double position_sigma_
   while (!corrections_s_.empty() && t_s - corrections_s_.front() > kCorrected_s) corrections_s_.pop_front();
 
   if (is_turned) return "positions are told, but not the heading, and the path is too short to tell it";
+  if (is_in_doubt) return "the first fixes contradict each other";
   if (unsure_)
     return print("the position's own sigma is %.2f m, the orientation's %.1f deg", position_sigma_m,
                  degrees(angle_sigma_rad));

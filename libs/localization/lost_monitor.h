@@ -10,6 +10,7 @@ namespace fathom {
 
 /// Says when an estimate is not to be relied on. It looks at final results in time order:
 ///   - positions are seen in a frame whose heading is not known yet (OdomFrame);
+///   - where odom is hangs on a fix that the latest contradicts (LandmarkMonitor);
 ///   - the filter's own sigma of position or orientation is above its limit, or is no number;
 ///   - nothing has told velocity or position (DVL, USBL, landmark) for blind_s;
 ///   - a channel contradicts the filter: for contradiction_s most of its readings (kMost) had an innovation
@@ -31,7 +32,7 @@ class LostMonitor {
 
   /// Why the estimate is lost at that time; nothing where it is not. Sigma: root of the covariance's trace.
   std::optional<std::string> judge(double t_s, double position_sigma_m, double angle_sigma_rad,
-                                   bool is_turned = false);
+                                   bool is_turned = false, bool is_in_doubt = false);
 
  private:
   struct Contradiction {

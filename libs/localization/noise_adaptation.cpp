@@ -1,16 +1,16 @@
 #include "localization/noise_adaptation.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "core/chi_square.h"
 
 namespace fathom {
 namespace {
 
-// Bounds. A sigma is lowered by little: innovations show what differs from reading to reading, and an error
-// that stays (an alignment, a scale, a gyro's drift) is in the sheet's sigma and not in them. It is raised
-// threefold at most: beyond that the vehicle file is wrong, or the sensor, which is not to be hidden.
-constexpr double kLowestVariance = 0.7, kHighestVariance = 9.0;
+// Upper bounds. A sigma is raised threefold at most: beyond that the vehicle file is wrong, or the sensor,
+// which is not to be hidden.
+constexpr double kHighestVariance = 9.0;
 constexpr double kHighestDrive = 100.0;
 
 // A measurement's variance.
@@ -18,6 +18,10 @@ constexpr double kHighestDrive = 100.0;
 /// many are forgotten by and by, since noise changes.
 constexpr double kStated = 20.0, kRemembered = 300.0;
 constexpr double informationOf(double readings) { return readings * 1.5; }
+
+/// Each reading's share in the mean of the latest. By chance that mean is sqrt(kMeanShare / 2) = 0.14 sigma,
+/// so that this many sigmas are not.
+constexpr double kMeanShare = 0.1, kToOneSide = 1.5;
 
 // A level's two.
 /// They are judged after so many numbers, and at once after fewer that are this much larger than they should
@@ -54,6 +58,12 @@ const std::array<double, 7> kSeenOnceIn10000 = [] {
 /// a DVL that is turned a little against the INS tells of it would be taken for a bias, too.) No INS that a
 /// vehicle carries has larger ones than these.
 constexpr double kFarBias = 3.0, kMostGyro_rad_s = radians(1.0), kMostAccelerometer_m_s2 = 0.3;
+
+/// Nothing else aboard tells what these do, so that an error of the filter stays in their innovations.
+bool tellsPositionOrHeading(Channel channel) {
+  const auto start = textOf(channel).start;
+  return start == ChannelText::Start::position || start == ChannelText::Start::heading;
+}
 
 /// What the readings tell of a bias without its prior: the posterior with the prior taken out.
 struct ToldBias {
@@ -93,10 +103,18 @@ Shown shownBySighting(const UncertainPose& seen, const Update& done) {
   return shown;
 }
 
-void MeasurementVariance::add(const Shown& shown) {
+void MeanInnovation::add(const Shown& shown) {
+  for (std::size_t k = 0; k < mean_.size(); ++k) mean_[k] += kMeanShare * (shown.residual[k] - mean_[k]);
+}
+
+double MeanInnovation::square() const {
+  return std::inner_product(mean_.begin(), mean_.end(), mean_.begin(), 0.0);
+}
+
+void MeasurementVariance::add(const Shown& shown, double to_one_side) {
   const double f = shown.own_share, M = shown.size;
   information_ = std::min(information_ + 0.5 * f * f * M, informationOf(kRemembered));
-  log_ += 0.5 * f * (shown.nis - M) / (information_ + informationOf(kStated));
+  log_ += 0.5 * f * (std::max(0.0, shown.nis - to_one_side) - M) / (information_ + informationOf(kStated));
   log_ = std::clamp(log_, std::log(kLowestVariance), std::log(kHighestVariance));
   times_ = std::exp(log_);
 }
@@ -150,7 +168,7 @@ void LevelVariances::conclude(bool surprises) {
   const double gain_variance = (1.0 - rest * rest) / n;
   const double drive_off = gain * gain / (g * g) * least;
   measurement_.move((1.0 - gain) / rest * least, 2.0 / n + gain_variance / (rest * rest), share,
-                    kLowestVariance, kHighestVariance);
+                    lowest_variance_, kHighestVariance);
   drive_.move(drive_off * onset_, 2.0 / n + 4.0 * gain_variance / (g * g), share, lowest_drive_,
               kHighestDrive);
   // What is noise differs from reading to reading; behind a manoeuvre the filter stays back, to one side.
@@ -189,10 +207,16 @@ double NoiseAdaptation::varianceTimes(Channel channel) const {
   return others_[indexOf(channel)].times();
 }
 
+NoiseAdaptation::NoiseAdaptation(bool has_bias_states)
+    : gyro_(has_bias_states ? LevelVariances{kLowestTurning} : LevelVariances{1.0, 1.0}),
+      accelerometer_(has_bias_states ? LevelVariances{kLowestPushing} : LevelVariances{1.0, 1.0}) {}
+
 bool NoiseAdaptation::contradicts(Channel channel, const Shown& shown, double nis) const {
   // R and S taken as alike in all directions.
   const double stated_nis = nis / (1.0 - shown.own_share + shown.own_share / varianceTimes(channel));
-  return isAtBounds(channel) || stated_nis > kSeenOnceIn10000[static_cast<std::size_t>(shown.size)];
+  const bool is_to_one_side = means_[indexOf(channel)].square() > kToOneSide * kToOneSide;
+  return is_to_one_side || isAtBounds(channel) ||
+         stated_nis > kSeenOnceIn10000[static_cast<std::size_t>(shown.size)];
 }
 
 bool NoiseAdaptation::isAtBounds(Channel channel) const {
@@ -207,7 +231,11 @@ void NoiseAdaptation::add(Channel channel, const Shown& shown) {
     gyro_.add(shown);
   else if (channel == kChannel<Accelerometer>)
     accelerometer_.add(shown);
-  else
+  else if (tellsPositionOrHeading(channel)) {
+    MeanInnovation& mean = means_[indexOf(channel)];
+    mean.add(shown);
+    others_[indexOf(channel)].add(shown, mean.square());
+  } else
     others_[indexOf(channel)].add(shown);
 }
 

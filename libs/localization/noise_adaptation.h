@@ -31,6 +31,17 @@ Shown shownBy(const AnyMeasurement& m, const Update& done, double gate) {
 /// By a sighting that was fused; without its residual.
 Shown shownBySighting(const UncertainPose& seen, const Update& done);
 
+/// The mean of a channel's latest innovations, each component over its sigma. Noise has none; a sensor that
+/// is off, or a filter that is, has.
+class MeanInnovation {
+ public:
+  void add(const Shown& shown);
+  double square() const;  ///< summed over the components
+
+ private:
+  std::array<double, 6> mean_{};
+};
+
 /// One factor on a measurement's variance R: maximum likelihood of the innovations, followed reading by
 /// reading along the natural gradient (Fisher scoring; Amari 1998). Per reading the score of log R is
 /// f (NIS - M) / 2, its information f² M / 2, where f is R's share in S.
@@ -38,7 +49,8 @@ class MeasurementVariance {
  public:
   double times() const { return times_; }
   bool isAtBound() const;
-  void add(const Shown& shown);
+  /// `to_one_side`: what of NIS is no scatter.
+  void add(const Shown& shown, double to_one_side = 0.0);
 
  private:
   double log_ = 0.0, times_ = 1.0;
@@ -49,6 +61,10 @@ class MeasurementVariance {
 /// accelerometer says of it, with errors that stay for so long (alignment, scale, gravity that leaks in), and
 /// no less than these is the drive; the turning rate is read by the gyro alone.
 inline constexpr double kLowestTurning = 1e-4, kLowestPushing = 1e-2;
+/// Of what is stated of a measurement. Lowered by little: innovations show what differs from reading to
+/// reading, and an error that stays (an alignment, a scale, a gyro's drift) is in the sheet's sigma and not
+/// in them.
+inline constexpr double kLowestVariance = 0.7;
 
 /// Two factors of a state that one sensor reads at a rate at which it can follow: on R, and on the density q
 /// of what drives it. A local level (a random walk seen through noise) is what turning rate and acceleration
@@ -59,7 +75,8 @@ inline constexpr double kLowestTurning = 1e-4, kLowestPushing = 1e-2;
 /// (1 - g') C0' / (1 - g) and q by g'² C0' / g².
 class LevelVariances {
  public:
-  explicit LevelVariances(double lowest_drive) : lowest_drive_(lowest_drive) {}
+  explicit LevelVariances(double lowest_drive, double lowest_variance = kLowestVariance)
+      : lowest_drive_(lowest_drive), lowest_variance_(lowest_variance) {}
 
   double measurementTimes() const { return measurement_.times; }
   double driveTimes() const { return drive_.times * onset_; }
@@ -75,7 +92,7 @@ class LevelVariances {
   };
   void conclude(bool surprises);
 
-  double lowest_drive_;
+  double lowest_drive_, lowest_variance_;
   Factor measurement_, drive_;
   double onset_ = 1.0;                     ///< of the drive, while a manoeuvre begins that was not foreseen
   std::array<double, 3> past_{}, last_{};  ///< u, and the latest innovation, of each number
@@ -104,6 +121,10 @@ struct AdaptedDrive {
 /// Of all channels, as a filter knows it at one time: copied with it, since a late reading rewinds both.
 class NoiseAdaptation {
  public:
+  /// Without states for what gyro and accelerometer are off by, that is in their noise and the drives, which
+  /// then are never lowered.
+  explicit NoiseAdaptation(bool has_bias_states);
+
   BiasSigmas biases;  ///< to begin with, those that are assumed
 
   /// On the variance that the vehicle file, or the sighting, states.
@@ -114,6 +135,7 @@ class NoiseAdaptation {
   /// Whether a reading of this NIS is one that a consistent filter sees once in 10 000, with the
   /// measurement's noise as it is stated; or the channel's noise has gone as far as it may: readings that
   /// drive the state, or that tell where it is, make it follow them and then do not contradict it any more.
+  /// Of what tells position or heading also: its innovations are to one side, reading after reading.
   bool contradicts(Channel channel, const Shown& shown, double nis) const;
   /// As BiasSigmas; what readings have shown of other noise meanwhile was the bias, and is forgotten.
   std::vector<int> widenBiases(ErrorStateFilter<kFullSize>& filter);
@@ -121,8 +143,9 @@ class NoiseAdaptation {
  private:
   bool isAtBounds(Channel channel) const;
 
-  LevelVariances gyro_{kLowestTurning}, accelerometer_{kLowestPushing};
+  LevelVariances gyro_, accelerometer_;
   std::array<MeasurementVariance, kChannelCount> others_{};
+  std::array<MeanInnovation, kChannelCount> means_{};  ///< of what tells position or heading
 };
 
 }  // namespace fathom

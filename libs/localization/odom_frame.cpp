@@ -181,8 +181,26 @@ Eigen::Vector4d sigmaByOne(const PoseFix& fix, const FrameMove& move) {
 
 }  // namespace
 
+namespace {
+
+/// What is known of the frame by a fix that none of the others confirms: no more than what they differ by.
+Eigen::Vector4d sigmaByContradiction(const ReckonedFix& by, const std::vector<ReckonedFix>& fixes,
+                                     Eigen::Vector4d sigma) {
+  for (const ReckonedFix& other : fixes) {
+    const Pose expected = by.fix.T_odom_robot.pose * (by.T_odom_robot.inverse() * other.T_odom_robot);
+    const Vector6d off = poseDifference(expected, other.fix.T_odom_robot.pose).cwiseAbs();
+    for (int i = 0; i < 3; ++i)
+      if (sigma[i] > 0.0) sigma[i] = std::max(sigma[i], off[i]);
+    if (sigma[3] > 0.0) sigma[3] = std::clamp(off[5], sigma[3], std::max(sigma[3], kUnknown_rad));
+  }
+  return sigma;
+}
+
+}  // namespace
+
 std::optional<FrameConsensus> consensus(const OdomFrame& frame, const std::vector<ReckonedFix>& fixes) {
   std::optional<FrameConsensus> best;
+  const ReckonedFix* by = nullptr;
   std::size_t of = 0;
   for (const ReckonedFix& candidate : fixes) {
     const FrameCoordinates free = both(frame.defined(), candidate.fix.tells);
@@ -197,8 +215,11 @@ std::optional<FrameConsensus> consensus(const OdomFrame& frame, const std::vecto
     if (!more) continue;
     move.sigma = sigmaByOne(candidate.fix, move);
     best = {move, &candidate.fix, agreeing, 0};
+    by = &candidate;
   }
-  if (best) best->of = of;
+  if (!best) return {};
+  best->of = of;
+  if (best->isInDoubt()) best->move.sigma = sigmaByContradiction(*by, fixes, best->move.sigma);
   return best;
 }
 

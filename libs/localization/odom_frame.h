@@ -78,6 +78,8 @@ struct FrameConsensus {
   FrameMove move;
   const PoseFix* by = nullptr;  ///< the first of those that agree, among what was given
   std::size_t agreeing = 0, of = 0;
+  /// Of several each says something else; the move's sigma is what they differ by.
+  bool isInDoubt() const { return agreeing == 1 && of > 1; }
 };
 /// Nothing where no fix tells a coordinate that is defined only. Fixes agree within their covariances and
 /// what dead reckoning may be off by.

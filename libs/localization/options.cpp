@@ -25,6 +25,7 @@ Channel readChannel(const YamlMap& y, const std::string& key, const std::string&
 std::vector<Channel> readChannels(const YamlMap& y) {
   std::vector<Channel> channels;
   for (const std::string& name : y.texts("fuse")) channels.push_back(readChannel(y, "fuse", name));
+  if (channels.empty()) throw y.error("fuse", "names no channel");
   return channels;
 }
 

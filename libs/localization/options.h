@@ -66,7 +66,7 @@ struct LocalizationOptions {
   double history_s = 2.0;        ///< a reading up to this late is fused at its own time
   double gap_s = 1.0;            ///< a longer pause of all sensors is named in the result
   double alignment_s = 2.0;      ///< initial alignment from the first seconds, where no start pose is given
-  double first_fix_s = 5.0;      ///< and for so long it waits for sightings of panels whose pose is known
+  double first_fix_s = 5.0;      ///< and for so long it waits for three fixes, where any may come
   double output_rate_hz = 10.0;  ///< of trajectory and results; also, the instant of each landmark
   bool smooth = false;           ///< also run the RTS smoother; keeps every step in memory
 };

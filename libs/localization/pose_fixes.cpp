@@ -26,19 +26,20 @@ void addPanels(const LocalizationSetup& setup, const PanelSample& sample, double
   }
 }
 
-bool tellsPose(ChannelText::Start start) {
-  return start == ChannelText::Start::position || start == ChannelText::Start::height;
-}
-
-/// Most readings do not, and are many.
-bool tellsPose(const Sample& sample) {
-  bool tells = false;
+/// Of any of an instrument's channels.
+template <class Predicate>
+bool anyStart(const Sample& sample, Predicate&& predicate) {
+  bool any = false;
   withInstrument(sample, [&]<class Instrument>(const auto&, const Instance&) {
     [&]<class... Channels>(std::tuple<Channels...>*) {
-      tells = (tellsPose(Channels::channel.start) || ...);
+      any = (predicate(Channels::channel.start) || ...);
     }(static_cast<typename Instrument::Channels*>(nullptr));
   });
-  return tells;
+  return any;
+}
+
+bool tellsPose(ChannelText::Start start) {
+  return start == ChannelText::Start::position || start == ChannelText::Start::height;
 }
 
 /// The filter's own pose where the reading tells nothing.
@@ -66,6 +67,11 @@ void addReadings(const LocalizationSetup& setup, const Sample& sample, double t_
 
 }  // namespace
 
+bool tellsPosition(const Sample& sample) {
+  return std::holds_alternative<PanelSample>(sample.reading) || baseOf(sample.label) == labels::kMarkers ||
+         anyStart(sample, [](ChannelText::Start start) { return start == ChannelText::Start::position; });
+}
+
 UncertainPose markersPose(const LocalizationSetup& setup, const PoseSample& markers) {
   const LandmarkOptions& options = setup.options.landmarks;
   Vector6d sigma;
@@ -81,7 +87,7 @@ std::vector<PoseFix> poseFixes(const LocalizationSetup& setup, const Sample& sam
   else if (const auto* pose = std::get_if<PoseSample>(&sample.reading);
            pose && baseOf(sample.label) == labels::kMarkers)
     fixes.push_back({t_s, "markers", kChannel<Landmark>, kWholePose, markersPose(setup, *pose)});
-  else if (tellsPose(sample))
+  else if (anyStart(sample, [](ChannelText::Start start) { return tellsPose(start); }))  // few readings do
     addReadings(setup, sample, t_s, state, fixes);
   return fixes;
 }

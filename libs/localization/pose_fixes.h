@@ -13,6 +13,9 @@ namespace fathom {
 std::vector<PoseFix> poseFixes(const LocalizationSetup& setup, const Sample& sample, double t_s,
                                const KinematicState<double>& state);
 
+/// Whether it says where the robot is in the plane: panels, markers, USBL, GNSS.
+bool tellsPosition(const Sample& sample);
+
 /// A pose by markers as the options have its covariance.
 UncertainPose markersPose(const LocalizationSetup& setup, const PoseSample& markers);
 

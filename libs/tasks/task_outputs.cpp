@@ -83,7 +83,8 @@ void TaskOutputs::innovation(const Innovation& innovation) {
 }
 
 void TaskOutputs::event(const Event& event) {
-  if (events_.size() < kEventsKept) events_.push_back(event);
+  const bool tells_trust = event.kind == "lost" || event.kind == "found";
+  if (tells_trust || other_events_++ < kEventsKept) events_.push_back(event);
 }
 
 void TaskOutputs::finish() {

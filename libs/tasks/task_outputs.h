@@ -95,7 +95,8 @@ class TaskOutputs {
   std::vector<bool> lost_;
   std::vector<Vector3d> velocities_;
   std::vector<Mark> marks_;
-  std::vector<Event> events_;  ///< the first kEventsKept
+  std::vector<Event> events_;  ///< the first kEventsKept, and all that tell what may be relied on
+  std::size_t other_events_ = 0;
   std::map<Channel, NisWindows> nis_;
   std::optional<Estimate> last_;
 };

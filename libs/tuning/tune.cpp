@@ -248,14 +248,15 @@ Scores sumOf(const std::vector<Scores>& scores) {
 
 }  // namespace
 
-double Tuning::judgedGain() const {
+std::optional<double> Tuning::judgedGain() const {
   double gain = 0.0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < scores_after.size(); ++i) {
     gain += scores_after[i].judged.log_likelihood - scores_before[i].judged.log_likelihood;
     for (const auto& [channel, seen] : scores_after[i].judged.channels) count += seen.count;
   }
-  return count == 0 ? 0.0 : gain / static_cast<double>(count);
+  if (count == 0) return {};
+  return gain / static_cast<double>(count);
 }
 
 Tuning tune(const std::vector<TunedRecording>& recordings, const LocalizationOptions& options,

@@ -26,7 +26,7 @@ struct Tuning {
   int runs = 0;                                     ///< of the filter over all recordings
 
   /// On the stretches that were not fitted: how much likelier, log likelihood an innovation.
-  double judgedGain() const;
+  std::optional<double> judgedGain() const;
 };
 
 struct TuneOptions {

@@ -50,6 +50,21 @@ TEST_P(Faulty, IsNamedAndCorrected) {
   }
 }
 
+// One stamp that is far ahead says nothing of the other sensors' clocks, and is no reason to refuse a
+// recording.
+TEST(Audit, AStampFarAheadIsOneStamp) {
+  const Vehicle vehicle = test::randomVehicle(3);
+  std::vector<Sample> samples = test::randomDive(vehicle, 3);
+  const auto ins = std::find_if(samples.begin() + 500, samples.end(),
+                                [](const Sample& sample) { return sample.label == labels::kIns; });
+  ASSERT_NE(ins, samples.end());
+  ins->time = after(ins->time, 86'400.0);
+  const std::vector<Finding> findings = auditOf(samples, vehicle);
+  ASSERT_EQ(findings.size(), 1u) << textOf(findings);
+  EXPECT_EQ(findings.front().name, "stamps-ahead:INS");
+  EXPECT_EQ(findings.front().certainty, Finding::Certainty::likely);
+}
+
 INSTANTIATE_TEST_SUITE_P(Audit, Faulty, testing::Range(1, test::kSanitized ? 2 : 9));
 
 }  // namespace

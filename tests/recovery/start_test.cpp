@@ -92,6 +92,78 @@ TEST(Start, OutlastsAFalseFirstSighting) {
   }
 }
 
+/// The sighting turned and shifted, to somewhere else each time.
+void spoil(PanelSample& seen, int time) {
+  Pose& pose = seen.panels.front().T_camera_panel.pose;
+  pose.position.x() += time % 2 == 0 ? 2.0 : -1.0 - time;
+  pose.rotation = pose.rotation * expSO3<double>({0.0, 0.6 - 0.3 * time, 0.0});
+}
+
+// Which of the first sightings is right nothing tells: it is said to be lost until later ones agree.
+TEST(Start, IsLostWhileSightingsContradictEachOther) {
+  for (const int false_ones : {4, 12}) {  // more of them than it waits for
+    StartedByFixes run;
+    run.options.smooth = true;
+    int sightings = 0;
+    run.fault = [&](Sample& sample, double, Random&) {
+      auto* seen = std::get_if<PanelSample>(&sample.reading);
+      if (seen && sightings++ < false_ones) spoil(*seen, sightings);
+      return true;
+    };
+    const auto outcome = run.run(30.0);
+    SCOPED_TRACE(outcome.summary.start_source);
+    const double last_s = 0.5 * false_ones;
+    for (const Estimate& e : outcome.estimates)
+      if (e.t_s < last_s) EXPECT_TRUE(e.lost || outcome.error(e).head<3>().norm() < 0.3) << e.t_s;
+    expectOnTrack(outcome, last_s + 2.5, 30.0);
+    // The path before comes along.
+    for (const Estimate& e : outcome.smoothed) EXPECT_LT(outcome.error(e).head<3>().norm(), 0.2) << e.t_s;
+  }
+}
+
+// The path before it comes along, first where the false one puts it, then where it was.
+TEST(Start, AFalseFirstSightingIsTakenBackFromTheWholePath) {
+  StartedByFixes run;
+  run.options.smooth = true;
+  run.sees = [](std::size_t, double t_s) { return t_s > 60.0; };
+  bool is_first = true;
+  run.fault = [&is_first](Sample& sample, double, Random&) {
+    if (auto* seen = std::get_if<PanelSample>(&sample.reading); seen && std::exchange(is_first, false))
+      spoil(*seen, 0);
+    return true;
+  };
+  const auto outcome = run.run(90.0);
+  EXPECT_EQ(outcome.count("lost"), 1u);
+  // A minute of dead reckoning, as where no sighting is false.
+  for (const Estimate& e : outcome.smoothed) EXPECT_LT(outcome.error(e).head<3>().norm(), 0.5) << e.t_s;
+}
+
+TEST(Start, OutlastsAFalseFirstUsblFix) {
+  for (std::uint64_t seed = 6; seed <= 15; ++seed) {
+    StartedByFixes run;
+    run.seed = seed;
+    run.T_odom_simulated.rotation.setIdentity();
+    run.simulation.vehicle.usbl.emplace().rate_hz = 0.5;
+    run.options.fuse = {kChannel<Gyro>, kChannel<Accelerometer>, kChannel<Dvl>, kChannel<Depth>,
+                        kChannel<Usbl>};
+    run.simulation.vehicle.ins->attitude_sigma = radians(0.5);
+    run.options.fuse.push_back(kChannel<Attitude>);
+    run.sees = [](std::size_t, double) { return false; };
+    bool is_first = true;
+    run.fault = [&is_first](Sample& sample, double, Random&) {
+      if (auto* fix = std::get_if<PoseSample>(&sample.reading);
+          fix && sample.label == labels::kUsbl && std::exchange(is_first, false))
+        fix->T_odom_robot.mean.position += Vector3d(12.0, -5.0, 1.0);
+      return true;
+    };
+    const auto outcome = run.run(60.0);
+    SCOPED_TRACE(outcome.summary.start_source);
+    expectWithinThreeSigma(outcome, 4.0);
+    EXPECT_LT(outcome.worst(4.0, 60.0), 1.5);  // sigma 0.5 m in each axis
+    EXPECT_FALSE(outcome.summary.lost_since_s);
+  }
+}
+
 TEST(Start, IsMovedByUsblThatComesLate) {
   for (const bool turned : {false, true}) {
     StartedByFixes run;

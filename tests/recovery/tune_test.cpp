@@ -82,7 +82,7 @@ TEST(Tune, FindsTheNoiseThatTheInstrumentsHave) {
     EXPECT_GT(seen.nisMean() / seen.degrees_of_freedom, 0.85) << nameOf(channel);
     EXPECT_LT(seen.nisMean() / seen.degrees_of_freedom, 1.15) << nameOf(channel);
   }
-  EXPECT_GT(tuning.judgedGain(), 0.1);  // the defaults' drive is too large for this motion
+  EXPECT_GT(tuning.judgedGain().value(), 0.1);  // the defaults' drive is too large for this motion
 }
 
 /// A robot that is pushed by fits and starts.

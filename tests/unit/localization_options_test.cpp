@@ -62,7 +62,7 @@ TEST(LocalizationOptions, WrongValuesAreNamed) {
   for (const char* text :
        {"landmarks: {pose: median}", "landmarks: {position_sigma_m: 0}", "lost: {blind_s: -1}",
         "sigma_times: {sonar: 2}", "sigma_times: {dvl: 0}", "process_noise: {transit: {above_m_s: 0}}",
-        "biases: {time_constant_s: 10}", "landmarks: {sigma: 1}", "lost: 3"})
+        "biases: {time_constant_s: 10}", "fuse: []", "landmarks: {sigma: 1}", "lost: 3"})
     EXPECT_THROW(readOptionsText(text), Error) << text;
 }
 

@@ -115,8 +115,45 @@ TEST(MeasurementVariance, StaysWhereNothingTellsIt) {
   EXPECT_NEAR(variance.times(), 1.0, 0.1);
 }
 
+// A compass that is off is no noisy compass: its sigma stays, and it contradicts.
+TEST(NoiseAdaptation, WhatIsToOneSideIsNoNoise) {
+  Random random(9);
+  for (const double offset : {0.0, 3.0}) {
+    NoiseAdaptation noise(true);
+    int contradictions = 0;
+    constexpr int kReadings = 400;
+    for (int k = 0; k < kReadings; ++k) {
+      const double times = noise.varianceTimes(kChannel<Compass>);
+      const double residual = (random.normal() + offset) / std::sqrt(0.5 + 0.5 * times);
+      const Shown shown{1, residual * residual, 0.5, {residual}};
+      noise.add(kChannel<Compass>, shown);
+      if (noise.contradicts(kChannel<Compass>, shown, shown.nis)) ++contradictions;
+    }
+    // It is taken for noise until the mean is known. Without that it goes to the bound, 9.
+    EXPECT_LT(noise.varianceTimes(kChannel<Compass>), 4.0) << offset;
+    if (offset == 0.0)
+      EXPECT_EQ(contradictions, 0);
+    else
+      EXPECT_GT(contradictions, 0.9 * kReadings);
+  }
+}
+
+// What a gyro without a bias state is off by is in its noise.
+TEST(NoiseAdaptation, WithoutBiasStatesNothingIsLowered) {
+  for (const bool has_bias_states : {false, true}) {
+    Random random(10);
+    NoiseAdaptation noise(has_bias_states);
+    for (int k = 0; k < 5000; ++k) {
+      const Vector3d residual = 0.2 * random.normal3();
+      noise.add(kChannel<Gyro>, {3, residual.squaredNorm(), 0.5, {residual.x(), residual.y(), residual.z()}});
+    }
+    EXPECT_EQ(noise.varianceTimes(kChannel<Gyro>) < 1.0, has_bias_states);
+    EXPECT_EQ(noise.drive().turning_times < 1.0, has_bias_states);
+  }
+}
+
 TEST(NoiseAdaptation, ForgetsWhatIsNoNumber) {
-  NoiseAdaptation noise;
+  NoiseAdaptation noise(true);
   const double none = std::numeric_limits<double>::quiet_NaN();
   for (const Channel channel : {kChannel<Gyro>, kChannel<Dvl>}) {
     for (int k = 0; k < 500; ++k) noise.add(channel, {3, none, 0.5, {none, none, none}});
