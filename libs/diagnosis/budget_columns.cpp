@@ -1,0 +1,259 @@
+#include "diagnosis/budget_columns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+#include "core/linear_algebra.h"
+#include "diagnosis/covariate.h"
+#include "effects/catalogue.h"
+
+namespace fathom {
+namespace {
+
+using Each = VarianceComponent::Each;
+
+// A field's nodes: so many to a length of correlation, and along one covariate at most.
+constexpr double kNodesPerLength = 2.0;
+constexpr int kMostNodes = 12;
+constexpr double kJitter = 1e-6;  // of a kernel's diagonal: rounding
+
+/// What each row changes by, of one unit's worth.
+using Change = std::vector<std::pair<Eigen::Index, double>>;
+
+std::invalid_argument unknown(const VarianceComponent& component, const std::string& what) {
+  return std::invalid_argument("error budget: " + component.name + ": " + what);
+}
+
+struct Name {
+  std::string first, second, third;
+
+  explicit Name(const std::string& text) {
+    const auto dot = text.find('.');
+    first = text.substr(0, dot);
+    if (dot == std::string::npos) return;
+    const auto next = text.find('.', dot + 1);
+    second = text.substr(dot + 1, next == std::string::npos ? next : next - dot - 1);
+    if (next != std::string::npos) third = text.substr(next + 1);
+  }
+};
+
+int axisOf(const std::string& text) { return text.size() == 1 ? static_cast<int>(text[0] - 'x') : -1; }
+
+/// By an effect's scalar.
+Change changeBy(const Linearization& linear, std::size_t effect, std::size_t scalar) {
+  const Eigen::Index column = columnOf(linear, effect, scalar);
+  Change change;
+  for (Eigen::Index i = 0; i < linear.C.rows(); ++i)
+    if (linear.C(i, column) != 0) change.emplace_back(i, linear.C(i, column));
+  return change;
+}
+
+std::vector<Change> changesByEffect(const Linearization& linear, const VarianceComponent& component,
+                                    const EffectInfo& effect, const Name& name) {
+  std::size_t scalar = 0;
+  for (const Parameter& parameter : effect.parameters) {
+    const auto size = static_cast<std::size_t>(parameter.size);
+    if (parameter.name == name.second) {
+      std::vector<Change> changes;
+      const int axis = axisOf(name.third);
+      if (!name.third.empty() && (axis < 0 || axis >= parameter.size)) break;
+      for (std::size_t k = 0; k < size; ++k)
+        if (name.third.empty() || k == static_cast<std::size_t>(axis))
+          changes.push_back(changeBy(linear, effect.index, scalar + k));
+      return changes;
+    }
+    scalar += size;
+  }
+  throw unknown(component, "`" + name.second + "` is no parameter of " + name.first);
+}
+
+/// The reading itself: what one unit of it is in its row.
+std::vector<Change> changesOfReading(const Linearization& linear, const VarianceComponent& component,
+                                     Channel channel, const Name& name) {
+  const bool of_level = name.second == "level", of_reflected = name.second == "reflected";
+  const int axis = axisOf(name.second);
+  if (!name.second.empty() && !of_level && !of_reflected && (axis < 0 || axis > 2))
+    throw unknown(component, "`" + name.second + "` is none of x, y, z, level, reflected");
+  Change change;
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+    const RowInfo& row = linear.rows[i];
+    if (row.channel != channel || (axis >= 0 && axis < 3 && componentOf(row) != axis)) continue;
+    const double unit = of_level ? row.level : of_reflected ? row.reflected : 1.0;
+    if (std::isfinite(unit) && unit != 0)
+      change.emplace_back(static_cast<Eigen::Index>(i), unit * row.per_unit * std::sqrt(row.robust_weight));
+  }
+  return {change};
+}
+
+std::vector<Change> changesBy(const Linearization& linear, const VarianceComponent& component,
+                              const std::string& by) {
+  const Name name(by);
+  if (const EffectInfo* effect = findEffect(name.first))
+    return changesByEffect(linear, component, *effect, name);
+  for (const Channel channel : kEveryChannel)
+    if (nameOf(channel) == name.first) return changesOfReading(linear, component, channel, name);
+  throw unknown(component, "`" + name.first + "` is neither an effect nor a channel");
+}
+
+/// Rows that have a value of their own, by whose it is.
+std::vector<Change> apart(const Linearization& linear, Each each, const Change& change) {
+  std::map<std::pair<int, std::ptrdiff_t>, Change> by_owner;
+  std::map<Instance, int> instances;
+  for (const auto& [i, value] : change) {
+    const RowInfo& row = linear.rows[static_cast<std::size_t>(i)];
+    std::pair<int, std::ptrdiff_t> owner;
+    switch (each) {
+      case Each::recording:
+        break;
+      case Each::instrument:
+        owner.first = instances.try_emplace(row.instance, static_cast<int>(instances.size())).first->second;
+        break;
+      case Each::marker:
+        owner.first = row.marker_id;
+        break;
+      case Each::place:
+        owner = {row.place, row.component};
+        break;
+      case Each::image:
+        owner.second = row.image;
+        break;
+      case Each::reading:
+        owner.second = static_cast<std::ptrdiff_t>(row.reading);
+        break;
+    }
+    by_owner[owner].emplace_back(i, value);
+  }
+  std::vector<Change> changes;
+  for (auto& [owner, own] : by_owner) changes.push_back(std::move(own));
+  return changes;
+}
+
+/// Nodes along one covariate, and where between them a value is.
+struct Axis {
+  Covariate covariate;
+  double first = 0, step = 1, length = 1;
+  int nodes = 1;
+
+  struct Place {
+    int node;
+    double next;  ///< the share of the node behind it
+  };
+  Place placeOf(const RowInfo& row) const {
+    const double at = std::clamp((printed(row) - first) / step, 0.0, nodes - 1.0);
+    const int node = std::min(static_cast<int>(at), std::max(0, nodes - 2));
+    return {node, at - node};
+  }
+  double printed(const RowInfo& row) const { return covariate.of(row) * covariate.scale; }
+};
+
+/// A change that goes with a smooth field: hats at nodes, whose heights are what the kernel has them.
+class Field {
+ public:
+  Field(const Linearization& linear, const VarianceComponent& component, const Change& change)
+      : linear_(linear) {
+    const Channel channel = linear.rows[static_cast<std::size_t>(change.front().first)].channel;
+    const std::vector<Covariate> covariates = covariatesOf(linear, channel);
+    for (std::size_t k = 0; k < component.smooth->over.size(); ++k) {
+      const auto found = std::find_if(covariates.begin(), covariates.end(), [&](const Covariate& c) {
+        return c.name == component.smooth->over[k];
+      });
+      if (found != covariates.end()) axes_.push_back(axis(*found, component.smooth->length[k], change));
+    }
+    root_ = rootOfKernel();
+  }
+
+  Eigen::Index size() const { return root_.cols(); }
+  /// Of one row: the change times each independent value.
+  Eigen::RowVectorXd at(const RowInfo& row) const {
+    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(size());
+    const std::size_t corners = std::size_t{1} << axes_.size();
+    for (std::size_t corner = 0; corner < corners; ++corner) {
+      double weight = 1;
+      int node = 0;
+      for (std::size_t k = 0; k < axes_.size(); ++k) {
+        const auto [lower, next] = axes_[k].placeOf(row);
+        const bool is_next = (corner >> k) & 1u;
+        weight *= is_next ? next : 1 - next;
+        node = node * axes_[k].nodes + std::min(lower + (is_next ? 1 : 0), axes_[k].nodes - 1);
+      }
+      if (weight > 0) sum += weight * root_.row(node);
+    }
+    return sum;
+  }
+
+ private:
+  Axis axis(const Covariate& covariate, double length, const Change& change) const {
+    Axis axis{covariate, 0, 1, length, 1};
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const auto& [i, value] : change) {
+      const double at = axis.printed(linear_.rows[static_cast<std::size_t>(i)]);
+      low = std::min(low, at);
+      high = std::max(high, at);
+    }
+    axis.first = low;
+    const double lengths = (high - low) / length;
+    axis.nodes = std::clamp(static_cast<int>(std::ceil(kNodesPerLength * lengths)) + 1, 1, kMostNodes);
+    if (axis.nodes > 1) axis.step = (high - low) / (axis.nodes - 1);
+    return axis;
+  }
+
+  Eigen::MatrixXd rootOfKernel() const {
+    Eigen::MatrixXd kernel = Eigen::MatrixXd::Ones(1, 1);
+    for (const Axis& axis : axes_) {
+      Eigen::MatrixXd next(kernel.rows() * axis.nodes, kernel.cols() * axis.nodes);
+      for (int a = 0; a < axis.nodes; ++a)
+        for (int b = 0; b < axis.nodes; ++b) {
+          const double apart = (a - b) * axis.step / axis.length;
+          const double own = std::exp(-0.5 * apart * apart);
+          for (Eigen::Index i = 0; i < kernel.rows(); ++i)
+            for (Eigen::Index j = 0; j < kernel.cols(); ++j)
+              next(i * axis.nodes + a, j * axis.nodes + b) = kernel(i, j) * own;
+        }
+      kernel = std::move(next);
+    }
+    kernel.diagonal().array() += kJitter;
+    const SymmetricEigen eigen = eigenOf(kernel);
+    // What of it is next to nothing needs no column.
+    Eigen::Index first = 0;
+    while (first + 1 < eigen.values.size() && eigen.values[first] < 1e-3 * eigen.values.maxCoeff()) ++first;
+    const Eigen::Index kept = eigen.values.size() - first;
+    return eigen.vectors.rightCols(kept) * eigen.values.tail(kept).cwiseSqrt().asDiagonal();
+  }
+
+  const Linearization& linear_;
+  std::vector<Axis> axes_;
+  Eigen::MatrixXd root_;
+};
+
+}  // namespace
+
+Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const VarianceComponent& component) {
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::Index columns = 0;
+  const auto add = [&](Eigen::Index row, Eigen::Index column, double value) {
+    if (value != 0) entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
+  };
+  for (const std::string& by : component.by)
+    for (const Change& all : changesBy(linear, component, by))
+      for (const Change& change : apart(linear, component.each, all)) {
+        if (!component.smooth) {
+          for (const auto& [row, value] : change) add(row, columns, value);
+          ++columns;
+          continue;
+        }
+        const Field field(linear, component, change);
+        for (const auto& [row, value] : change) {
+          const Eigen::RowVectorXd weights = field.at(linear.rows[static_cast<std::size_t>(row)]);
+          for (Eigen::Index k = 0; k < weights.size(); ++k) add(row, columns + k, value * weights[k]);
+        }
+        columns += field.size();
+      }
+  Eigen::SparseMatrix<double> matrix(std::ssize(linear.rows), columns);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+}  // namespace fathom

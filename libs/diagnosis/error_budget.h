@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sensors/channels.h"
+
+/// What a recording may differ from its model by for no reason that has a name: the declared error budget
+/// (config/error_budget.yaml), a file of the user's.
+namespace fathom {
+
+/// A field that is smooth in a reading's covariates: a Gaussian process with a squared-exponential kernel.
+struct SmoothField {
+  std::vector<std::string> over;  ///< names of covariate.h: "image x", "brightness", …
+  std::vector<double> length;     ///< of correlation, one for each, in the unit that is printed
+};
+
+/// One way in which readings are off, whose sigma is known to a factor.
+struct VarianceComponent {
+  /// What has a value of its own.
+  enum class Each { recording, instrument, marker, place, image, reading };
+
+  std::string name;  ///< "print-placement"
+  /// What acts: "EFFECT.PARAMETER", of lists "EFFECT.PARAMETER.y", that parameter being the value; or
+  /// "CHANNEL" or "CHANNEL.y", the reading itself in its own unit; or "CHANNEL.share", a share of it.
+  std::vector<std::string> by;
+  Each each = Each::recording;
+  std::optional<SmoothField> smooth;
+  double sigma = 0;   ///< in `unit`
+  double factor = 2;  ///< 99 % of such are between sigma / factor and sigma * factor
+  std::string unit, source;
+
+  /// Standard deviation of ln sigma.
+  double logSd() const;
+};
+
+struct ErrorBudget {
+  std::string name;  ///< "field"
+  std::vector<VarianceComponent> components;
+  double outlier_share = 0;  ///< of any channel's readings
+
+  /// Throws Error where the file is none, with the key.
+  static ErrorBudget read(const std::filesystem::path& file);
+  static ErrorBudget parse(const std::string& text, const std::string& name);
+};
+
+}  // namespace fathom
