@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "sensors/channels.h"
-
 /// What a recording may differ from its model by for no reason that has a name: the declared error budget
 /// (config/error_budget.yaml), a file of the user's.
 namespace fathom {

@@ -88,6 +88,7 @@ std::vector<Telltale> telltales() {
       {"attenuation, or another decay",
        std::regex(R"(\bexp\(\s*-|\.exp\(\)|\bexpm1\(\s*-\s*[a-z]*attenuation)"),
        {{"core/gauss_markov.h", "the definition"},
+        {"diagnosis/budget_columns.cpp", normal_curve},
         {"fiducials/corner_refinement.cpp", normal_curve},
         {"observables/edge_blur.cpp", normal_curve},
         {"similarity/phase_congruency.cpp", normal_curve},

@@ -6,6 +6,8 @@
 #include <map>
 
 #include "batch/batch_plan.h"
+#include "diagnosis/error_budget.h"
+#include "effects/calibration.h"
 #include "evaluation/fiducial_grid.h"
 #include "imaging/water.h"
 #include "localization/options.h"
@@ -44,6 +46,8 @@ const std::map<std::string, std::function<void(const fs::path&)>> kReaders{
     {"defaults.yaml", kLocalization},
     {"navigation.yaml", kLocalization},
     {"sea_trial.yaml", kLocalization},
+    {"sea_trial_earth.yaml", [](const fs::path& file) { readCalibration(file); }},
+    {"error_budget.yaml", [](const fs::path& file) { ErrorBudget::read(file); }},
     {"husky.yaml", kLocalization},
     {"degrade_bottom_lock.yaml", [](const fs::path& file) { readDegradation(file); }},
     {"degrade_dvl_outage.yaml", [](const fs::path& file) { readDegradation(file); }},
