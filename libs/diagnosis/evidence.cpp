@@ -25,12 +25,10 @@ struct Scaled {
   SymmetricFactors M;
 
   Scaled(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score_of_all, const Eigen::VectorXd& own)
-      : sigma(own), score(own.cwiseProduct(score_of_all)), M(one(own.size()) + shared(gram)) {}
+      : sigma(own),
+        score(own.cwiseProduct(score_of_all)),
+        M(Eigen::MatrixXd::Identity(own.size(), own.size()) + own.asDiagonal() * gram * own.asDiagonal()) {}
 
-  Eigen::MatrixXd shared(const Eigen::MatrixXd& gram) const {
-    return sigma.asDiagonal() * gram * sigma.asDiagonal();
-  }
-  static Eigen::MatrixXd one(Eigen::Index size) { return Eigen::MatrixXd::Identity(size, size); }
   double logBayesFactor() const { return 0.5 * (score.dot(M.solve(score)) - M.logDeterminant()); }
 };
 
@@ -41,9 +39,9 @@ Evidence evidenceOf(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score, c
   const Scaled scaled(gram(own, own), score(own), sigma(own));
   Evidence evidence{scaled.logBayesFactor(), Eigen::VectorXd::Zero(sigma.size()),
                     Eigen::MatrixXd::Zero(sigma.size(), sigma.size())};
-  const Eigen::MatrixXd inverse = inverseOf(Scaled::one(std::ssize(own)) + scaled.shared(gram(own, own)));
-  evidence.value(own) = -scaled.sigma.cwiseProduct(inverse * scaled.score);
-  evidence.covariance(own, own) = scaled.sigma.asDiagonal() * inverse * scaled.sigma.asDiagonal();
+  evidence.value(own) = -scaled.sigma.cwiseProduct(scaled.M.solve(scaled.score));
+  const Eigen::MatrixXd D = scaled.sigma.asDiagonal();
+  evidence.covariance(own, own) = D * scaled.M.solve(D);
   return evidence;
 }
 

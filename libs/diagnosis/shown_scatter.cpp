@@ -9,6 +9,7 @@
 #include "core/chi_square.h"
 #include "core/linear_algebra.h"
 #include "core/median.h"
+#include "diagnosis/evidence.h"
 #include "effects/catalogue.h"
 
 namespace fathom {
@@ -75,15 +76,6 @@ double scatterOf(const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance, Ei
   return leastWhere([&](double sigma) { return statistic(sigma, most) <= usual; }, kLargestTolerance_m);
 }
 
-/// What a prior of these sigmas makes of readings: ln of the Bayes factor against nothing being there.
-double evidence(const Eigen::MatrixXd& information, const Eigen::VectorXd& score,
-                const Eigen::VectorXd& sigma) {
-  const Eigen::MatrixXd S = sigma.asDiagonal();
-  const SymmetricFactors M(Eigen::MatrixXd::Identity(score.size(), score.size()) + S * information * S);
-  const Eigen::VectorXd own = S * score;
-  return 0.5 * (own.dot(M.solve(own)) - M.logDeterminant());
-}
-
 /// Where effects can make up for a panel that is not plane, and no single one does it as well as a panel that
 /// is bent a little: by how much it then is. 0: not so.
 double bentPanel_m(const Linearization& linear, const std::vector<Candidate>& effects) {
@@ -102,8 +94,8 @@ double bentPanel_m(const Linearization& linear, const std::vector<Candidate>& ef
   double best = 0;
   Eigen::Index first = 0;
   for (const Eigen::Index size : sizes) {
-    best = std::max(best, evidence(apart.gram.block(first, first, size, size),
-                                   apart.score.segment(first, size), priors.segment(first, size)));
+    best = std::max(best, logBayesFactor(apart.gram.block(first, first, size, size),
+                                         apart.score.segment(first, size), priors.segment(first, size)));
     first += size;
   }
   best += kClearEvidence;
@@ -113,8 +105,8 @@ double bentPanel_m(const Linearization& linear, const std::vector<Candidate>& ef
   const Reduced together = nuisances.reduce(markers, linear.residual);
   double scatter_m = 0;
   for (double tried_m = kLeastBent_m; tried_m <= kMostBent_m; tried_m *= kBentStep)
-    if (const double found =
-            evidence(together.gram, together.score, Eigen::VectorXd::Constant(std::ssize(off_face), tried_m));
+    if (const double found = logBayesFactor(together.gram, together.score,
+                                            Eigen::VectorXd::Constant(std::ssize(off_face), tried_m));
         found > best)
       best = found, scatter_m = tried_m;
   return scatter_m;

@@ -179,10 +179,6 @@ Eigen::Vector4d sigmaByOne(const PoseFix& fix, const FrameMove& move) {
   return sigma;
 }
 
-}  // namespace
-
-namespace {
-
 /// What is known of the frame by a fix that none of the others confirms: no more than what they differ by.
 Eigen::Vector4d sigmaByContradiction(const ReckonedFix& by, const std::vector<ReckonedFix>& fixes,
                                      Eigen::Vector4d sigma) {

@@ -87,7 +87,7 @@ std::vector<PoseFix> poseFixes(const LocalizationSetup& setup, const Sample& sam
   else if (const auto* pose = std::get_if<PoseSample>(&sample.reading);
            pose && baseOf(sample.label) == labels::kMarkers)
     fixes.push_back({t_s, "markers", kChannel<Landmark>, kWholePose, markersPose(setup, *pose)});
-  else if (anyStart(sample, [](ChannelText::Start start) { return tellsPose(start); }))  // few readings do
+  else if (anyStart(sample, tellsPose))  // few readings do
     addReadings(setup, sample, t_s, state, fixes);
   return fixes;
 }

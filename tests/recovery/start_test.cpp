@@ -138,16 +138,17 @@ TEST(Start, AFalseFirstSightingIsTakenBackFromTheWholePath) {
   for (const Estimate& e : outcome.smoothed) EXPECT_LT(outcome.error(e).head<3>().norm(), 0.5) << e.t_s;
 }
 
+// (With seed 2 the depth is off by 3.5 sigma all along, also where no fix is false: its pressure offset is
+// drawn so.)
 TEST(Start, OutlastsAFalseFirstUsblFix) {
   for (std::uint64_t seed = 6; seed <= 15; ++seed) {
     StartedByFixes run;
     run.seed = seed;
     run.T_odom_simulated.rotation.setIdentity();
     run.simulation.vehicle.usbl.emplace().rate_hz = 0.5;
-    run.options.fuse = {kChannel<Gyro>, kChannel<Accelerometer>, kChannel<Dvl>, kChannel<Depth>,
-                        kChannel<Usbl>};
     run.simulation.vehicle.ins->attitude_sigma = radians(0.5);
-    run.options.fuse.push_back(kChannel<Attitude>);
+    run.options.fuse = {kChannel<Gyro>, kChannel<Accelerometer>, kChannel<Attitude>,
+                        kChannel<Dvl>,  kChannel<Depth>,         kChannel<Usbl>};
     run.sees = [](std::size_t, double) { return false; };
     bool is_first = true;
     run.fault = [&is_first](Sample& sample, double, Random&) {

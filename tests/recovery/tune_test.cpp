@@ -85,6 +85,8 @@ TEST(Tune, FindsTheNoiseThatTheInstrumentsHave) {
   EXPECT_GT(tuning.judgedGain().value(), 0.1);  // the defaults' drive is too large for this motion
 }
 
+TEST(Tune, WhereNothingIsLeftToJudgeByNothingIsGained) { EXPECT_FALSE(Tuning{}.judgedGain()); }
+
 /// A robot that is pushed by fits and starts.
 TunedRecording manoeuvres(double duration_s) {
   SimulationOptions options;
