@@ -83,17 +83,17 @@ bool readBehind(const Arm& arm, const std::array<Vector3d, 4>& corners_camera, C
   std::size_t hidden = 0;
   for (std::size_t i = 0; i < 4; ++i)
     for (int step = 0; step < 4; ++step) {
-      const double share = step / 4.0;
-      if (!arm.hides((1 - share) * corners_camera[i] + share * corners_camera[(i + 1) % 4])) continue;
+      const double along = step / 4.0;
+      if (!arm.hides((1 - along) * corners_camera[i] + along * corners_camera[(i + 1) % 4])) continue;
       ++hidden_points;
       if (step > 0) continue;
       ++hidden_corners;
       hidden = i;
     }
-  const double along = random.uniform(0.1, 0.25), chance = random.uniform();
+  const double cut = random.uniform(0.1, 0.25), chance = random.uniform();
   if (hidden_points == 0) return true;
   if (hidden_corners != 1 || hidden_points > kHiddenPoints || chance < 0.5) return false;
-  corners[hidden] += along * (corners[(hidden + (chance < 0.75 ? 1 : 3)) % 4] - corners[hidden]);
+  corners[hidden] += cut * (corners[(hidden + (chance < 0.75 ? 1 : 3)) % 4] - corners[hidden]);
   return true;
 }
 

@@ -102,8 +102,8 @@ double DopplerLog::nextNoise_m_s(std::size_t beam) {
 
 /// What is ordinary, and outliers.
 Vector3d DopplerLog::unnamedError_m_s(const Vector3d& velocity_m_s) {
-  const double share = sealed_.outsideSize("dvl-outliers") + sealed_.ordinary * kOrdinary.outliers;
-  Vector3d error_m_s = outlier<3>(share, kNearestOutlier_m_s, kFarthestOutlier_m_s, random_outliers_);
+  const double fraction = sealed_.outsideSize("dvl-outliers") + sealed_.ordinary * kOrdinary.outliers;
+  Vector3d error_m_s = outlier<3>(fraction, kNearestOutlier_m_s, kFarthestOutlier_m_s, random_outliers_);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
     error_m_s[i] += bias_[axis].at(velocity_m_s[i]);

@@ -30,7 +30,7 @@ class Exposure {
   const Vehicle& vehicle_;
   const SealedCase& sealed_;
   cv::Mat3f sensitivity_;  ///< of each pixel: not all alike in a rich or ordinary recording
-  FieldTable response_;    ///< share that a number is larger by, over numbers
+  FieldTable response_;    ///< fraction that a number is larger by, over numbers
   Vector2d blotch_;
 };
 

@@ -71,9 +71,9 @@ void addArm(const View& view, const Vehicle& vehicle, cv::Mat3f& light) {
       const double pixel_m = along_m / view.camera.fx_px;
       const double covered = std::clamp((kRadius_m - distance_m) / pixel_m + 0.5, 0.0, 1.0);
       if (covered == 0) continue;
-      const auto share = static_cast<float>(covered);
+      const auto fraction = static_cast<float>(covered);
       light(row, column) =
-          (1 - share) * light(row, column) + share * colourOf(view, distance_m / kRadius_m, along_m);
+          (1 - fraction) * light(row, column) + fraction * colourOf(view, distance_m / kRadius_m, along_m);
     }
 }
 

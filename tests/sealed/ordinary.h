@@ -17,7 +17,7 @@ struct OrdinaryImperfections {
   double stretch = 0.001;                              ///< of the printed sheet, x and y apart
   double edge_px = 0.02;                               ///< white grows over black, all markers alike
   double marker_edge_px = 0.01;                        ///< each besides, by the corner detector
-  double response = 0.005, response_length_dn = 60;    ///< share of the signal
+  double response = 0.005, response_length_dn = 60;    ///< fraction of the signal
   double flat_field = 0.01, flat_field_length = 0.31;  ///< length: of the image's width
   double illumination = 0.02, illumination_length_m = 0.5;
   double marker_albedo = 0.014;  ///< of each marker; with the next 2 % in all
@@ -26,7 +26,7 @@ struct OrdinaryImperfections {
   double stamp_s = 0.001;  ///< of each image
   double camera_clock_ppm = 20;
   double dvl_m_s = 0.001, dvl_length_m_s = 0.3;  ///< each axis, smooth in its speed
-  double outliers = 0.01;                        ///< share of corners and of DVL readings
+  double outliers = 0.01;                        ///< fraction of corners and of DVL measurements
 };
 inline constexpr OrdinaryImperfections kOrdinary;
 
@@ -74,14 +74,14 @@ FieldTable onPanel(const SmoothField& field);
 SmoothField ordinaryField(const SealedCase& sealed, double sigma, double length, Stream which,
                           std::uint64_t index = 0);
 
-/// Off by so much in any direction, for a share of the readings.
+/// Off by so much in any direction, for a fraction of the measurements.
 template <int Size>
-Eigen::Matrix<double, Size, 1> outlier(double share, double least, double most, Random& random) {
+Eigen::Matrix<double, Size, 1> outlier(double fraction, double least, double most, Random& random) {
   using Offset = Eigen::Matrix<double, Size, 1>;
   const double chance = random.uniform(), size = random.uniform(least, most);
   Offset direction;
   for (double& coordinate : direction) coordinate = random.normal();
-  return chance < share ? Offset(size * direction.normalized()) : Offset(Offset::Zero());
+  return chance < fraction ? Offset(size * direction.normalized()) : Offset(Offset::Zero());
 }
 
 /// How far white grows over black, of all markers, without what is hidden. Light itself only spreads: in

@@ -16,7 +16,7 @@ constexpr double kPiece_m = 0.08;  // so fine is what bends
 constexpr int kMarkerPieces = 3;   // along each side, likewise
 constexpr double kMarkerScatter = 0.003, kUnevenness = 0.005;
 constexpr int kClouds = 6;
-constexpr double kGrowthShare = 0.6, kGrowthSpread = 0.1, kGrowthPatch_m = 0.03;
+constexpr double kGrowthCover = 0.6, kGrowthSpread = 0.1, kGrowthPatch_m = 0.03;
 const Array3d kGrowthAlbedo(0.08, 0.14, 0.06);  // of a film of algae
 constexpr double kRounding = 1e-9;
 constexpr int kMarkerSurfaces = 1000;  // numbers from here on are markers'
@@ -73,9 +73,9 @@ void Paint::coverGrowth(const SealedCase& sealed) {
 
 Array3d Paint::overgrown(std::size_t marker, const Vector3d& point_panel, const Array3d& print) const {
   if (!grown.contains(marker)) return print;
-  const double share =
-      std::clamp(kGrowthShare + growth_field.at(point_panel.x(), point_panel.y()), 0.3, 0.85);
-  return (1 - share) * print + share * kGrowthAlbedo;
+  const double cover =
+      std::clamp(kGrowthCover + growth_field.at(point_panel.x(), point_panel.y()), 0.3, 0.85);
+  return (1 - cover) * print + cover * kGrowthAlbedo;
 }
 
 double Paint::evenness(const Vector3d& point_panel) const {

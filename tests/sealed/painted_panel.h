@@ -45,7 +45,7 @@ struct Sighted {
   Print print = Print::none;
   std::size_t triangle = 0;
   Vector3d normal_panel = Vector3d::UnitZ();
-  double illumination = 1;  ///< share of the daylight that it gets
+  double illumination = 1;  ///< fraction of the daylight that it gets
 };
 
 /// The panel with its markers at one time, to be looked at.

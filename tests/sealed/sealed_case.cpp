@@ -106,9 +106,9 @@ const std::vector<OutsiderKind>& outsiderKinds() {
       {"gyro-g-sensitivity"},        // (rad/s) / (m/s²)
       {"mount-shake"},               // deg, amplitude
       {"dvl-beam-bias"},             // m/s, of one beam
-      {"dvl-outliers"},              // share of readings that are 0.1 to 0.5 m/s off in any direction
-      {"markers-wide"},              // share by which each marker is wider than high, upright
-      {"manipulator"},               // share of the time that an arm is before the panel
+      {"dvl-outliers"},              // fraction of measurements that are 0.1 to 0.5 m/s off in any direction
+      {"markers-wide"},              // fraction by which each marker is wider than high, upright
+      {"manipulator"},               // fraction of the time that an arm is before the panel
       {"growth", true},              // so many markers are overgrown: darker, greenish, of low contrast
       {"port-blotch", true},         // share of the light lost in its middle
       {"response-by-colour", true},  // more exponent in red, less in blue

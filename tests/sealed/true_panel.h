@@ -21,7 +21,7 @@ class TruePanel {
   bool flat() const;
   /// Where a flat panel's point really is.
   Vector3d bent(const Vector3d& point_panel, double t_s) const;
-  /// The share of the daylight that its point there gets.
+  /// The fraction of the daylight that its point there gets.
   double illumination(const Vector3d& point_panel, double t_s) const;
   /// A marker as it was put on, before the panel bends.
   Marker placed(const Marker& marker, double t_s) const;

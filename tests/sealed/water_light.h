@@ -16,7 +16,7 @@ struct MurkyCloud {
   double sigma_m = 1;
   Eigen::Vector3d middle_camera{0, 0, 0};
 
-  /// What light loses along a straight way: exp(-depth) is left.
+  /// What light loses along a straight line: exp(-depth) is left.
   double opticalDepth(const Eigen::Vector3d& from_camera, const Eigen::Vector3d& to_camera) const;
 };
 

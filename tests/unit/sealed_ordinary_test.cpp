@@ -170,7 +170,7 @@ TEST(SealedOutliers, AreAsManyAsSaid) {
   EXPECT_NEAR(outliers, 120, 40);
 }
 
-TEST(SealedArm, IsThereForItsShareOfTheTime) {
+TEST(SealedArm, IsThereForItsFractionOfTheTime) {
   const SealedCase sealed = caseWith("[]", R"([{"kind": "manipulator", "size": 0.4}])");
   const Vehicle vehicle;
   int there = 0;
