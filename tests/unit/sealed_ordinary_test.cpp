@@ -22,7 +22,7 @@ namespace fathom::sealed {
 namespace {
 namespace fs = std::filesystem;
 
-const Vector3d kPanel_odom(kPanelX_m, kPanelY_m, kPanelZ_m);
+const Vector3d kOrdinaryPanel_odom(kPanelX_m, kPanelY_m, kPanelZ_m);
 const std::vector<double> kStamps_s{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
 
 SealedCase caseWith(const std::string& effects, const std::string& outside = "[]", double ordinary = 0) {
@@ -41,7 +41,7 @@ class SealedWorld : public testing::Test {
   TruePanel panelOf(const SealedCase& sealed) const { return {readPanelMap(folder_ / "panel.yaml"), sealed}; }
   CornerPixels cornersOf(const SealedCase& sealed) const {
     const Vehicle vehicle;
-    const Dive dive = makeDive(sealed.dive, kPanel_odom);
+    const Dive dive = makeDive(sealed.dive, kOrdinaryPanel_odom);
     const TruePanel panel = panelOf(sealed);
     std::istringstream table(
         cornersTable(vehicle, sealed, panel, Viewpoint(vehicle, sealed, dive), kStamps_s));
@@ -157,7 +157,7 @@ TEST(SealedOutliers, AreAsManyAsSaid) {
   const SealedCase sealed = caseWith("[]", R"([{"kind": "dvl-outliers", "size": 0.03}])");
   const SealedCase clean = caseWith("[]");
   const Vehicle vehicle;
-  const Dive dive = makeDive("rich", 3, kPanel_odom);
+  const Dive dive = makeDive("rich", 3, kOrdinaryPanel_odom);
   DopplerLog with(vehicle, sealed, dive, kFloorDepth_m), without(vehicle, clean, dive, kFloorDepth_m);
   int outliers = 0;
   for (int i = 0; i < 4000; ++i) {
