@@ -32,6 +32,28 @@ void SymmetricFactors::solveInPlace(Eigen::Ref<Eigen::MatrixXd> x) const {
   x = factors_->ldlt.solve(b);
 }
 
+struct PositiveFactors::Factors {
+  Eigen::LLT<Eigen::MatrixXd> llt;
+};
+
+PositiveFactors::PositiveFactors() : factors_(std::make_unique<Factors>()) {}
+PositiveFactors::PositiveFactors(const MatrixView& A) : PositiveFactors() { compute(A); }
+PositiveFactors::~PositiveFactors() = default;
+
+void PositiveFactors::compute(const MatrixView& A) { factors_->llt.compute(A); }
+
+bool PositiveFactors::succeeded() const { return factors_->llt.info() == Eigen::Success; }
+
+double PositiveFactors::logDeterminant() const {
+  return 2 * factors_->llt.matrixLLT().diagonal().array().log().sum();
+}
+
+void PositiveFactors::solveInPlace(Eigen::Ref<Eigen::MatrixXd> x) const { factors_->llt.solveInPlace(x); }
+
+void PositiveFactors::halfSolveInPlace(Eigen::Ref<Eigen::MatrixXd> x) const {
+  factors_->llt.matrixL().solveInPlace(x);
+}
+
 double normalizedSquare(const MatrixView& S, const Eigen::Ref<const Eigen::VectorXd>& r) {
   return r.dot(solveSymmetric(S, r));
 }

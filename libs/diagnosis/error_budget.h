@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,7 +17,7 @@ struct SmoothField {
 /// One way in which readings are off, whose sigma is known to a factor.
 struct VarianceComponent {
   /// What has a value of its own.
-  enum class Each { recording, instrument, marker, place, image, reading };
+  enum class Each { recording, sensor, instrument, marker, place, image, reading };
 
   std::string name;  ///< "print-placement"
   /// What acts: "EFFECT.PARAMETER", of lists "EFFECT.PARAMETER.y", that parameter being the value; or
@@ -38,10 +37,7 @@ struct ErrorBudget {
   std::string name;  ///< "field"
   std::vector<VarianceComponent> components;
   double outlier_share = 0;  ///< of any channel's readings
-
-  /// Throws Error where the file is none, with the key.
-  static ErrorBudget read(const std::filesystem::path& file);
-  static ErrorBudget parse(const std::string& text, const std::string& name);
+  double noise_factor = 3;   ///< within which a channel's noise is what is stated
 };
 
 }  // namespace fathom

@@ -1,16 +1,18 @@
 #include "diagnosis/evidence.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/linear_algebra.h"
 
 namespace fathom {
 namespace {
 
-// Fisher scoring: ends where no scale moves by a thousandth of itself; no step is longer than a factor of e.
+// Fisher scoring: ends where no scale moves by a hundredth of itself; no step is longer than a factor of e^3.
 constexpr int kMostSteps = 100, kMostHalvings = 20;
-constexpr double kConverged = 1e-3, kLongestStep = 1.0;
+constexpr double kConverged = 0.01, kLongestStep = 3.0;
 
 std::vector<Eigen::Index> columnsIn(const Eigen::VectorXd& sigma) {
   std::vector<Eigen::Index> columns;
@@ -22,7 +24,7 @@ std::vector<Eigen::Index> columnsIn(const Eigen::VectorXd& sigma) {
 /// Values in units of their priors: u ~ N(0, 1), M = 1 + D A D.
 struct Scaled {
   Eigen::VectorXd sigma, score;
-  SymmetricFactors M;
+  PositiveFactors M;
 
   Scaled(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score_of_all, const Eigen::VectorXd& own)
       : sigma(own),
@@ -53,6 +55,15 @@ double logBayesFactor(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
 
 namespace {
 
+constexpr auto& kSizes = EffectEvidence::kSizes;
+
+/// ln of how likely a size is beforehand: of those above 1 like the tail of Cauchy's distribution.
+double logShareOf(double size) {
+  double sum = 0;
+  for (const double t : kSizes) sum += std::min(1.0, 1 / t);
+  return std::log(std::min(1.0, 1 / size) / sum);
+}
+
 /// ln of the likelihood of scales and their prior, with its slope and its expected curvature by their
 /// logarithms.
 ///
@@ -76,9 +87,12 @@ class ScaleLikelihood {
   Slope slopeAt(const Eigen::VectorXd& logs) const {
     const Eigen::VectorXd sigma = sigmaAt(logs);
     const Eigen::MatrixXd S = sigma.asDiagonal() * gram_ * sigma.asDiagonal();
-    const Eigen::MatrixXd inverse = inverseOf(Eigen::MatrixXd::Identity(S.rows(), S.cols()) + S);
+    const auto size = S.rows();
+    const Eigen::MatrixXd inverse = PositiveFactors(Eigen::MatrixXd::Identity(size, size) + S)
+                                        .solve(Eigen::MatrixXd::Identity(size, size));
     const Eigen::VectorXd w = inverse * sigma.cwiseProduct(score_);
-    const Eigen::MatrixXd told = (S * inverse).array().square();
+    // S (1 + S)^-1 = 1 - (1 + S)^-1.
+    const Eigen::MatrixXd told = (Eigen::MatrixXd::Identity(size, size) - inverse).array().square();
     const Eigen::VectorXd by_column = w.array().square() - (1 - inverse.diagonal().array());
     const auto count = std::ssize(groups_);
     Slope result{-off(logs), Eigen::MatrixXd::Zero(count, count)};
@@ -117,10 +131,13 @@ class ScaleLikelihood {
 
 std::vector<EstimatedScale> likeliestScales(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
                                             Eigen::VectorXd sigma, const std::vector<ScaledColumns>& groups) {
+  if (groups.empty()) return {};
   const ScaleLikelihood likelihood(gram, score, sigma, groups);
   Eigen::VectorXd logs(std::ssize(groups));
-  for (Eigen::Index k = 0; k < logs.size(); ++k)
-    logs[k] = std::log(groups[static_cast<std::size_t>(k)].scale);
+  for (Eigen::Index k = 0; k < logs.size(); ++k) {
+    const ScaledColumns& group = groups[static_cast<std::size_t>(k)];
+    logs[k] = std::log(group.start > 0 ? group.start : group.scale);
+  }
   double best = likelihood.at(logs);
   for (int step = 0; step < kMostSteps; ++step) {
     const auto [slope, information] = likelihood.slopeAt(logs);
@@ -141,6 +158,76 @@ std::vector<EstimatedScale> likeliestScales(const Eigen::MatrixXd& gram, const E
   for (Eigen::Index k = 0; k < logs.size(); ++k)
     scales.push_back({std::exp(logs[k]), std::sqrt(covariance(k, k))});
   return scales;
+}
+
+EffectEvidence::EffectEvidence(const Eigen::MatrixXd& gram, const Eigen::VectorXd& sigma) {
+  if (gram.rows() == 0) return;
+  SymmetricEigen eigen = eigenOf(sigma.asDiagonal() * gram * sigma.asDiagonal());
+  values_ = eigen.values.cwiseMax(0.0);
+  scaled_basis_ = sigma.asDiagonal() * eigen.vectors;
+  for (std::size_t k = 0; k < kSizes.size(); ++k)
+    at_no_score_[k] = logShareOf(kSizes[k]) - 0.5 * (1 + kSizes[k] * kSizes[k] * values_.array()).log().sum();
+}
+
+EffectEvidence::Best EffectEvidence::best(const Eigen::VectorXd& score) const {
+  std::array<double, kSizes.size()> found = at_no_score_;
+  for (Eigen::Index i = 0; i < values_.size(); ++i) {
+    const double along = scaled_basis_.col(i).dot(score), square = along * along;
+    for (std::size_t k = 0; k < kSizes.size(); ++k) {
+      const double t2 = kSizes[k] * kSizes[k];
+      found[k] += 0.5 * t2 * square / (1 + t2 * values_[i]);
+    }
+  }
+  const auto best = std::max_element(found.begin(), found.end());
+  return {*best, kSizes[static_cast<std::size_t>(best - found.begin())]};
+}
+
+Eigen::VectorXd EffectEvidence::valueAt(const Eigen::VectorXd& score, double size) const {
+  const double t2 = size * size;
+  const Eigen::VectorXd along = scaled_basis_.transpose() * score;
+  return -scaled_basis_ * (t2 * along.array() / (1 + t2 * values_.array())).matrix();
+}
+
+double logBayesFactorOf(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
+                        const Eigen::VectorXd& sigma, const std::vector<double>& sizes) {
+  double share = 0;
+  for (const double t : sizes) share += logShareOf(t);
+  return logBayesFactor(gram, score, sigma) + share;
+}
+
+SizedSet bestSizes(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score, const Eigen::VectorXd& sigma,
+                   const std::vector<Eigen::Index>& columns) {
+  SizedSet set{0, std::vector<double>(columns.size(), 1), {}};
+  Eigen::VectorXd own = sigma;
+  double best = -std::numeric_limits<double>::infinity();
+  const auto worth = [&] {
+    double share = 0;
+    for (const double t : set.size) share += logShareOf(t);
+    return logBayesFactor(gram, score, own) + share;
+  };
+  // One after the other, until none would be of another size.
+  for (bool changed = !columns.empty(); changed;) {
+    changed = false;
+    Eigen::Index first = 0;
+    for (std::size_t e = 0; e < columns.size(); ++e) {
+      double kept = set.size[e];
+      for (const double t : kSizes) {
+        set.size[e] = t;
+        own.segment(first, columns[e]) = t * sigma.segment(first, columns[e]);
+        const double found = worth();
+        if (found <= best) continue;
+        best = found;
+        changed = changed || t != kept;
+        kept = t;
+      }
+      set.size[e] = kept;
+      own.segment(first, columns[e]) = kept * sigma.segment(first, columns[e]);
+      first += columns[e];
+    }
+  }
+  set.evidence = evidenceOf(gram, score, own);
+  set.log_bayes_factor = columns.empty() ? 0 : best;
+  return set;
 }
 
 }  // namespace fathom

@@ -115,7 +115,7 @@ TEST_P(OutsideCatalogue, IsNotTakenForAnEffect) {
   const test::Answer answer = test::answerOf(run, excitation());
   EXPECT_TRUE(test::ownsUp(answer)) << run.name << ", " << test::told(answer);
 }
-// A shaken mount and a folded panel, the largest.
+// A shaken mount and a panel whose halves slipped, the largest.
 INSTANTIATE_TEST_SUITE_P(Diagnosis, OutsideCatalogue, testing::Values(8, 9));
 
 TEST(Diagnosis, NamesNothingWithConfidenceFromWrongInput) {

@@ -120,7 +120,7 @@ TEST(ImageDiagnosis, TheAdvisedManoeuvreTellsASetApart) {
   if (test::kSanitized)
     GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
   const EffectInfo& offset = *findEffect("dark-offset");
-  const test::DiagnosisRun dive = test::effectOfSize(test::lightDive(), lightExcitation(), offset, 8.0, 2);
+  const test::DiagnosisRun dive = test::effectOfSize(test::lightDive(), lightExcitation(), offset, 5.0, 2);
   const Diagnosis unsure = diagnose(dive.input());
   ASSERT_EQ(unsure.alternatives.size(), 1u) << unsure.why;
   const Advice& advice = unsure.alternatives[0].advice;

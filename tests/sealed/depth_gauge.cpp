@@ -13,7 +13,8 @@ PressureSensor::PressureSensor(const Vehicle& vehicle, const SealedCase& sealed,
 
 DepthSample PressureSensor::read(double t_s) {
   const Pose T_robot_depth = vehicle_.depth.pose.pose();
-  const double depth_m = -(dive_.poseAt(t_s) * T_robot_depth.position).z();
+  const double depth_m =
+      -(dive_.poseAt(sealed_.trueTime_s(labels::kDepth, t_s)) * T_robot_depth.position).z();
   const double density_kg_m3 =
       vehicle_.depth.water_density_kg_m3 + sealed_.number("pressure-density", "density_error_kg_m3", t_s);
   double pressure_pa = vehicle_.depth.atmospheric_pressure_pa +

@@ -12,20 +12,21 @@ constexpr double kUsualDepth_m = 4.4;             // where the assumed sound spe
 constexpr double kRichGradient_celsius_m = -0.1;  // of a rich recording: 0.3 m/s a metre
 constexpr double kRichNoiseKept = 0.5;            // from ping to ping: AR(1)
 constexpr std::size_t kBiasedBeam = 1;            // of `dvl-beam-bias`
+constexpr double kNearestOutlier_m_s = 0.1, kFarthestOutlier_m_s = 0.5;
 
 /// A scale error that is always there is the water's sound speed: v_read = v c_assumed / c. One that comes
 /// and goes can only be the electronics'.
 double waterSpeed_m_s(const Vehicle& vehicle, const SealedCase& sealed) {
   double error = 0.0;
   for (const HiddenEffect& effect : sealed.effects)
-    if (effect.id == "dvl-scale" && !effect.active_s)
+    if (effect.id == "dvl-scale" && effect.active_s.empty())
       error = effect.parameters.find("scale_error")->second.front();
   return vehicle.dvl.assumed_sound_speed_m_s / (1 + error);
 }
 
 double passingScale(const SealedCase& sealed, double stamp_s) {
   const HiddenEffect* scale = sealed.find("dvl-scale", stamp_s);
-  return scale && scale->active_s ? 1 + scale->parameters.find("scale_error")->second.front() : 1.0;
+  return scale && !scale->active_s.empty() ? 1 + scale->parameters.find("scale_error")->second.front() : 1.0;
 }
 
 }  // namespace
@@ -39,7 +40,10 @@ DopplerLog::DopplerLog(const Vehicle& vehicle, const SealedCase& sealed, const D
       electronics_scale_(1.0),
       sound_(SoundProfile::through(waterSpeed_m_s(vehicle, sealed), kUsualDepth_m,
                                    sealed.rich ? kRichGradient_celsius_m : 0.0)),
-      random_(stream(sealed.seed, Stream::dvl)) {
+      random_(stream(sealed.seed, Stream::dvl)),
+      random_outliers_(stream(sealed.seed, Stream::dvl_outliers)) {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    bias_[axis] = ordinaryField(sealed, kOrdinary.dvl_m_s, kOrdinary.dvl_length_m_s, Stream::dvl_bias, axis);
   electronics_scale_ = sound_.speedAt(kUsualDepth_m) / waterSpeed_m_s(vehicle, sealed);
   const double angle_rad = radians(vehicle.dvl.beam_angle_deg);
   for (std::size_t i = 0; i < kBeams; ++i) {
@@ -96,8 +100,20 @@ double DopplerLog::nextNoise_m_s(std::size_t beam) {
   return noise_m_s_[beam];
 }
 
+/// What is ordinary, and outliers.
+Vector3d DopplerLog::unnamedError_m_s(const Vector3d& velocity_m_s) {
+  const double fraction = sealed_.outsideSize("dvl-outliers") + sealed_.ordinary * kOrdinary.outliers;
+  Vector3d error_m_s = outlier<3>(fraction, kNearestOutlier_m_s, kFarthestOutlier_m_s, random_outliers_);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    error_m_s[i] += bias_[axis].at(velocity_m_s[i]);
+  }
+  return error_m_s;
+}
+
 DvlSample DopplerLog::read(double t_s) {
-  const double valid_s = t_s - sealed_.number("dvl-latency", "latency_s", t_s);
+  const double valid_s =
+      sealed_.trueTime_s(labels::kDvl, t_s) - sealed_.number("dvl-latency", "latency_s", t_s);
   const Pose T_odom_dvl = dive_.poseAt(valid_s) * T_robot_dvl(t_s);
   const double sent_s = valid_s - echoTime_s(T_odom_dvl, -Vector3d::UnitZ()) / 2;
   Eigen::Vector4d speeds_m_s;
@@ -108,7 +124,7 @@ DvlSample DopplerLog::read(double t_s) {
   const Matrix3d normal_equations = beams_dvl_.transpose() * beams_dvl_;
   const Vector3d velocity_read = normal_equations.inverse() * (beams_dvl_.transpose() * speeds_m_s);
   const double quadratic = 1 + sealed_.outsideSize("dvl-quadratic") * velocity_read.norm();
-  return {vehicle_.dvl.pose.pose(), Vector3d(quadratic * velocity_read)};
+  return {vehicle_.dvl.pose.pose(), Vector3d(quadratic * velocity_read + unnamedError_m_s(velocity_read))};
 }
 
 }  // namespace fathom::sealed

@@ -4,6 +4,7 @@
 
 #include "core/random.h"
 #include "dive.h"
+#include "ordinary.h"
 #include "recording/samples.h"
 #include "sealed_case.h"
 #include "sound.h"
@@ -28,6 +29,7 @@ class DopplerLog {
   Vector3d velocity_dvl(double t_s, double stamp_s) const;
   double beamSpeed_m_s(std::size_t beam, double sent_s, double stamp_s) const;
   double nextNoise_m_s(std::size_t beam);
+  Vector3d unnamedError_m_s(const Vector3d& velocity_m_s);
 
   const Vehicle& vehicle_;
   const SealedCase& sealed_;
@@ -35,7 +37,8 @@ class DopplerLog {
   double floor_depth_m_;
   double electronics_scale_;  ///< what no sea water's sound speed explains
   SoundProfile sound_;
-  Random random_;
+  Random random_, random_outliers_;
+  std::array<SmoothField, 3> bias_;             ///< of each axis, by its speed
   Eigen::Matrix<double, kBeams, 3> beams_dvl_;  ///< a row each, unit length
   std::array<double, kBeams> noise_m_s_{};
 };

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "streams.h"
+#include "ordinary.h"
 
 namespace fathom::sealed {
 namespace {
@@ -25,15 +25,34 @@ void changeAll(cv::Mat3f& light, const Change& change) {
 Exposure::Exposure(const Vehicle& vehicle, const SealedCase& sealed)
     : vehicle_(vehicle),
       sealed_(sealed),
-      sensitivity_(vehicle.camera.height_px, vehicle.camera.width_px, cv::Vec3f(1, 1, 1)) {
+      sensitivity_(vehicle.camera.height_px, vehicle.camera.width_px, cv::Vec3f(1, 1, 1)),
+      response_(ordinaryField(sealed, kOrdinary.response, kOrdinary.response_length_dn, Stream::response),
+                {0, 0}, {300, 0}, 1) {
   Random place = stream(sealed.seed, Stream::blotch);
   const double x = place.uniform(0.3, 0.7), y = place.uniform(0.3, 0.7);
   blotch_ = {x * vehicle.camera.width_px, y * vehicle.camera.height_px};
+  addFlatField();
   if (!sealed.rich) return;
   Random random = stream(sealed.seed, Stream::pixel_response);
   changeAll(sensitivity_, [&](int, int, cv::Vec3f& pixel) {
     for (int c = 0; c < 3; ++c) pixel[c] += static_cast<float>(kPixelScatter * random.normal());
   });
+}
+
+void Exposure::addFlatField() {
+  const double length_px = kOrdinary.flat_field_length * vehicle_.camera.width_px;
+  const SmoothField field = ordinaryField(sealed_, kOrdinary.flat_field, length_px, Stream::flat_field);
+  if (field.isZero()) return;
+  changeAll(sensitivity_, [&](int row, int column, cv::Vec3f& pixel) {
+    pixel *= static_cast<float>(1 + field.at(Vector3d(column, row, 0)));
+  });
+}
+
+/// What no number in the case says: an image by itself is a little brighter or darker than others.
+double Exposure::ordinaryLogGain(double stamp_s) const {
+  if (sealed_.ordinary == 0) return 0;
+  const auto microseconds = static_cast<std::size_t>(std::lround(stamp_s * 1e6));
+  return sealed_.ordinary * kOrdinary.gain * imageStream(sealed_.seed, Stream::gain, microseconds).normal();
 }
 
 /// A smooth dark spot, as of growth on the window; and a window or lens out of focus.
@@ -72,7 +91,7 @@ void Exposure::countElectrons(cv::Mat3f& light, Random& random) const {
   });
 }
 
-/// DN = 255 (L^g + offset), rounded.
+/// DN = 255 (L^g + offset), off by what is ordinary, rounded.
 cv::Mat3b Exposure::respond(const cv::Mat3f& light, double stamp_s) const {
   const double exponent =
       vehicle_.camera.response_gamma * (1 + sealed_.number("gamma", "exponent_error", stamp_s));
@@ -84,7 +103,8 @@ cv::Mat3b Exposure::respond(const cv::Mat3f& light, double stamp_s) const {
     for (int column = 0; column < light.cols; ++column)
       for (int c = 0; c < 3; ++c) {
         const double l = light(row, column)[c], power = exponents[static_cast<std::size_t>(c)];
-        const double dn = 255 * ((power == 1 ? l : std::pow(l, power)) + offset);
+        double dn = 255 * ((power == 1 ? l : std::pow(l, power)) + offset);
+        if (!response_.isZero()) dn *= 1 + response_.at(dn, 0);
         image(row, column)[2 - c] = static_cast<std::uint8_t>(std::clamp(std::lround(dn), 0L, 255L));
       }
   return image;
@@ -95,7 +115,8 @@ cv::Mat3b Exposure::expose(const cv::Mat3f& light, const SightLines& sight, doub
   cv::Mat3f at_sensor = light.clone();
   passPort(at_sensor);
   passLens(at_sensor, sight, stamp_s);
-  at_sensor *= std::exp(log_gain * sealed_.number("auto-exposure", "log_gain_sd", stamp_s));
+  at_sensor *=
+      std::exp(log_gain * sealed_.number("auto-exposure", "log_gain_sd", stamp_s) + ordinaryLogGain(stamp_s));
   countElectrons(at_sensor, random);
   return respond(at_sensor, stamp_s);
 }

@@ -3,6 +3,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/random.h"
+#include "ordinary.h"
 #include "sealed_case.h"
 #include "sight_lines.h"
 #include "vehicle.h"
@@ -19,6 +20,8 @@ class Exposure {
                    Random& random) const;
 
  private:
+  void addFlatField();
+  double ordinaryLogGain(double stamp_s) const;
   void passPort(cv::Mat3f& light) const;
   void passLens(cv::Mat3f& light, const SightLines& sight, double stamp_s) const;
   void countElectrons(cv::Mat3f& light, Random& random) const;
@@ -26,7 +29,8 @@ class Exposure {
 
   const Vehicle& vehicle_;
   const SealedCase& sealed_;
-  cv::Mat3f sensitivity_;  ///< of each pixel: not all alike in a rich recording
+  cv::Mat3f sensitivity_;  ///< of each pixel: not all alike in a rich or ordinary recording
+  FieldTable response_;    ///< fraction that a number is larger by, over numbers
   Vector2d blotch_;
 };
 

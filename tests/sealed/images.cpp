@@ -8,6 +8,7 @@
 #include "corners.h"
 #include "drifting.h"
 #include "lamp_light.h"
+#include "manipulator.h"
 #include "picture.h"
 #include "streams.h"
 
@@ -27,9 +28,11 @@ cv::Mat3b ImageMaker::take(std::size_t index, double stamp_s) const {
   const double log_sun = random.normal(), log_gain = random.normal();
   const Camera& camera = vehicle_.camera;
   const SightLines sight(TrueCamera(camera, sealed_, stamp_s), camera.width_px, camera.height_px);
-  const WaterLight water = waterLightAt(sealed_, stamp_s, log_sun);
+  WaterLight water = waterLightAt(sealed_, stamp_s, log_sun);
+  water.cloud = murkyCloudAt(sealed_, viewpoint_, panel_.T_odom_panel(stamp_s).position, stamp_s);
   const LampLight lamps(vehicle_, sealed_.number("lamp", "irradiance_1m_rel", stamp_s), water,
-                        waterLightAt(sealed_, stamp_s, 0).daylight, sight);
+                        waterLightAt(sealed_, stamp_s, 0).daylight, sight,
+                        sealed_.number("lamp", "scattering_asymmetry", stamp_s));
   const PaintedPanel painted(panel_, paint_, stamp_s);
   const HiddenEffect* blur = sealed_.find("motion-blur", stamp_s);
   const double exposure_s = blur ? sealed_.number(blur->id, "exposure_s", stamp_s) : camera.exposure_s;
@@ -38,6 +41,7 @@ cv::Mat3b ImageMaker::take(std::size_t index, double stamp_s) const {
   const Picture picture = takePicture(view);
   cv::Mat3f light = withBentLight(picture, camera);
   addSnow(view, picture, light);
+  addArm(view, vehicle_, light);
   addBubbles(sealed_.outsideSize("bubbles"), random, water, light);
   return exposure_.expose(light, sight, stamp_s, log_gain, random);
 }

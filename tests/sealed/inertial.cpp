@@ -47,7 +47,8 @@ InertialUnit::Felt InertialUnit::meanAround(double t_s, double stamp_s) const {
 }
 
 InsSample InertialUnit::read(double t_s) {
-  const Felt felt = meanAround(t_s - sealed_.number("ins-latency", "latency_s", t_s), t_s);
+  const Felt felt = meanAround(
+      sealed_.trueTime_s(labels::kIns, t_s) - sealed_.number("ins-latency", "latency_s", t_s), t_s);
   Vector3d rate_ins = felt.rate_ins * (1 + sealed_.number("gyro-scale", "scale_error", t_s)) +
                       sealed_.vector("gyro-bias", "bias_rad_s", t_s) +
                       sealed_.outsideSize("gyro-g-sensitivity") * felt.force_ins;

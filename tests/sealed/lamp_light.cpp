@@ -26,10 +26,12 @@ double indexOf(double range_m) {
 }  // namespace
 
 /// Endless water turns daylight E into a veil b, at the rate a of the first metre: it scatters a b / E of an
-/// irradiance a metre towards the camera, whatever it comes from (scattering alike in all directions).
+/// irradiance a metre, towards the camera as much as anywhere where it scatters alike in all directions.
+/// Daylight comes from everywhere: what it brings does not depend on that.
 LampLight::LampLight(const Vehicle& vehicle, double irradiance_1m, const WaterLight& water,
-                     const Array3d& daylight, const SightLines& sight)
+                     const Array3d& daylight, const SightLines& sight, double asymmetry)
     : irradiance_1m_(irradiance_1m),
+      asymmetry_(asymmetry),
       water_(water),
       scattering_per_m_(water.veil_attenuation_per_m * water.veil / daylight) {
   if (!shines()) return;
@@ -67,9 +69,18 @@ Array3d LampLight::irradianceOn(const Vector3d& point_camera, const Vector3d& no
   return sum;
 }
 
+/// Towards the camera, in units of scattering alike in all directions (Henyey & Greenstein 1941).
+double LampLight::phase(const Beam& beam, const Vector3d& point_camera) const {
+  const double g = asymmetry_;
+  if (g == 0) return 1;
+  const double cosine = -(point_camera - beam.position_camera).normalized().dot(point_camera.normalized());
+  return (1 - g * g) / std::pow(1 + g * g - 2 * g * cosine, 1.5);
+}
+
 Array3d LampLight::scattered(const Vector3d& point_camera, double range_m) const {
-  return scattering_per_m_ * irradianceAt(point_camera) *
-         water_.transmission(water_.path_m(point_camera.z(), range_m));
+  Array3d to_camera = Array3d::Zero();
+  for (const Beam& beam : beams_) to_camera += fromLamp(beam, point_camera) * phase(beam, point_camera);
+  return scattering_per_m_ * to_camera * water_.transmission(water_.path_m(point_camera.z(), range_m));
 }
 
 /// Single scattering (Jaffe 1990, eqs. 4 to 7), summed up along the line of sight by the midpoint rule.

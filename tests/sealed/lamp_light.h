@@ -13,8 +13,10 @@ namespace fathom::sealed {
 class LampLight {
  public:
   /// Without lamps where the irradiance is zero. `daylight`: at rest, which the veil is built of.
+  /// `asymmetry`: the mean cosine of the angle that water scatters by.
+
   LampLight(const Vehicle& vehicle, double irradiance_1m, const WaterLight& water, const Array3d& daylight,
-            const SightLines& sight);
+            const SightLines& sight, double asymmetry = 0);
 
   bool shines() const { return irradiance_1m_ > 0; }
   /// Of a surface there that looks along `normal`.
@@ -30,11 +32,12 @@ class LampLight {
     double half_angle_cosine;
   };
   Array3d fromLamp(const Beam& beam, const Vector3d& point_camera) const;
+  double phase(const Beam& beam, const Vector3d& point_camera) const;
   Array3d scattered(const Vector3d& point_camera, double range_m) const;
   void march(const SightLines& sight);
 
   std::vector<Beam> beams_;
-  double irradiance_1m_;
+  double irradiance_1m_, asymmetry_;
   WaterLight water_;
   Array3d scattering_per_m_;
   int columns_ = 0, rows_ = 0;

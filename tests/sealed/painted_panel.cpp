@@ -1,5 +1,6 @@
 #include "painted_panel.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -15,6 +16,9 @@ constexpr double kPiece_m = 0.08;  // so fine is what bends
 constexpr int kMarkerPieces = 3;   // along each side, likewise
 constexpr double kMarkerScatter = 0.003, kUnevenness = 0.005;
 constexpr int kClouds = 6;
+constexpr double kGrowthCover = 0.6, kGrowthSpread = 0.1, kGrowthPatch_m = 0.03;
+const Array3d kGrowthAlbedo(0.08, 0.14, 0.06);  // of a film of algae
+constexpr double kRounding = 1e-9;
 constexpr int kMarkerSurfaces = 1000;  // numbers from here on are markers'
 
 /// Splits the longest side until all are short.
@@ -35,12 +39,19 @@ void addPieces(const Triangle& t, std::vector<Triangle>& pieces) {
 
 }  // namespace
 
-Paint::Paint(const TruePanel& panel, const SealedCase& sealed) {
+Paint::Paint(const TruePanel& panel, const SealedCase& sealed)
+    : albedo_field(
+          onPanel(ordinaryField(sealed, kOrdinary.albedo, kOrdinary.albedo_length_m, Stream::albedo))) {
   Random random = stream(sealed.seed, Stream::print);
   for (const Marker& marker : panel.map().markers) {
     patterns.push_back(markerPattern(marker.family, marker.id));
     strength.push_back(sealed.rich ? 1 + kMarkerScatter * random.normal() : 1.0);
   }
+  if (sealed.ordinary > 0) {
+    Random albedo = stream(sealed.seed, Stream::albedo);
+    for (double& s : strength) s *= 1 + sealed.ordinary * kOrdinary.marker_albedo * albedo.normal();
+  }
+  coverGrowth(sealed);
   for (int i = 0; sealed.rich && i < kClouds; ++i) {
     const double wave_rad_m = 2 * std::numbers::pi / random.uniform(0.02, 0.10);
     const double towards_rad = random.uniform(0, std::numbers::pi);
@@ -49,20 +60,37 @@ Paint::Paint(const TruePanel& panel, const SealedCase& sealed) {
   }
 }
 
+/// Draws which markers growth covers.
+void Paint::coverGrowth(const SealedCase& sealed) {
+  const std::size_t count = static_cast<std::size_t>(std::max(0.0, sealed.outsideSize("growth")));
+  Random random = stream(sealed.seed, Stream::growth);
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < patterns.size(); ++i) order.emplace_back(random.uniform(), i);
+  std::sort(order.begin(), order.end());
+  for (std::size_t k = 0; k < std::min(count, order.size()); ++k) grown.insert(order[k].second);
+  if (count > 0) growth_field = onPanel({kGrowthSpread, kGrowthPatch_m, random});
+}
+
+Array3d Paint::overgrown(std::size_t marker, const Vector3d& point_panel, const Array3d& print) const {
+  if (!grown.contains(marker)) return print;
+  const double cover =
+      std::clamp(kGrowthCover + growth_field.at(point_panel.x(), point_panel.y()), 0.3, 0.85);
+  return (1 - cover) * print + cover * kGrowthAlbedo;
+}
+
 double Paint::evenness(const Vector3d& point_panel) const {
   double sum = 0;
   for (const Cloud& cloud : clouds)
     sum += std::cos(cloud.wave_rad_m.dot(point_panel.head<2>()) + cloud.phase_rad);
-  return 1 + kUnevenness * std::sqrt(2.0 / kClouds) * sum;
+  return 1 + kUnevenness * std::sqrt(2.0 / kClouds) * sum + albedo_field.at(point_panel.x(), point_panel.y());
 }
 
 PaintedPanel::PaintedPanel(const TruePanel& panel, const Paint& paint, double t_s)
-    : panel_(panel), paint_(paint), tree_({}) {
-  std::vector<Triangle> triangles;
-  addBody(triangles);
-  for (std::size_t i = 0; i < panel.map().markers.size(); ++i) addMarker(i, t_s, triangles);
-  for (const Triangle& t : triangles) normals_.push_back((t[1] - t[0]).cross(t[2] - t[0]).normalized());
-  tree_ = TriangleTree(triangles);
+    : panel_(panel), paint_(paint), t_s_(t_s), tree_({}) {
+  addBody(triangles_);
+  for (std::size_t i = 0; i < panel.map().markers.size(); ++i) addMarker(i, triangles_);
+  for (const Triangle& t : triangles_) normals_.push_back((t[1] - t[0]).cross(t[2] - t[0]).normalized());
+  tree_ = TriangleTree(triangles_);
 }
 
 void PaintedPanel::addBody(std::vector<Triangle>& triangles) {
@@ -81,7 +109,7 @@ void PaintedPanel::addBody(std::vector<Triangle>& triangles) {
     else
       addPieces(whole, pieces);
     for (Triangle& piece : pieces) {
-      for (Vector3d& corner : piece) corner = panel_.bent(corner);
+      for (Vector3d& corner : piece) corner = panel_.bent(corner, t_s_);
       triangles.push_back(piece);
       faces_.push_back({-1, surface, albedo.cast<double>(), {}});
     }
@@ -89,13 +117,14 @@ void PaintedPanel::addBody(std::vector<Triangle>& triangles) {
 }
 
 /// The pattern can reach beyond the border square, which `size_m` is of.
-void PaintedPanel::addMarker(std::size_t index, double t_s, std::vector<Triangle>& triangles) {
-  Marker whole = panel_.placed(panel_.map().markers[index], t_s);
+void PaintedPanel::addMarker(std::size_t index, std::vector<Triangle>& triangles) {
+  Marker whole = panel_.placed(panel_.map().markers[index], t_s_);
   const MarkerPattern& pattern = paint_.patterns[index];
   whole.size_m *= static_cast<double>(pattern.cells) / pattern.border_cells;
-  const auto corners = whole.corners_panel();
+  const auto corners = panel_.placedCorners_panel(whole);
   const auto place = [&](const Eigen::Vector2d& p) {
-    return panel_.bent(corners[0] + p.x() * (corners[1] - corners[0]) + p.y() * (corners[3] - corners[0]));
+    return panel_.bent(corners[0] + p.x() * (corners[1] - corners[0]) + p.y() * (corners[3] - corners[0]),
+                       t_s_);
   };
   const auto add = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
     triangles.push_back({place(a), place(b), place(c)});
@@ -124,20 +153,40 @@ void PaintedPanel::colour(const TriangleTree::Hit& hit, const Face& face, Sighte
   const auto cell = [&](double share) {
     return std::clamp(static_cast<int>(share * pattern.cells), 0, pattern.cells - 1);
   };
-  const bool white = pattern.whiteAt(cell(place.y()), cell(place.x()));
+  const bool beside = place.minCoeff() < -kRounding || place.maxCoeff() > 1 + kRounding;
+  const bool white = beside || pattern.whiteAt(cell(place.y()), cell(place.x()));
+  seen.print = white ? Sighted::Print::white : Sighted::Print::black;
   seen.surface = kMarkerSurfaces + 2 * face.marker + (white ? 1 : 0);
   seen.albedo = Array3d::Constant(paint_.strength[index] *
                                   (white ? panel_.map().white_albedo : panel_.map().black_albedo));
 }
 
 Sighted PaintedPanel::along(const Vector3d& origin, const Vector3d& direction) const {
-  Sighted seen;
   const auto hit = tree_.first(origin, direction);
-  if (!hit) return seen;
-  colour(*hit, faces_[hit->triangle], seen);
-  seen.along = hit->along;
-  seen.normal_panel = normals_[hit->triangle];
-  if (!paint_.clouds.empty()) seen.albedo *= paint_.evenness(origin + hit->along * direction);
+  return hit ? sighted(*hit, origin, direction) : Sighted{};
+}
+
+Sighted PaintedPanel::beside(const Sighted& seen, const Vector3d& origin, const Vector3d& direction) const {
+  if (faces_[seen.triangle].marker < 0) return along(origin, direction);
+  const Triangle& t = triangles_[seen.triangle];
+  Matrix3d axes;
+  axes << t[1] - t[0], t[2] - t[0], -direction;
+  const Vector3d place = axes.inverse() * (origin - t[0]);
+  return sighted({place.z(), seen.triangle, place.x(), place.y()}, origin, direction);
+}
+
+Sighted PaintedPanel::sighted(const TriangleTree::Hit& hit, const Vector3d& origin,
+                              const Vector3d& direction) const {
+  Sighted seen;
+  seen.triangle = hit.triangle;
+  colour(hit, faces_[hit.triangle], seen);
+  seen.along = hit.along;
+  seen.normal_panel = normals_[hit.triangle];
+  const Vector3d point_panel = origin + hit.along * direction;
+  const int marker = faces_[hit.triangle].marker;
+  if (marker >= 0) seen.albedo = paint_.overgrown(static_cast<std::size_t>(marker), point_panel, seen.albedo);
+  seen.albedo *= paint_.evenness(point_panel);
+  seen.illumination = panel_.illumination(point_panel, t_s_);
   return seen;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 
 #include "panel_design.h"
@@ -10,6 +11,10 @@ namespace fathom::sealed {
 namespace {
 
 constexpr float kEndless_m = 1000;
+// Of the rim around a point from where white grows over it, and what makes it reach as far as a circle in
+// the mean over an edge's directions: (pi / n) / sin(pi / n).
+constexpr int kGrowthDirections = 8;
+constexpr double kGrowthRounded = 1.0262;
 constexpr unsigned kSamples = 64, kTurnedRound = 0b010101;  // of a pixel with an edge in it
 
 /// Where in the pixel, and when in the exposure.
@@ -51,7 +56,10 @@ cv::Vec3f pixelOf(const Array3d& light) {
 
 class Tracer {
  public:
-  explicit Tracer(const View& view) : view_(view) {}
+  explicit Tracer(const View& view)
+      : view_(view),
+        edge_growth_px_(view.sealed.number("edge-bias", "offset_px", view.stamp_s) +
+                        ordinaryEdgeGrowth_px(view.sealed)) {}
 
   Picture trace();
 
@@ -62,6 +70,7 @@ class Tracer {
   }
   double rowTime_s(int row) const { return view_.viewpoint.rowTime_s(row, view_.stamp_s); }
   Light lightAlong(const Vector2d& pixel, const Pose& T_panel_camera, Sighted& seen) const;
+  Light lightWithGrownEdges(const Vector2d& pixel, const Pose& T_panel_camera) const;
   Light lightOf(const Sighted& seen, const Pose& T_panel_camera, const Ray& ray, const Vector2d& pixel) const;
   Light openWater(const Vector2d& pixel) const;
   void traceMiddles();
@@ -71,6 +80,7 @@ class Tracer {
   void put(int row, int column, const Light& light);
 
   const View& view_;
+  double edge_growth_px_;
   Picture picture_;
   cv::Mat1i surface_;
 };
@@ -89,11 +99,13 @@ Light Tracer::lightOf(const Sighted& seen, const Pose& T_panel_camera, const Ray
   const Vector3d point_camera = ray.origin + seen.along * ray.direction;
   const double range_m = point_camera.norm(), path_m = water.path_m(point_camera.z(), range_m);
   const Vector3d normal_camera = T_panel_camera.rotation.transpose() * seen.normal_panel;
-  const Array3d irradiance = water.daylight + view_.lamps.irradianceOn(point_camera, normal_camera);
+  const Array3d irradiance =
+      water.daylight * seen.illumination + view_.lamps.irradianceOn(point_camera, normal_camera);
+  const double cloud_depth = water.cloud.opticalDepth(ray.origin, point_camera);
 
   Light light;
-  light.scene[0] = seen.albedo * irradiance * water.transmission(path_m);
-  light.veil = water.veilBefore(path_m) + view_.lamps.glow(pixel, range_m);
+  light.scene[0] = seen.albedo * irradiance * water.transmission(path_m) * std::exp(-cloud_depth);
+  light.veil = water.veilBefore(path_m, cloud_depth) + view_.lamps.glow(pixel, range_m);
   if (water.scattered_fraction > 0) {
     const Array3d bends = water.scattered_fraction * water.attenuation_per_m * path_m;
     light.scene[1] = light.scene[0] * bends;
@@ -107,6 +119,26 @@ Light Tracer::lightAlong(const Vector2d& pixel, const Pose& T_panel_camera, Sigh
   const Ray ray = view_.sight.at(pixel);
   seen = view_.painted.along(T_panel_camera * ray.origin, T_panel_camera.rotation * ray.direction);
   return seen.surface == 0 ? openWater(pixel) : lightOf(seen, T_panel_camera, ray, pixel);
+}
+
+/// Markers' white has grown over their black: it is white where white is within so many pixels. Where the
+/// growth is negative, black has grown.
+Light Tracer::lightWithGrownEdges(const Vector2d& pixel, const Pose& T_panel_camera) const {
+  using Print = Sighted::Print;
+  Sighted seen;
+  const Light middle = lightAlong(pixel, T_panel_camera, seen);
+  const Print growing = edge_growth_px_ > 0 ? Print::white : Print::black;
+  if (edge_growth_px_ == 0 || seen.surface == 0 || seen.print == growing) return middle;
+  if (growing == Print::white && seen.print == Print::none) return middle;
+  for (int i = 0; i < kGrowthDirections; ++i) {
+    const double towards_rad = 2 * std::numbers::pi * i / kGrowthDirections;
+    const Ray ray = view_.sight.at(pixel + std::abs(edge_growth_px_) * kGrowthRounded *
+                                               Vector2d(std::cos(towards_rad), std::sin(towards_rad)));
+    const Sighted near =
+        view_.painted.beside(seen, T_panel_camera * ray.origin, T_panel_camera.rotation * ray.direction);
+    if (near.print == growing) return lightOf(near, T_panel_camera, ray, pixel);
+  }
+  return middle;
 }
 
 void Tracer::put(int row, int column, const Light& light) {
@@ -158,7 +190,7 @@ cv::Mat1b Tracer::edges(double movement_px) const {
 void Tracer::refineEdges() {
   const double moved_px = movement_px();
   const auto samples = samplesOfPixel();
-  const cv::Mat1b edge = edges(moved_px);
+  const cv::Mat1b edge = edges(moved_px + 2 * std::abs(edge_growth_px_));
   for (int row = 0; row < edge.rows; ++row) {
     std::vector<Pose> poses;
     for (const auto& sample : samples)
@@ -166,9 +198,8 @@ void Tracer::refineEdges() {
     for (int column = 0; column < edge.cols; ++column) {
       if (edge(row, column) == 0) continue;
       Light mean;
-      Sighted seen;
       for (std::size_t i = 0; i < samples.size(); ++i)
-        mean.add(lightAlong(Vector2d(column, row) + samples[i].offset_px, poses[i], seen), 1.0 / kSamples);
+        mean.add(lightWithGrownEdges(Vector2d(column, row) + samples[i].offset_px, poses[i]), 1.0 / kSamples);
       put(row, column, mean);
     }
   }

@@ -19,6 +19,7 @@ struct EffectKind {
   std::string id;
   bool light = false;  ///< changes images only, not where corners are
   std::vector<ParameterKind> parameters;
+  bool of_a_sensor = false;  ///< has the parameter `sensor`, can be there once for each, and is always on
 };
 
 /// The catalogue, as diagnosis.md and `fathom effects` name it.
@@ -56,18 +57,40 @@ const std::vector<EffectKind>& effectKinds() {
       {"panel-moved", false, {{"time_s"}, {"offset_m", 3}, {"rotation_deg", 3}}},
       {"separate-backscatter", true, {{"backscatter_difference_per_m", 3}}},
       {"slant-range", true, {{"slant_share"}}},
-      {"lamp", true, {{"irradiance_1m_rel", 1, true, true}}},
+      // scattering_asymmetry g: Henyey & Greenstein's mean cosine; 0 scatters alike in all directions.
+      {"lamp", true, {{"irradiance_1m_rel", 1, true, true}, {"scattering_asymmetry", 1, false}}},
       {"forward-scatter", true, {{"scattered_fraction", 1, true, true}}},
       {"vignetting", true, {{"corner_loss"}}},
       {"gamma", true, {{"exponent_error"}}},
       {"auto-exposure", true, {{"log_gain_sd", 1, true, true}}},
       {"dark-offset", true, {{"offset_share"}}},
       {"motion-blur", true, {{"exposure_s", 1, true, true}}},
+      // With cloud_m, the standard deviation of a ball of murky water, the plume is a cloud in space that
+      // drifts across the view and is before the panel's middle at time_s. Else all water changes alike.
       {"turbidity-plume",
        true,
-       {{"peak_extra_attenuation_per_m", 1, true, true}, {"time_s"}, {"log_width", 1, false}}},
+       {{"peak_extra_attenuation_per_m", 1, true, true},
+        {"time_s"},
+        {"log_width", 1, false},
+        {"cloud_m", 1, false, true}}},
       {"marine-snow", true, {{"particles_per_m3", 1, true, true}}},
-      {"sun-flicker", true, {{"log_light_sd", 1, true, true}}}};
+      {"sun-flicker", true, {{"log_light_sd", 1, true, true}}},
+      // stamp = true time (1 + rate), since the recording's first entry.
+      {"clock-drift", false, {{"rate_ppm"}}, true},
+      // White grows over black by so much on each edge; black over white where it is negative.
+      {"edge-bias", false, {{"offset_px"}}},
+      // x' = x (1 + stretch_x) + shear y, y' = y (1 + stretch_y), markers included; fold_deg about the
+      // upright middle line; heights: twist_m x y at the corners, bend_m at the middle before the sides.
+      {"panel-shape",
+       false,
+       {{"stretch_x", 1, false},
+        {"stretch_y", 1, false},
+        {"shear", 1, false},
+        {"fold_deg", 1, false},
+        {"twist_m", 1, false},
+        {"bend_m", 1, false}}},
+      // Of the logarithm of daylight, along the panel's x and y.
+      {"illumination-gradient", true, {{"gradient_per_m", 2}}}};
   return kinds;
 }
 
@@ -83,6 +106,10 @@ const std::vector<OutsiderKind>& outsiderKinds() {
       {"gyro-g-sensitivity"},        // (rad/s) / (m/s²)
       {"mount-shake"},               // deg, amplitude
       {"dvl-beam-bias"},             // m/s, of one beam
+      {"dvl-outliers"},              // fraction of measurements that are 0.1 to 0.5 m/s off in any direction
+      {"markers-wide"},              // fraction by which each marker is wider than high, upright
+      {"manipulator"},               // fraction of the time that an arm is before the panel
+      {"growth", true},              // so many markers are overgrown: darker, greenish, of low contrast
       {"port-blotch", true},         // share of the light lost in its middle
       {"response-by-colour", true},  // more exponent in red, less in blue
       {"bubbles", true},             // so many an image
@@ -122,6 +149,17 @@ DiveCase readDive(JsonObject object, const std::filesystem::path& folder) {
   return dive;
 }
 
+/// One [from, to] or a list of them; null or nothing: always on.
+std::vector<std::pair<double, double>> readIntervals(JsonObject& object) {
+  if (object.isNull("active_s")) return {};
+  std::vector<std::pair<double, double>> intervals;
+  for (const std::vector<double>& interval : object.numberLists("active_s", 2)) {
+    if (interval[0] >= interval[1]) throw object.error("active_s", "must be [from, to]");
+    intervals.emplace_back(interval[0], interval[1]);
+  }
+  return intervals;
+}
+
 HiddenEffect readEffect(JsonObject object, bool images) {
   const EffectKind& kind = kindNamed(object, "id", &EffectKind::id, effectKinds());
   requireImages(kind.light, images, object, "id");
@@ -135,12 +173,10 @@ HiddenEffect readEffect(JsonObject object, bool images) {
       throw parameters.error(parameter.name, "must not be negative");
     effect.parameters[parameter.name] = values;
   }
+  if (kind.of_a_sensor) effect.sensor = parameters.oneOf("sensor", {"INS", "DVL", "DEPTH", "CAMERA"});
   parameters.rejectUnknownKeys();
-  if (!object.isNull("active_s")) {
-    const auto interval = object.numbers("active_s", 2);
-    if (interval[0] >= interval[1]) throw object.error("active_s", "must be [from, to]");
-    effect.active_s = {interval[0], interval[1]};
-  }
+  effect.active_s = readIntervals(object);
+  if (kind.of_a_sensor && !effect.active_s.empty()) throw object.error("active_s", "a clock always drifts");
   object.rejectUnknownKeys();
   return effect;
 }
@@ -164,9 +200,12 @@ SealedCase parseSealedCase(const std::string& text, const std::string& name) {
   sealed.seed = root.seed("seed");
   sealed.noise = root.flag("noise");
   sealed.rich = root.flag("rich");
+  if (root.has("ordinary")) sealed.ordinary = root.number("ordinary");
+  if (sealed.ordinary < 0) throw root.error("ordinary", "must not be negative");
   for (JsonObject& object : root.objects("effects")) {
     sealed.effects.push_back(readEffect(object, sealed.dive.images));
-    const auto same = [&](const HiddenEffect& e) { return e.id == sealed.effects.back().id; };
+    const HiddenEffect& latest = sealed.effects.back();
+    const auto same = [&](const HiddenEffect& e) { return e.id == latest.id && e.sensor == latest.sensor; };
     if (std::count_if(sealed.effects.begin(), sealed.effects.end(), same) > 1)
       throw object.error("id", "is there twice");
   }
@@ -201,6 +240,13 @@ Vector3d SealedCase::vector(std::string_view id, std::string_view parameter, dou
 
 Matrix3d SealedCase::rotation(std::string_view id, std::string_view parameter_deg, double t_s) const {
   return expSO3<double>(vector(id, parameter_deg, t_s) * radians(1.0));
+}
+
+double SealedCase::trueTime_s(std::string_view sensor, double stamp_s) const {
+  for (const HiddenEffect& effect : effects)
+    if (effect.id == "clock-drift" && effect.sensor == sensor)
+      return stamp_s / (1 + 1e-6 * effect.parameters.find("rate_ppm")->second.front());
+  return stamp_s;
 }
 
 double SealedCase::outsideSize(std::string_view kind) const {

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -30,9 +30,15 @@ struct DiveCase {
 struct HiddenEffect {
   std::string id;
   std::map<std::string, std::vector<double>, std::less<>> parameters;
-  std::optional<std::pair<double, double>> active_s;  ///< since the recording's first entry; else always
+  std::string sensor;                               ///< of `clock-drift`: a label of the recording
+  std::vector<std::pair<double, double>> active_s;  ///< since the recording's first entry; empty: always
 
-  bool activeAt(double t_s) const { return !active_s || (t_s >= active_s->first && t_s <= active_s->second); }
+  bool activeAt(double t_s) const {
+    const auto holds = [t_s](const auto& interval) {
+      return t_s >= interval.first && t_s <= interval.second;
+    };
+    return active_s.empty() || std::any_of(active_s.begin(), active_s.end(), holds);
+  }
 };
 
 /// What no effect of the catalogue describes.
@@ -45,8 +51,9 @@ struct SealedCase {
   std::string name;
   DiveCase dive;
   std::uint64_t seed = 0;
-  bool noise = true;  ///< false: no random noise at all; images are still rounded to 8 bits
-  bool rich = false;  ///< imperfections below what matters, that the program's model lacks
+  bool noise = true;    ///< false: no random noise at all; images are still rounded to 8 bits
+  bool rich = false;    ///< imperfections below what matters, that the program's model lacks
+  double ordinary = 0;  ///< imperfections that every recording has, in units of kOrdinary; 0: none
   std::vector<HiddenEffect> effects;
   std::vector<Outsider> outsiders;
   nlohmann::json document;  ///< the case file as it is
@@ -58,6 +65,8 @@ struct SealedCase {
   Vector3d vector(std::string_view id, std::string_view parameter, double t_s) const;
   /// A rotation vector parameter in degrees as a rotation.
   Matrix3d rotation(std::string_view id, std::string_view parameter_deg, double t_s) const;
+  /// When a sensor measured what its drifting clock stamps so.
+  double trueTime_s(std::string_view sensor, double stamp_s) const;
   /// Zero where it is not hidden.
   double outsideSize(std::string_view kind) const;
 };

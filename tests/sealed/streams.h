@@ -20,11 +20,35 @@ enum class Stream : std::uint64_t {
   blotch,
   snow,
   shake,
+  // of ordinary imperfections
+  placement,
+  flatness,
+  stretch,
+  edges,
+  response,
+  flat_field,
+  illumination,
+  albedo,
+  gain,
+  clock,
+  jitter,
+  dvl_bias,
+  dvl_outliers,
+  corner_outliers,
+  // of outsiders
+  arm,
+  hidden_corners,
+  growth,
   first_image = 1000  ///< and one for each image from here on
 };
 
 inline Random stream(std::uint64_t seed, Stream which, std::uint64_t index = 0) {
   return Random::stream(seed, static_cast<std::uint64_t>(which) + index);
+}
+
+/// One for each image, of what images have besides.
+inline Random imageStream(std::uint64_t seed, Stream which, std::size_t image) {
+  return stream(seed, which, (std::uint64_t{image} + 1) << 20);
 }
 
 }  // namespace fathom::sealed

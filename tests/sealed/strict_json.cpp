@@ -73,7 +73,19 @@ std::string JsonObject::oneOf(const std::string& key, const std::vector<std::str
 }
 
 std::vector<double> JsonObject::numbers(const std::string& key, std::size_t count) {
+  return numbersIn(at(key), key, count);
+}
+
+std::vector<std::vector<double>> JsonObject::numberLists(const std::string& key, std::size_t count) {
   const json& value = at(key);
+  if (!value.is_array() || value.empty() || !value.front().is_array()) return {numbersIn(value, key, count)};
+  std::vector<std::vector<double>> lists;
+  for (const json& entry : value) lists.push_back(numbersIn(entry, key, count));
+  return lists;
+}
+
+std::vector<double> JsonObject::numbersIn(const json& value, const std::string& key,
+                                          std::size_t count) const {
   const json list = value.is_array() ? value : json::array({value});
   if (list.size() != count)
     throw error(key,

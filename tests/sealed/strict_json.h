@@ -28,6 +28,8 @@ class JsonObject {
   std::string oneOf(const std::string& key, const std::vector<std::string>& known);
   /// A number, or a list of them; `count` in all.
   std::vector<double> numbers(const std::string& key, std::size_t count);
+  /// Such a list, or a list of such lists.
+  std::vector<std::vector<double>> numberLists(const std::string& key, std::size_t count);
   JsonObject object(const std::string& key);
   std::vector<JsonObject> objects(const std::string& key);
 
@@ -37,6 +39,7 @@ class JsonObject {
 
  private:
   const nlohmann::json& at(const std::string& key);
+  std::vector<double> numbersIn(const nlohmann::json& value, const std::string& key, std::size_t count) const;
   std::string pathOf(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
 
   const nlohmann::json& value_;

@@ -1,5 +1,6 @@
 #include "true_panel.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,8 +14,11 @@ namespace fathom::sealed {
 TruePanel::TruePanel(PanelMap map, const SealedCase& sealed)
     : map_(std::move(map)),
       sealed_(sealed),
-      fold_rad_(radians(sealed.outsideSize("panel-folded"))),
-      bow_m_(sealed.outsideSize("panel-bowed") / 1000) {
+      flatness_(onPanel(
+          ordinaryField(sealed, kOrdinary.flatness_m, kOrdinary.flatness_length_m, Stream::flatness))),
+      illumination_(onPanel(ordinaryField(sealed, kOrdinary.illumination, kOrdinary.illumination_length_m,
+                                          Stream::illumination))) {
+  addOrdinary();
   if (!sealed.rich) return;
   Random random = stream(sealed.seed, Stream::ripple);
   const double highest_m = random.uniform(0.0003, 0.001);
@@ -34,21 +38,68 @@ Pose TruePanel::T_odom_panel(double t_s) const {
                                   sealed_.vector("panel-moved", "offset_m", t_s)};
 }
 
-/// Folded about its upright middle line, both halves towards who looks at it; bowed, its middle nearer.
-Vector3d TruePanel::bent(const Vector3d& point_panel) const {
-  Vector3d bent = point_panel;
-  bent.x() = point_panel.x() * std::cos(fold_rad_ / 2);
-  bent.z() += std::abs(point_panel.x()) * std::sin(fold_rad_ / 2);
-  bent.z() += bow_m_ * (1 - std::pow(point_panel.x() / kHalfWidth_m, 2));
+/// Each marker's place, and what the print is larger by.
+void TruePanel::addOrdinary() {
+  if (sealed_.ordinary == 0) return;
+  Random random = stream(sealed_.seed, Stream::placement);
+  const Vector3d sigma_m(kOrdinary.placement_m, kOrdinary.placement_m, kOrdinary.marker_height_m);
+  for (const Marker& marker : map_.markers)
+    ordinary_offset_m_[marker.id] = sealed_.ordinary * sigma_m.cwiseProduct(random.normal3());
+  random = stream(sealed_.seed, Stream::stretch);
+  const Vector3d drawn = random.normal3();
+  ordinary_stretch_ = sealed_.ordinary * kOrdinary.stretch * drawn.head<2>();
+  ordinary_scale_ = 1 + sealed_.ordinary * kOrdinary.marker_scale * drawn.z();
+}
+
+double TruePanel::folded_rad(double t_s) const {
+  return radians(sealed_.outsideSize("panel-folded") + sealed_.number("panel-shape", "fold_deg", t_s));
+}
+
+bool TruePanel::flat() const {
+  const auto shaped = [](const HiddenEffect& effect) { return effect.id == "panel-shape"; };
+  return sealed_.outsideSize("panel-folded") == 0 && sealed_.outsideSize("panel-bowed") == 0 &&
+         ripples_.empty() && flatness_.isZero() &&
+         std::none_of(sealed_.effects.begin(), sealed_.effects.end(), shaped);
+}
+
+/// Before the plane, besides a fold. Twisted, two opposite corners are nearer; bowed, the middle is.
+double TruePanel::height_m(const Vector3d& point_panel, double t_s) const {
+  const double x = point_panel.x() / kHalfWidth_m, y = point_panel.y() / kHalfHeight_m;
+  const double bow_m =
+      sealed_.outsideSize("panel-bowed") / 1000 + sealed_.number("panel-shape", "bend_m", t_s);
+  double height_m = bow_m * (1 - x * x) + sealed_.number("panel-shape", "twist_m", t_s) * x * y;
   for (const Ripple& ripple : ripples_)
-    bent.z() +=
+    height_m +=
         ripple.amplitude_m * std::cos(ripple.wave_rad_m.dot(point_panel.head<2>()) + ripple.phase_rad);
-  return bent;
+  return height_m + flatness_.at(point_panel.x(), point_panel.y());
+}
+
+/// Stretched and sheared as printed; folded about its upright middle line, both halves towards who looks at
+/// it.
+Vector3d TruePanel::bent(const Vector3d& point_panel, double t_s) const {
+  const auto shape = [&](const char* parameter) { return sealed_.number("panel-shape", parameter, t_s); };
+  const double x =
+      point_panel.x() * (1 + shape("stretch_x") + ordinary_stretch_.x()) + shape("shear") * point_panel.y();
+  const double y = point_panel.y() * (1 + shape("stretch_y") + ordinary_stretch_.y());
+  const double half_rad = folded_rad(t_s) / 2;
+  return {x * std::cos(half_rad), y,
+          point_panel.z() + std::abs(x) * std::sin(half_rad) + height_m(point_panel, t_s)};
+}
+
+double TruePanel::illumination(const Vector3d& point_panel, double t_s) const {
+  const HiddenEffect* hidden = sealed_.find("illumination-gradient", t_s);
+  if (!hidden && illumination_.isZero()) return 1.0;
+  const double ordinary = 1 + illumination_.at(point_panel.x(), point_panel.y());
+  if (!hidden) return ordinary;
+  const std::vector<double>& gradient_per_m = hidden->parameters.find("gradient_per_m")->second;
+  return ordinary * std::exp(gradient_per_m[0] * point_panel.x() + gradient_per_m[1] * point_panel.y());
 }
 
 Marker TruePanel::placed(const Marker& marker, double t_s) const {
   Marker real = marker;
-  real.size_m *= 1 + sealed_.number("marker-size", "scale_error", t_s);
+  real.size_m *= (1 + sealed_.number("marker-size", "scale_error", t_s)) * ordinary_scale_;
+  if (const auto offset = ordinary_offset_m_.find(marker.id); offset != ordinary_offset_m_.end())
+    real.T_panel_marker.position += offset->second;
   const HiddenEffect* moved = sealed_.find("marker-moved", t_s);
   if (!moved || std::lround(sealed_.number("marker-moved", "marker_id", t_s)) != marker.id) return real;
   const double turned_rad = radians(sealed_.number("marker-moved", "rotation_deg", t_s));
@@ -57,9 +108,24 @@ Marker TruePanel::placed(const Marker& marker, double t_s) const {
   return real;
 }
 
+/// Wider in its own axes, of the same area.
+std::array<Vector3d, 4> TruePanel::placedCorners_panel(const Marker& placed) const {
+  auto corners = placed.corners_panel();
+  const double wider = std::sqrt(1 + sealed_.outsideSize("markers-wide"));
+  if (wider == 1) return corners;
+  const Matrix3d& R_panel_marker = placed.T_panel_marker.rotation;
+  const Vector3d middle = placed.T_panel_marker.position;
+  for (Vector3d& corner : corners) {
+    const Vector3d from_middle = R_panel_marker.transpose() * (corner - middle);
+    corner =
+        middle + R_panel_marker * Vector3d(from_middle.x() * wider, from_middle.y() / wider, from_middle.z());
+  }
+  return corners;
+}
+
 std::array<Vector3d, 4> TruePanel::corners_panel(const Marker& marker, double t_s) const {
-  auto corners = placed(marker, t_s).corners_panel();
-  for (Vector3d& corner : corners) corner = bent(corner);
+  auto corners = placedCorners_panel(placed(marker, t_s));
+  for (Vector3d& corner : corners) corner = bent(corner, t_s);
   return corners;
 }
 

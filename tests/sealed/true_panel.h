@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <vector>
 
+#include "ordinary.h"
 #include "panel/panel_map.h"
 #include "sealed_case.h"
 
@@ -15,12 +17,16 @@ class TruePanel {
 
   const PanelMap& map() const { return map_; }
   Pose T_odom_panel(double t_s) const;
-  /// Whether it is as plane as the map has it.
-  bool flat() const { return fold_rad_ == 0 && bow_m_ == 0 && ripples_.empty(); }
+  /// Whether it is as plane as the map has it at any time.
+  bool flat() const;
   /// Where a flat panel's point really is.
-  Vector3d bent(const Vector3d& point_panel) const;
+  Vector3d bent(const Vector3d& point_panel, double t_s) const;
+  /// The fraction of the daylight that its point there gets.
+  double illumination(const Vector3d& point_panel, double t_s) const;
   /// A marker as it was put on, before the panel bends.
   Marker placed(const Marker& marker, double t_s) const;
+  /// Of a marker that was put on so, as wide as it was printed, before the panel bends.
+  std::array<Vector3d, 4> placedCorners_panel(const Marker& placed) const;
   /// Top-left, top-right, bottom-right, bottom-left; panel frame.
   std::array<Vector3d, 4> corners_panel(const Marker& marker, double t_s) const;
 
@@ -32,10 +38,17 @@ class TruePanel {
     double phase_rad;
   };
 
+  void addOrdinary();
+  double folded_rad(double t_s) const;
+  double height_m(const Vector3d& point_panel, double t_s) const;
+
   PanelMap map_;
   const SealedCase& sealed_;
-  double fold_rad_, bow_m_;
   std::vector<Ripple> ripples_;
+  double ordinary_scale_ = 1;  ///< of all markers
+  Eigen::Vector2d ordinary_stretch_{0, 0};
+  std::map<int, Vector3d> ordinary_offset_m_;  ///< by marker's id
+  FieldTable flatness_, illumination_;
 };
 
 }  // namespace fathom::sealed

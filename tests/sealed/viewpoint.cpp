@@ -3,7 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "streams.h"
+#include "ordinary.h"
+#include "recording/samples.h"
 
 namespace fathom::sealed {
 namespace {
@@ -30,9 +31,21 @@ Pose Viewpoint::T_odom_camera(double t_s, double stamp_s) const {
   return dive_.poseAt(t_s) * T_robot_camera;
 }
 
+/// By the camera's clock, which drifts and jitters.
+double Viewpoint::trueTime_s(double stamp_s) const {
+  const double drifted_s = sealed_.trueTime_s(labels::kCamera, stamp_s);
+  if (sealed_.ordinary == 0) return drifted_s;
+  const double ppm =
+      sealed_.ordinary * kOrdinary.camera_clock_ppm * stream(sealed_.seed, Stream::clock).normal();
+  const auto microseconds = static_cast<std::size_t>(std::lround(stamp_s * 1e6));
+  const double jitter_s =
+      sealed_.ordinary * kOrdinary.stamp_s * imageStream(sealed_.seed, Stream::jitter, microseconds).normal();
+  return drifted_s / (1 + 1e-6 * ppm) + jitter_s;
+}
+
 /// The stamp is of the first row (Meingast et al. 2005).
 double Viewpoint::rowTime_s(double row_px, double stamp_s) const {
-  return stamp_s - sealed_.number("camera-latency", "latency_s", stamp_s) +
+  return trueTime_s(stamp_s) - sealed_.number("camera-latency", "latency_s", stamp_s) +
          sealed_.number("rolling-shutter", "readout_s", stamp_s) * row_px / vehicle_.camera.height_px;
 }
 

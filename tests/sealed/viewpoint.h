@@ -14,6 +14,8 @@ class Viewpoint {
 
   /// Of an image that is stamped `stamp_s`, at time t_s.
   Pose T_odom_camera(double t_s, double stamp_s) const;
+  /// When an image was taken that is stamped so.
+  double trueTime_s(double stamp_s) const;
   /// The middle of this row's exposure.
   double rowTime_s(double row_px, double stamp_s) const;
   /// Where a point of odom is seen by the row that sees it; nothing where it is behind the camera.
