@@ -126,7 +126,7 @@ class CornerDetector {
 double CornerDetector::edgeGrowthOf_px(const Marker& marker, double stamp_s) const {
   const double all_px = sealed_.number("edge-bias", "offset_px", stamp_s) + ordinaryEdgeGrowth_px(sealed_);
   if (sealed_.ordinary == 0) return all_px;
-  Random random = imageStream(sealed_.seed, Stream::edges, static_cast<std::size_t>(marker.id));
+  Random random = streamOf(sealed_.seed, Stream::edges, static_cast<std::uint64_t>(marker.id));
   return all_px + sealed_.ordinary * kOrdinary.marker_edge_px * random.normal();
 }
 

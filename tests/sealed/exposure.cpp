@@ -51,8 +51,7 @@ void Exposure::addFlatField() {
 /// What no number in the case says: an image by itself is a little brighter or darker than others.
 double Exposure::ordinaryLogGain(double stamp_s) const {
   if (sealed_.ordinary == 0) return 0;
-  const auto microseconds = static_cast<std::size_t>(std::lround(stamp_s * 1e6));
-  return sealed_.ordinary * kOrdinary.gain * imageStream(sealed_.seed, Stream::gain, microseconds).normal();
+  return sealed_.ordinary * kOrdinary.gain * streamAt(sealed_.seed, Stream::gain, stamp_s).normal();
 }
 
 /// A smooth dark spot, as of growth on the window; and a window or lens out of focus.

@@ -62,7 +62,7 @@ FieldTable onPanel(const SmoothField& field) {
 SmoothField ordinaryField(const SealedCase& sealed, double sigma, double length, Stream which,
                           std::uint64_t index) {
   if (sealed.ordinary == 0) return {};
-  return {sealed.ordinary * sigma, length, imageStream(sealed.seed, which, index)};
+  return {sealed.ordinary * sigma, length, streamOf(sealed.seed, which, index)};
 }
 
 double ordinaryEdgeGrowth_px(const SealedCase& sealed) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "core/random.h"
@@ -46,9 +47,13 @@ inline Random stream(std::uint64_t seed, Stream which, std::uint64_t index = 0) 
   return Random::stream(seed, static_cast<std::uint64_t>(which) + index);
 }
 
-/// One for each image, of what images have besides.
-inline Random imageStream(std::uint64_t seed, Stream which, std::size_t image) {
-  return stream(seed, which, (std::uint64_t{image} + 1) << 20);
+/// One for each of several alike: a marker, an axis.
+inline Random streamOf(std::uint64_t seed, Stream which, std::uint64_t index) {
+  return stream(seed, which, (index + 1) << 20);
+}
+/// One for each image, which has its stamp, not below zero, for itself.
+inline Random streamAt(std::uint64_t seed, Stream which, double stamp_s) {
+  return streamOf(seed, which, static_cast<std::uint64_t>(std::lround(stamp_s * 1e6)));
 }
 
 }  // namespace fathom::sealed

@@ -37,9 +37,8 @@ double Viewpoint::trueTime_s(double stamp_s) const {
   if (sealed_.ordinary == 0) return drifted_s;
   const double ppm =
       sealed_.ordinary * kOrdinary.camera_clock_ppm * stream(sealed_.seed, Stream::clock).normal();
-  const auto microseconds = static_cast<std::size_t>(std::lround(stamp_s * 1e6));
   const double jitter_s =
-      sealed_.ordinary * kOrdinary.stamp_s * imageStream(sealed_.seed, Stream::jitter, microseconds).normal();
+      sealed_.ordinary * kOrdinary.stamp_s * streamAt(sealed_.seed, Stream::jitter, stamp_s).normal();
   return drifted_s / (1 + 1e-6 * ppm) + jitter_s;
 }
 
