@@ -5,7 +5,9 @@
 #include "common_options.h"
 #include "core/error.h"
 #include "core/files.h"
+#include "core/shipped_file.h"
 #include "core/text.h"
+#include "diagnosis/budget_file.h"
 #include "effects/calibration.h"
 #include "reports/diagnosis_report.h"
 #include "reports/diagnosis_rerun.h"
@@ -16,7 +18,7 @@ namespace {
 
 struct DiagnoseOptions {
   BatchRecordingOptions recording;
-  std::string calibration;
+  std::string calibration, budget = "config/error_budget.yaml";
   DiagnosisOptions diagnosis;
   std::vector<std::filesystem::path> judge;
   bool rerun = false;
@@ -77,6 +79,7 @@ void runDiagnosis(DiagnoseOptions options, const RunContext& context) {
   std::optional<RecordingJob> again;  // read before the long work, so that a mistake shows at once
   if (options.rerun) again = rerunJob(options.recording, context.command_line);
   if (!options.calibration.empty()) options.diagnosis.calibration = readCalibration(options.calibration);
+  options.diagnosis.budget = readErrorBudget(shippedFile(options.budget));
   options.recording.pixels = true;
   story.read = readBatchRecording(options.recording, options.diagnosis.calibration);
   if (!options.calibration.empty()) story.read.files.push_back(inputFile(options.calibration));
@@ -93,7 +96,7 @@ void runDiagnosis(DiagnoseOptions options, const RunContext& context) {
   doubtFaults(story);
   judgeOthers(options, others, story);
   story.images = compareImages(story.read, story.diagnosis, options.diagnosis.calibration);
-  if (again && story.diagnosis.verdict == Verdict::explained) {
+  if (again && story.diagnosis.calibration.on.any()) {
     writeTextFile(options.recording.folder / "calibration.yaml",
                   formatCalibration(story.diagnosis.calibration));
     story.rerun = rerunTasks(*again, options.calibration, options.recording.folder);
@@ -109,8 +112,12 @@ void addFitOptions(CLI::App& command, DiagnoseOptions& options) {
       ->check(CLI::Range(1e-6, 0.5))
       ->capture_default_str();
   command
-      .add_option("--max-effects", options.diagnosis.max_effects,
-                  "So many effects are looked for, one by one")
+      .add_option("--budget", options.budget,
+                  "Error budget: what readings may differ by for no reason that has a name")
+      ->type_name(values::kYaml)
+      ->capture_default_str();
+  command
+      .add_option("--max-effects", options.diagnosis.max_effects, "So many effects are looked for at most")
       ->check(CLI::Range(1, 10))
       ->capture_default_str();
   command
@@ -128,8 +135,8 @@ void addDiagnose(const RunContext& context) {
       "Where do recording and nominal model differ, which effect is missing (`fathom effects`), with which\n"
       "parameters, and does the recording then fit where the fit did not look? The verdict is one of\n"
       "  none          nothing that matters is missing\n"
-      "  explained     effects of the catalogue are missing, and with them nothing else is\n"
-      "  unexplained   something is missing that no effect of the catalogue describes\n"
+      "  explained     effects of the catalogue are missing, and take away 95 % of what can be taken away\n"
+      "  unexplained   something is missing besides what was found, or instead; it says where\n"
       "  insufficient  the recording could not show it either way\n"
       "Effects that the recording cannot tell apart are named together. Images count by the markers'\n"
       "corners and, where they are exact (PNG), by their light: recorded against rendered, where a panel\n"

@@ -18,7 +18,7 @@ struct EffectsOptions {
 };
 
 std::string unitOf(const Parameter& parameter) {
-  return (parameter.size == 3 ? "3 x " : "") + std::string(parameter.unit);
+  return (parameter.size > 1 ? std::to_string(parameter.size) + " x " : "") + std::string(parameter.unit);
 }
 
 std::string priorOf(const Parameter& parameter) {

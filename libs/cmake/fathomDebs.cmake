@@ -27,7 +27,7 @@ simulation, and tells which physics the sensors' models leave out.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libfathom-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "libceres-dev, libeigen3-dev, libmrpt-obs-dev, libmrpt-topography-dev, libtbb-dev, libyaml-cpp-dev, libzstd-dev, nlohmann-json3-dev, zlib1g-dev")
+    "libblis-serial-dev, libceres-dev, libeigen3-dev, libmrpt-obs-dev, libmrpt-topography-dev, libtbb-dev, libyaml-cpp-dev, libzstd-dev, nlohmann-json3-dev, zlib1g-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS
     "libapriltag-dev, libgeometry-msgs-dev, libnav-msgs-dev, libopencv-contrib-dev, libopencv-dev, libopenmesh-dev, libosmesa6-dev, librosbag-storage-dev, libsensor-msgs-dev, libtf2-msgs-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "underwater localization and its diagnosis, as libraries

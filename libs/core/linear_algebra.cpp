@@ -1,5 +1,7 @@
 #include "core/linear_algebra.h"
 
+#include <cblas.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -30,6 +32,81 @@ double SymmetricFactors::logDeterminant() const {
 void SymmetricFactors::solveInPlace(Eigen::Ref<Eigen::MatrixXd> x) const {
   const Eigen::MatrixXd b = x;
   x = factors_->ldlt.solve(b);
+}
+
+namespace {
+
+int sizeOf(Eigen::Index size) { return static_cast<int>(size); }
+
+constexpr Eigen::Index kPanel = 64;
+
+/// x = L^-1 x, or L^-T x.
+void solveTriangular(const MatrixView& L, CBLAS_TRANSPOSE transposed, Eigen::Ref<Eigen::MatrixXd> x) {
+  if (x.size() > 0)
+    cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, transposed, CblasNonUnit, sizeOf(x.rows()),
+                sizeOf(x.cols()), 1, L.data(), sizeOf(L.outerStride()), x.data(), sizeOf(x.outerStride()));
+}
+
+}  // namespace
+
+/// Panel by panel: its own square, what is below it, and what that takes from the rest (right-looking, Golub
+/// & Van Loan, section 4.2.9).
+void PositiveFactors::compute(Eigen::MatrixXd A) {
+  L_ = std::move(A);
+  succeeded_ = true;
+  for (Eigen::Index first = 0; first < L_.rows() && succeeded_; first += kPanel) {
+    const Eigen::Index size = std::min(kPanel, L_.rows() - first), below = L_.rows() - first - size;
+    auto own = L_.block(first, first, size, size);
+    const Eigen::LLT<Eigen::MatrixXd> llt(own);
+    succeeded_ = llt.info() == Eigen::Success;
+    own = llt.matrixLLT();
+    if (below == 0 || !succeeded_) continue;
+    const int stride = sizeOf(L_.rows());
+    double* panel = &L_(first + size, first);
+    cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, sizeOf(below), sizeOf(size),
+                1, own.data(), stride, panel, stride);
+    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, sizeOf(below), sizeOf(size), -1, panel, stride, 1,
+                &L_(first + size, first + size), stride);
+  }
+}
+
+/// L^-T L^-1.
+Eigen::MatrixXd PositiveFactors::inverse() const {
+  Eigen::MatrixXd half = Eigen::MatrixXd::Identity(L_.rows(), L_.cols());
+  halfSolveInPlace(half);
+  return transposedTimesItself(half);
+}
+
+Eigen::VectorXd PositiveFactors::inverseDiagonal() const {
+  Eigen::MatrixXd half = Eigen::MatrixXd::Identity(L_.rows(), L_.cols());
+  halfSolveInPlace(half);
+  return half.colwise().squaredNorm();
+}
+
+void PositiveFactors::solveInPlace(Eigen::Ref<Eigen::MatrixXd> x) const {
+  halfSolveInPlace(x);
+  solveTriangular(L_, CblasTrans, x);
+}
+
+void PositiveFactors::halfSolveInPlace(Eigen::Ref<Eigen::MatrixXd> x) const {
+  solveTriangular(L_, CblasNoTrans, x);
+}
+
+Eigen::MatrixXd transposedTimes(const MatrixView& A, const MatrixView& B) {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(A.cols(), B.cols());
+  if (product.size() > 0 && A.rows() > 0)
+    cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, sizeOf(A.cols()), sizeOf(B.cols()), sizeOf(A.rows()),
+                1, A.data(), sizeOf(A.outerStride()), B.data(), sizeOf(B.outerStride()), 0, product.data(),
+                sizeOf(product.rows()));
+  return product;
+}
+
+Eigen::MatrixXd transposedTimesItself(const MatrixView& A) {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(A.cols(), A.cols());
+  if (product.size() > 0 && A.rows() > 0)
+    cblas_dsyrk(CblasColMajor, CblasLower, CblasTrans, sizeOf(A.cols()), sizeOf(A.rows()), 1, A.data(),
+                sizeOf(A.outerStride()), 0, product.data(), sizeOf(product.rows()));
+  return product.selfadjointView<Eigen::Lower>();
 }
 
 double normalizedSquare(const MatrixView& S, const Eigen::Ref<const Eigen::VectorXd>& r) {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <optional>
 
-/// Eigen's factorizations, compiled once, for matrices of any size: a file that has Eigen make one for a size
-/// of its own compiles a second or more longer. Where a small one is in an innermost loop, Eigen's own are
-/// faster.
+/// Factorizations, compiled once, for matrices of any size: a file that has Eigen make one for a size of its
+/// own compiles a second or more longer. Where a small one is in an innermost loop, Eigen's own are faster;
+/// for those of hundreds of columns, BLAS, which knows what the processor can.
 namespace fathom {
 
 using MatrixView = Eigen::Ref<const Eigen::MatrixXd>;
@@ -38,7 +38,40 @@ class SymmetricFactors {
   std::unique_ptr<Factors> factors_;
 };
 
-/// A^-1 b, by the same.
+/// A symmetric, positive definite A as L L^T, by BLAS: of large ones much faster than with pivoting.
+class PositiveFactors {
+ public:
+  PositiveFactors() = default;
+  explicit PositiveFactors(Eigen::MatrixXd A) { compute(std::move(A)); }
+
+  /// May be called again, of another matrix; its lower half is looked at.
+  void compute(Eigen::MatrixXd A);
+  bool succeeded() const { return succeeded_; }
+  double logDeterminant() const { return 2 * L_.diagonal().array().log().sum(); }
+  Eigen::MatrixXd inverse() const;
+  /// Its diagonal alone.
+  Eigen::VectorXd inverseDiagonal() const;
+  void solveInPlace(Eigen::Ref<Eigen::MatrixXd> x) const;
+  /// L^-1 x.
+  void halfSolveInPlace(Eigen::Ref<Eigen::MatrixXd> x) const;
+  template <class B>
+  Eigen::Matrix<double, B::RowsAtCompileTime, B::ColsAtCompileTime> solve(
+      const Eigen::MatrixBase<B>& b) const {
+    Eigen::Matrix<double, B::RowsAtCompileTime, B::ColsAtCompileTime> x = b;
+    solveInPlace(x);
+    return x;
+  }
+
+ private:
+  Eigen::MatrixXd L_;  // in the lower half
+  bool succeeded_ = false;
+};
+
+/// A^T B and A^T A, by BLAS.
+Eigen::MatrixXd transposedTimes(const MatrixView& A, const MatrixView& B);
+Eigen::MatrixXd transposedTimesItself(const MatrixView& A);
+
+/// A^-1 b, with pivoting.
 template <class B>
 auto solveSymmetric(const MatrixView& A, const Eigen::MatrixBase<B>& b) {
   return SymmetricFactors(A).solve(b);

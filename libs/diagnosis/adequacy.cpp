@@ -76,8 +76,7 @@ std::vector<InteractionTest> interactionTests(const Refit& fit, const Candidate&
     test.log_p =
         std::min(0.0, chiSquareLogTail(1, test.statistic) + std::log(static_cast<double>(names.size())));
     test.relative_change = -information.inverse(0, 0) * reduced.score[c];
-    test.failed = test.log_p < std::log(kFailed_p) && std::abs(test.relative_change) > kLeastChange &&
-                  isBeyondBias(*fit.model, test.relative_change * columns.col(c));
+    test.failed = test.log_p < std::log(kFailed_p) && std::abs(test.relative_change) > kLeastChange;
     tests.push_back(std::move(test));
   }
   stableSort(tests, [](const auto& a, const auto& b) { return a.log_p < b.log_p; });

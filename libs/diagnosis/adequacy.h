@@ -13,7 +13,7 @@ struct InteractionTest {
   double statistic = 0;        ///< chi-square of 1 where it is the same
   double log_p = 0;            ///< having looked at all covariates
   double relative_change = 0;  ///< of the effect over one standard deviation of the covariate
-  bool failed = false;  ///< too improbable, and too large to be its model's curvature or readings' bias
+  bool failed = false;         ///< too improbable, and too large to be its model's curvature
 };
 
 /// The effect's own share of the readings, larger or smaller with each covariate in turn: what is left of

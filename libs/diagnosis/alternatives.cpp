@@ -11,7 +11,9 @@
 namespace fathom {
 namespace {
 
-constexpr double kSameSupport = 2.7;  // half of the 5.4 by which the right one loses once in a hundred
+// What is stated holds 95 % of the mass; and a rival from which the recording differs by no more than what
+// one in a hundred recordings is off by (lambda (1 - c), discrepancy.md).
+constexpr double kExcluded = 2.94, kSeparable = 5.4;
 constexpr std::size_t kRivals = 4;
 constexpr double kVanished = 2;  // sqrt(lambda) of what would never have been named
 
@@ -24,7 +26,7 @@ std::optional<std::size_t> nearestOf(const Candidate& stated,
   std::optional<std::size_t> nearest;
   for (std::size_t m = 0; m < candidates.size(); ++m)
     if (isSameKind(candidates[m].candidate, stated) &&
-        (!nearest || candidates[m].support > candidates[*nearest].support))
+        (!nearest || candidates[m].log_evidence > candidates[*nearest].log_evidence))
       nearest = m;
   return nearest;
 }
@@ -34,8 +36,9 @@ std::vector<std::size_t> othersThan(const Candidate& stated, const std::vector<T
   std::vector<std::size_t> order;
   for (std::size_t m = 0; m < candidates.size(); ++m)
     if (!isSameKind(candidates[m].candidate, stated)) order.push_back(m);
-  stableSort(order,
-             [&](std::size_t a, std::size_t b) { return candidates[a].support > candidates[b].support; });
+  stableSort(order, [&](std::size_t a, std::size_t b) {
+    return candidates[a].log_evidence > candidates[b].log_evidence;
+  });
   return order;
 }
 
@@ -46,29 +49,30 @@ bool isListed(const Candidate& candidate, const Alternatives& set) {
 
 }  // namespace
 
-InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits,
-                           const std::set<std::size_t>& lasting_only) {
+InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, const LeftOut& left_out) {
   InItsPlace found;
   const Refit rest = fits.without(fit, effect);
   if (!rest.succeeded) return found;
   const Candidate& stated = fit.effects[effect];
-  const Screening screening(*rest.model, fits.segments(), lasting_only);
+  const Screening screening(*rest.model, fits.segments(), left_out);
   const auto& candidates = screening.candidates();
   const std::optional<std::size_t> own = nearestOf(stated, candidates);
   if (!own) return found;
   Alternatives set{{stated}, {0}, {1}, {}};
   std::optional<SizedEffect> like;
+  const double lambda = std::pow(sqrtLambda(fit, stated.effect), 2);
   std::size_t tried = 0;
   for (const std::size_t m : othersThan(stated, candidates)) {
-    if (candidates[m].support < leastOfContenders(candidates[*own].support) || tried++ == kRivals) break;
+    if (candidates[m].log_evidence < leastOfContenders(candidates[*own].log_evidence) || tried++ == kRivals)
+      break;
     Candidate other = candidates[m].candidate;
     if (isListed(other, set)) continue;
     if (!other.isForGood()) other = refinedInterval(*rest.model, other, fits.segment_s());
     std::vector<Candidate> effects = rest.effects;
     effects.push_back(other);
     Refit rival = fits.of(rest, effects);
-    if (!rival.succeeded || !isBeyondBias(rival, rest, other)) continue;
-    const double difference = fits.worth(rival) - fits.worth(fit);
+    if (!rival.succeeded) continue;
+    const double difference = fits.logOdds(rival) - fits.logOdds(fit);
     // Where readings contradict each other an effect may be but a way to another minimum, and nothing left of
     // it.
     if (sqrtLambda(rival, other.effect) < kVanished) continue;
@@ -77,10 +81,12 @@ InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits,
       return found;
     }
     found.odds += std::exp(difference);
-    if (difference < -kSameSupport) continue;
+    const double alignment = screening.alignment(*own, m);
+    const bool is_separable = lambda * (1 - alignment) > kSeparable;
+    if (difference < -(is_separable ? kExcluded : kSeparable)) continue;
     set.candidates.push_back(other);
-    set.support.push_back(difference);
-    set.alignment.push_back(screening.alignment(*own, m));
+    set.log_odds.push_back(difference);
+    set.alignment.push_back(alignment);
     if (!like) like = sized(rival, other);
   }
   if (!like) return found;

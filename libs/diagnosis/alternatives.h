@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <set>
 
 #include "diagnosis/fits.h"
 #include "diagnosis/result.h"
@@ -16,9 +15,7 @@ struct InItsPlace {
   double odds = 1;                  ///< of it and of all others there, against it
 };
 
-/// Of one of a fit's effects; tries the nearest few in full. `lasting_only`: effects that are not tried for a
-/// part of the recording.
-InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits,
-                           const std::set<std::size_t>& lasting_only);
+/// Of one of a fit's effects; tries the nearest few in full.
+InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, const LeftOut& left_out);
 
 }  // namespace fathom

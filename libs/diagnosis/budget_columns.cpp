@@ -24,7 +24,7 @@ constexpr double kJitter = 1e-6;  // of a kernel's diagonal: rounding
 using Change = std::vector<std::pair<Eigen::Index, double>>;
 
 std::invalid_argument unknown(const VarianceComponent& component, const std::string& what) {
-  return std::invalid_argument("error budget: " + component.name + ": " + what);
+  return std::invalid_argument("of " + component.name + ": " + what);
 }
 
 struct Name {
@@ -61,7 +61,7 @@ std::vector<Change> changesByEffect(const Linearization& linear, const VarianceC
       const int axis = axisOf(name.third);
       if (!name.third.empty() && (axis < 0 || axis >= parameter.size)) break;
       for (std::size_t k = 0; k < size; ++k)
-        if (name.third.empty() || k == static_cast<std::size_t>(axis))
+        if (!linear.columns.empty() && (name.third.empty() || k == static_cast<std::size_t>(axis)))
           changes.push_back(changeBy(linear, effect.index, scalar + k));
       return changes;
     }
@@ -107,6 +107,9 @@ std::vector<Change> apart(const Linearization& linear, Each each, const Change& 
     std::pair<int, std::ptrdiff_t> owner;
     switch (each) {
       case Each::recording:
+        break;
+      case Each::sensor:
+        owner.first = sensorKindOf(row.channel);
         break;
       case Each::instrument:
         owner.first = instances.try_emplace(row.instance, static_cast<int>(instances.size())).first->second;

@@ -1,11 +1,19 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <vector>
 
 #include "diagnosis/error_budget.h"
 #include "estimation/linearization.h"
 
 namespace fathom {
+
+/// Columns over a linearization's rows of what is estimated too, each with the sigma that holds it.
+struct HeldColumns {
+  Eigen::SparseMatrix<double> columns;
+  Eigen::VectorXd sigma;
+  std::vector<Eigen::Index> sizes;  ///< of each component's share of them
+};
 
 /// What a component of the budget can do to a linearization's readings: columns over its rows, of values that
 /// are independent of each other, each of sigma VarianceComponent::sigma (in its unit). No column where no

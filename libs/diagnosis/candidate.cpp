@@ -7,19 +7,24 @@
 #include "core/text.h"
 #include "effects/drawn.h"
 #include "effects/peak.h"
+#include "effects/sensor_kinds.h"
 
 namespace fathom {
 
 std::string nameOf(const Candidate& candidate) {
   std::string name{allEffects()[candidate.effect].id};
   if (candidate.marker_id) name += print(" %d", *candidate.marker_id);
+  if (candidate.sensor)
+    name += " " + std::string(kSensorKinds.at(static_cast<std::size_t>(*candidate.sensor)));
   if (candidate.only)
     name += " of " + (candidate.only->isFirst() ? "the first" : std::string(candidate.only->name()));
   if (candidate.time_s) name += print(" at %.1f s", *candidate.time_s);
   if (candidate.peak) name += print(" around %.1f s", candidate.peak->time_s);
-  if (candidate.active_s.from_s > -Interval::kForever_s)
-    name += print(" from %.1f s", candidate.active_s.from_s);
-  if (candidate.active_s.to_s < Interval::kForever_s) name += print(" to %.1f s", candidate.active_s.to_s);
+  for (const auto& [from_s, to_s] : candidate.active_s.parts()) {
+    if (from_s > candidate.active_s.from_s) name += ",";
+    if (from_s > -Interval::kForever_s) name += print(" from %.1f s", from_s);
+    if (to_s < Interval::kForever_s) name += print(" to %.1f s", to_s);
+  }
   return name;
 }
 
@@ -31,6 +36,7 @@ void switchOn(EffectParameters<double>& calibration, const Candidate& candidate)
   std::size_t scalar = effect.first_scalar;
   for (const Parameter& p : effect.parameters) {
     if (p.kind == ParameterKind::marker_id) calibration.values[scalar] = candidate.marker_id.value_or(0);
+    if (p.kind == ParameterKind::sensor) calibration.values[scalar] = candidate.sensor.value_or(0);
     if (p.kind == ParameterKind::time) calibration.values[scalar] = candidate.time_s.value_or(0);
     if (p.kind == ParameterKind::peak_time && candidate.peak)
       calibration.values[scalar] = candidate.peak->time_s;
@@ -43,6 +49,7 @@ void switchOn(EffectParameters<double>& calibration, const Candidate& candidate)
 bool actsOn(const Candidate& candidate, const RowInfo& row) {
   if (row.channel == kChannel<Prior>) return false;
   if (candidate.marker_id && row.marker_id != *candidate.marker_id) return false;
+  if (candidate.sensor && sensorKindOf(row.channel) != *candidate.sensor) return false;
   if (candidate.only && row.instance != *candidate.only) return false;
   if (candidate.time_s && row.t_s < *candidate.time_s) return false;
   return candidate.active_s.contains(row.t_s);
@@ -143,6 +150,18 @@ std::set<Instance> instancesOf(const Linearization& linear, std::size_t effect) 
   return instances.size() > 1 ? instances : std::set<Instance>();
 }
 
+std::set<int> sensorsOf(const Linearization& linear, std::size_t effect) {
+  std::set<int> sensors;
+  if (!allEffects()[effect].has(ParameterKind::sensor)) return sensors;
+  for (std::size_t c = 0; c < linear.columns.size(); ++c) {
+    if (linear.columns[c].effect != effect) continue;
+    const auto column = linear.C.col(static_cast<Eigen::Index>(c));
+    for (std::size_t i = 0; i < linear.rows.size(); ++i)
+      if (column[static_cast<Eigen::Index>(i)] != 0) sensors.insert(sensorKindOf(linear.rows[i].channel));
+  }
+  return sensors;
+}
+
 std::vector<Candidate> lastingCandidates(const Linearization& linear) {
   const std::set<int> ids = markersOf(linear);
   std::vector<Candidate> candidates;
@@ -150,6 +169,13 @@ std::vector<Candidate> lastingCandidates(const Linearization& linear) {
     if (isEstimated(linear, effect.index) || effect.has(ParameterKind::time) || hasPeak(effect)) continue;
     Candidate candidate{
         .effect = effect.index, .marker_id = {}, .time_s = {}, .peak = {}, .active_s = {}, .only = {}};
+    if (effect.has(ParameterKind::sensor)) {
+      for (const int sensor : sensorsOf(linear, effect.index)) {
+        candidate.sensor = sensor;
+        candidates.push_back(candidate);
+      }
+      continue;
+    }
     if (!effect.has(ParameterKind::marker_id)) candidates.push_back(candidate);
     for (const Instance& instance : instancesOf(linear, effect.index)) {
       candidates.push_back(candidate);

@@ -24,6 +24,7 @@ struct Candidate {
   std::optional<Peak> peak;        ///< where to start from, where the effect has one
   Interval active_s;               ///< the default: for good
   std::optional<Instance> only{};  ///< of several instruments of the kind; nothing: of each
+  std::optional<int> sensor{};     ///< place in kSensorKinds, where the effect is of one kind of sensors
 
   bool isForGood() const { return active_s == Interval{} && !time_s && !peak; }
   friend bool operator==(const Candidate&, const Candidate&) = default;
@@ -78,8 +79,12 @@ std::set<int> markersOf(const Linearization& linear);
 /// world.
 std::set<Instance> instancesOf(const Linearization& linear, std::size_t effect);
 
+/// The kinds of sensors whose readings an effect changes that is of one kind; none of another.
+std::set<int> sensorsOf(const Linearization& linear, std::size_t effect);
+
 /// Every effect not yet estimated that a fit can differentiate by, for good; those with a marker's id once
-/// for each id; where there are several instruments of the kind, of each too.
+/// for each id, those of a kind of sensors once for each; where there are several instruments of the kind, of
+/// each too.
 std::vector<Candidate> lastingCandidates(const Linearization& linear);
 
 }  // namespace fathom

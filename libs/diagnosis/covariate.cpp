@@ -29,7 +29,6 @@ std::vector<Covariate> allOf(Channel channel) {
     if (channel == kChannel<EpipolarResidual>) return all;
     all.push_back(
         {"incidence", "deg", [](const RowInfo& row) { return row.incidence_rad; }, degrees(1.0), 6});
-    if (channel == kChannel<Markers>) return all;  // they have a map of their own, marker by marker
     all.push_back({"panel x", "m", [](const RowInfo& row) { return row.point_panel.x(); }, 1, 6});
     all.push_back({"panel y", "m", [](const RowInfo& row) { return row.point_panel.y(); }, 1, 6});
     if (channel == kChannel<Pixels>)
@@ -58,6 +57,13 @@ std::vector<Covariate> covariatesOf(const Linearization& linear, Channel channel
     if (high - low > kLeastSpread) varying.push_back(std::move(covariate));
   }
   return varying;
+}
+
+bool isCovariate(const std::string& name) {
+  return std::any_of(kEveryChannel.begin(), kEveryChannel.end(), [&](Channel channel) {
+    const std::vector<Covariate> all = allOf(channel);
+    return std::any_of(all.begin(), all.end(), [&](const Covariate& c) { return c.name == name; });
+  });
 }
 
 int componentOf(const RowInfo& row) {

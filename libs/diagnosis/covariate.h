@@ -22,6 +22,8 @@ struct Covariate {
 
 /// Those that a channel's readings have, where they vary at all.
 std::vector<Covariate> covariatesOf(const Linearization& linear, Channel channel);
+/// Whether readings of any channel have one of that name.
+bool isCovariate(const std::string& name);
 
 /// A way in which a channel's readings may be off, one unit's worth: an axis's own unit; of markers' corners
 /// a shift of the image by a pixel, to the right or down.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -9,9 +10,9 @@
 #include "core/stable_sort.h"
 #include "core/text.h"
 #include "diagnosis/alternatives.h"
-#include "diagnosis/discovery.h"
 #include "diagnosis/fits.h"
 #include "diagnosis/nominal.h"
+#include "diagnosis/shown_noise.h"
 #include "diagnosis/verdict.h"
 #include "imaging/exposure_time.h"
 
@@ -20,34 +21,38 @@ namespace {
 
 constexpr double kFarFromLinear = 100;  // support from which on an effect may be
 constexpr double kFarShare = 0.3;       // of the largest support: what may be right then
+constexpr double kUnderestimated = 5;   // ln odds: by the budget as declared, where the readings show less
 constexpr std::size_t kLooked = 40, kContenders = 5;
-constexpr double kLessNoise = 0.9;  // times the noise taken before: less than chance
+constexpr double kLessNoise = 0.9;    // times the noise taken before: less than chance
+constexpr std::size_t kTogether = 3;  // effects that are looked for at once
+constexpr double kEvenOdds = 0;       // ln: of what is less likely than not nothing is said
 // Of the likelihood that an effect gains, on stretches that it was not fitted to. Where these could not show
 // a tenth of it, since poses follow it there, it has to gain that much where it was fitted, and over more
 // than a few images: that share of the recording.
 constexpr double kConfirmed = 0.3, kShownAtAll = 0.1, kUnseen = 50, kUnseenShare = 0.25;
 
-/// To compare what a camera by itself shows: its noise and the markers' scatter, multiplied.
+/// To compare what a camera by itself shows: its noise.
 double cameraNoise(const NoiseModel& noise) {
-  double product = noise.markers.largest_m() > 0 ? noise.markers.rms_m() : 1;
+  double product = 1;
   for (const Channel channel : {kChannel<Markers>, kChannel<EpipolarResidual>, kChannel<Pixels>})
     product *= noise.of(channel).independentScale();
   return product;
+}
+
+double mostLikely(const Screening& screening) {
+  double most = -std::numeric_limits<double>::infinity();
+  for (const TestedCandidate& tested : screening.candidates()) most = std::max(most, tested.log_evidence);
+  return most;
 }
 
 bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
   for (std::size_t c = 0; c < before.channels.size(); ++c)
     if (shown.channels[c].independentScale() < kLessNoise * before.channels[c].independentScale())
       return true;
-  return shown.markers.in_face_m < kLessNoise * before.markers.in_face_m ||
-         shown.markers.off_face_m < kLessNoise * before.markers.off_face_m ||
-         shown.light_scatter < kLessNoise * before.light_scatter ||
-         shown.print.black < kLessNoise * before.print.black ||
-         shown.print.white < kLessNoise * before.print.white ||
-         shown.print.body < kLessNoise * before.print.body ||
-         shown.print.parts < kLessNoise * before.print.parts ||
-         shown.print.edges_px2 < kLessNoise * before.print.edges_px2;
+  return shown.light_scatter < kLessNoise * before.light_scatter || shown.parts < kLessNoise * before.parts;
 }
+
+double probabilityOf(double log_odds) { return 0.5 * (1 + std::tanh(0.5 * log_odds)); }
 
 /// The course of a diagnosis.
 class Course {
@@ -57,11 +62,17 @@ class Course {
 
   Diagnosis run() {
     if (!estimateNominal()) return std::move(diagnosis_);
-    locate();
-    attribute();
-    verify();
-    report();
-    judge(diagnosis_, fits_.nominal().model->linear(), options_.calibration);
+    try {
+      locate();
+      attribute();
+      verify();
+      report();
+      judge(diagnosis_, fits_.nominal().model->linear());
+    } catch (const Singular&) {
+      // As of a sensor that always says the same: it weighs 1e10 times as much as others.
+      insufficient("readings weigh so much beside others that rounding hides what these tell");
+      diagnosis_.effects.clear();
+    }
     return std::move(diagnosis_);
   }
 
@@ -75,7 +86,7 @@ class Course {
   bool insufficient(const std::string& why);
   std::optional<Refit> bestOf(const Refit& from, const Screening& screening, std::size_t size);
   std::vector<Candidate> farContenders(const Screening& screening) const;
-  bool isBelieved(const Refit& fit, const Looks& looks);
+  void noteScreening(const Screening& screening);
   bool leaveOutUnconfirmed(const Refit& fit);
   void accept(Refit better);
   bool lastsLong(const Candidate& effect) const;
@@ -93,8 +104,7 @@ class Course {
   DiagnosisOptions options_;
   Fits fits_;
   Refit final_;
-  std::set<std::size_t>
-      lasting_only_;                // effects of which a part of the recording was tried, and not confirmed
+  LeftOut left_out_;
   std::vector<double> confidence_;  // of each effect in the final model
   Diagnosis diagnosis_;
 };
@@ -106,8 +116,9 @@ bool Course::insufficient(const std::string& why) {
 }
 
 bool Course::estimateNominal() {
-  NominalFit nominal = nominalFit(
-      data_, start_, beyondStated(options_.calibration, statedExposure_s(data_.vehicle)), options_.seed);
+  NominalFit nominal =
+      nominalFit(data_, start_, beyondStated(options_.calibration, statedExposure_s(data_.vehicle)),
+                 options_.budget, options_.seed);
   diagnosis_.noise = nominal.noise;
   if (!nominal.failure.empty()) return insufficient(nominal.failure);
   final_ = nominal.fit;
@@ -119,7 +130,7 @@ void Course::locate() { diagnosis_.mismatch = mismatchMaps(*fits_.nominal().mode
 
 /// The best set of so many more effects, each contender estimated in full.
 std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screening, std::size_t size) {
-  const std::vector<TestedSet> sets = screening.bestSets(size, kLooked, Fits::kLogOdds);
+  const std::vector<TestedSet> sets = screening.bestSets(size, kLooked, fits_.threshold());
   std::vector<std::vector<Candidate>> contenders;
   const auto add = [&](const std::vector<Candidate>& more) {
     contenders.push_back(from.effects);
@@ -127,7 +138,7 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
   };
   std::vector<std::vector<std::size_t>> tried;
   for (const TestedSet& set : sets) {
-    if (set.support < leastOfContenders(sets.front().support) || tried.size() == kContenders) break;
+    if (set.log_evidence < leastOfContenders(sets.front().log_evidence) || tried.size() == kContenders) break;
     // What adds nothing to one that was tried is looked for again once that one is in the model.
     if (std::any_of(tried.begin(), tried.end(), [&](const std::vector<std::size_t>& smaller) {
           return std::includes(set.members.begin(), set.members.end(), smaller.begin(), smaller.end());
@@ -142,11 +153,11 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
   std::optional<Refit> best;
   std::vector<Refit> all = fits_.of(from, contenders);
   double highest = -1e300;
-  for (const Refit& refitted : all) highest = std::max(highest, fits_.worth(refitted));
+  for (const Refit& refitted : all) highest = std::max(highest, fits_.logOdds(refitted));
   for (Refit& refitted : all) {
-    if (!refitted.succeeded || fits_.worth(refitted) < leastOfContenders(highest)) continue;
+    if (!refitted.succeeded || fits_.logOdds(refitted) < leastOfContenders(highest)) continue;
     Refit own = fits_.settled(std::move(refitted));
-    if (!best || fits_.worth(own) > fits_.worth(*best)) best = std::move(own);
+    if (!best || fits_.logOdds(own) > fits_.logOdds(*best)) best = std::move(own);
   }
   return best;
 }
@@ -162,13 +173,14 @@ std::vector<Candidate> Course::farContenders(const Screening& screening) const {
     return contenders;
   }
   double largest = 0;
-  for (const TestedCandidate& tested : screening.candidates()) largest = std::max(largest, tested.support);
+  for (const TestedCandidate& tested : screening.candidates())
+    largest = std::max(largest, tested.log_evidence);
   std::map<std::size_t, const TestedCandidate*> nearest;  // by effect
   for (const TestedCandidate& tested : screening.candidates()) {
     const bool is_far = largest >= kFarFromLinear || tested.candidate.peak;
-    if (!is_far || tested.support < kFarShare * largest) continue;
+    if (!is_far || tested.log_evidence < kFarShare * largest) continue;
     const TestedCandidate*& own = nearest[tested.candidate.effect];
-    if (own == nullptr || tested.support > own->support) own = &tested;
+    if (own == nullptr || tested.log_evidence > own->log_evidence) own = &tested;
   }
   for (const auto& [effect, tested] : nearest) {
     contenders.push_back(tested->candidate);
@@ -184,46 +196,43 @@ void Course::attribute() {
   Progress progress("trying effects");
   for (int round = 0; final_.effects.size() < options_.max_effects; ++round) {
     progress.update(static_cast<double>(final_.effects.size()) / static_cast<double>(options_.max_effects));
-    const Screening screening(*final_.model, options_.segments, lasting_only_);
-    const Looks looks = screening.independentLooks(options_.seed);
-    const auto alarmBy = [&](const TestedCandidate& tested) {
-      return alarmOf(tested.log_p, tested.candidate.isForGood(), looks);
-    };
-    const auto first = std::min_element(
-        screening.candidates().begin(), screening.candidates().end(),
-        [&](const TestedCandidate& a, const TestedCandidate& b) { return alarmBy(a) < alarmBy(b); });
-    if (first == screening.candidates().end()) break;
-    const double alarm = alarmBy(*first);
-    if (final_.effects.empty()) {
-      diagnosis_.alarm_p = alarm;
-      diagnosis_.most_improbable = nameOf(first->candidate);
-    }
-    if (round == 0) {
-      diagnosis_.tested = screening.candidates();
-      for (TestedCandidate& tested : diagnosis_.tested)
-        for (EffectEstimate& one : tested.one_step) one = whole(one);
-      stableSort(diagnosis_.tested,
-                 [](const TestedCandidate& a, const TestedCandidate& b) { return a.support > b.support; });
-    }
-    if (alarm > options_.false_alarm) break;
-    const std::size_t left = options_.max_effects - final_.effects.size();
-    std::optional<Refit> best = bestOf(final_, screening, left);
+    const Screening screening(*final_.model, options_.segments, left_out_);
+    if (round == 0) noteScreening(screening);
+    if (!isCameraAlone() && mostLikely(screening) < fits_.threshold() - kUnderestimated) break;
+    std::optional<Refit> best =
+        bestOf(final_, screening, std::min(kTogether, options_.max_effects - final_.effects.size()));
     if (!best) break;
     if (takeLeastNoise()) continue;
+    if (fits_.logOdds(*best) < fits_.logOdds(final_)) break;
     Refit better = fits_.lastingWhereBetter(fits_.onlyNeeded(std::move(*best)));
-    if (!final_.effects.empty() && fits_.worth(better) <= fits_.worth(final_)) break;
-    if (!isBelieved(better, looks)) break;
+    if (better.effects == final_.effects || fits_.logOdds(better) < fits_.logOdds(final_) + fits_.threshold())
+      break;
     if (leaveOutUnconfirmed(better)) continue;
     accept(std::move(better));
   }
   lookForAlternatives();
 }
 
+/// What all was tried at the nominal model, and how likely the likeliest is by chance.
+void Course::noteScreening(const Screening& screening) {
+  const Screening::Chance chance = screening.chance(options_.seed);
+  fits_.setThreshold(std::max(kEvenOdds, chance.evidenceOf(options_.false_alarm)));
+  diagnosis_.tested = screening.candidates();
+  for (TestedCandidate& tested : diagnosis_.tested)
+    for (EffectEstimate& one : tested.one_step) one = whole(one);
+  stableSort(diagnosis_.tested, [](const TestedCandidate& a, const TestedCandidate& b) {
+    return a.log_evidence > b.log_evidence;
+  });
+  if (diagnosis_.tested.empty()) return;
+  diagnosis_.most_improbable = nameOf(diagnosis_.tested.front().candidate);
+  diagnosis_.alarm_p = chance.alarmOf(diagnosis_.tested.front().log_evidence);
+}
+
 /// Other effects in each one's place that are as good; one that is better takes it.
 void Course::lookForAlternatives() {
-  confidence_.assign(final_.effects.size(), 1 - diagnosis_.alarm_p);
+  confidence_.assign(final_.effects.size(), probabilityOf(fits_.logOdds(final_)));
   for (std::size_t i = 0; i < final_.effects.size();) {
-    InItsPlace others = othersInPlaceOf(i, final_, fits_, lasting_only_);
+    InItsPlace others = othersInPlaceOf(i, final_, fits_, left_out_);
     if (others.better) {
       final_ = std::move(*others.better);
       continue;
@@ -232,25 +241,6 @@ void Course::lookForAlternatives() {
     if (others.set) diagnosis_.alternatives.push_back(std::move(*others.set));
     ++i;
   }
-}
-
-/// What has raised the alarm may be another than what is best supported, or explain less once refitted.
-bool Course::isBelieved(const Refit& fit, const Looks& looks) {
-  const double alarm = alarmOf(-supportOver(fit, final_), isLasting(fit), looks);
-  const Candidate& first = fit.effects.front();
-  const bool alone = fit.effects.size() == 1;
-  const bool is_large =
-      isLarge(fit, final_) && (!alone || sqrtLambda(fit, first.effect) >= discoveryOf(first));
-  if (is_large && alarm <= options_.false_alarm) {
-    if (!alone || isBeyondBias(fit, fits_.nominal(), first)) return true;
-    diagnosis_.is_within_bias = true;
-    return false;
-  }
-  if (final_.effects.empty()) {
-    diagnosis_.alarm_p = std::max(diagnosis_.alarm_p, alarm);
-    diagnosis_.most_improbable = nameOf(first);
-  }
-  return false;
 }
 
 bool Course::lastsLong(const Candidate& effect) const {
@@ -263,23 +253,23 @@ bool Course::lastsLong(const Candidate& effect) const {
   return on_s > least_s;
 }
 
-/// An effect for a part of the recording can be made to fit any few images that are a little off: it must
-/// show on stretches that it was not fitted to. One that does not is not tried again.
+/// An effect has to show on stretches that it was not fitted to. One that does not is not tried again: where
+/// it was for a part, for a part.
 bool Course::leaveOutUnconfirmed(const Refit& fit) {
-  const auto isPart = [](const Candidate& effect) { return !effect.isForGood(); };
-  if (std::none_of(fit.effects.begin(), fit.effects.end(), isPart)) return false;
   const HeldOutResult held = heldOut(fit, false);
   bool any = false;
   for (std::size_t i = 0; i < fit.effects.size(); ++i) {
+    const Candidate& effect = fit.effects[i];
     const Refit rest = fits_.without(fit, i);
-    const double gain = rest.succeeded ? rest.cost - fit.cost : 0;
-    const double expected = std::min(gain, held.gain.expected_by_effect[i]);
-    const bool shown = expected >= kShownAtAll * gain ? held.gain.by_effect[i] > kConfirmed * expected
-                                                      : gain > kUnseen && lastsLong(fit.effects[i]);
-    if (!isPart(fit.effects[i]) || shown) continue;
-    any = lasting_only_.insert(fit.effects[i].effect).second || any;
-    diagnosis_.remarks.push_back(nameOf(fit.effects[i]) +
-                                 " would fit, but not stretches that it was not fitted to");
+    const double gain = rest.succeeded ? fit.weight.log_evidence - rest.weight.log_evidence : 0;
+    const double expected = held.gain.expected_by_effect[i];
+    const bool shown = expected >= kShownAtAll * gain
+                           ? held.gain.by_effect[i] > kConfirmed * std::min(gain, expected)
+                           : gain > kUnseen && lastsLong(effect);
+    if (shown) continue;
+    std::set<std::size_t>& left_out = effect.isForGood() ? left_out_.all : left_out_.parts;
+    any = left_out.insert(effect.effect).second || any;
+    diagnosis_.remarks.push_back(nameOf(effect) + " would fit, but not stretches that it was not fitted to");
   }
   return any;
 }
@@ -302,10 +292,10 @@ bool Course::takeNoise(const NoiseModel& shown) {
   if (!nominal.succeeded || !present.succeeded) return false;
   // Where readings contradict each other there are many minima: no effect is to profit from a better one.
   Refit back = refit(data_, present.estimate, base, {}, shown);
-  if (back.succeeded && back.cost < nominal.cost) nominal = std::move(back);
+  if (back.succeeded && back.weight.log_evidence > nominal.weight.log_evidence) nominal = std::move(back);
   fits_.beginWith(std::move(nominal), std::move(base), shown);
   final_ = fits_.onlyNeeded(std::move(present));
-  if (!isLarge(final_, fits_.nominal())) final_ = fits_.nominal();
+  if (fits_.logOdds(final_) < fits_.threshold()) final_ = fits_.nominal();
   locate();
   return true;
 }
@@ -332,7 +322,8 @@ HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {
 }
 
 void Course::report() {
-  diagnosis_.noise = fits_.noise();
+  diagnosis_.noise = final_.model->noise();
+  diagnosis_.log_odds = fits_.logOdds(final_);
   diagnosis_.before = described(data_, fits_.nominal().estimate, fits_.nominal().options);
   diagnosis_.before_options = fits_.nominal().options;
   diagnosis_.after = described(data_, final_.estimate, final_.options);
@@ -349,9 +340,6 @@ EffectEstimate Course::whole(EffectEstimate estimate) const {
 FoundEffect Course::describe(std::size_t effect) {
   FoundEffect found;
   found.candidate = final_.effects[effect];
-  std::size_t scalars = 0;
-  for (const EffectEstimate& estimate : final_.estimates)
-    scalars += estimate.effect == found.candidate.effect;
   for (const EffectEstimate& estimate : withSpreads(final_))
     if (estimate.effect == found.candidate.effect) found.estimates.push_back(whole(estimate));
   if (found.candidate.peak)
@@ -360,12 +348,9 @@ FoundEffect Course::describe(std::size_t effect) {
   found.confidence = confidence_[effect];
   const Refit rest = fits_.without(final_, effect);
   if (rest.succeeded) {
-    found.support = supportOver(final_, rest);
-    found.log_likelihood_gain = rest.cost - final_.cost;
-    std::size_t rows = 0;
-    for (const RowInfo& row : final_.model->linear().rows) rows += row.channel != kChannel<Prior>;
-    found.bic_gain =
-        2 * found.log_likelihood_gain - static_cast<double>(scalars) * std::log(static_cast<double>(rows));
+    found.log_odds = fits_.logOdds(final_) - fits_.logOdds(rest);
+    found.log_likelihood_gain = final_.weight.log_evidence - rest.weight.log_evidence;
+    found.bic_gain = 2 * found.log_likelihood_gain;
   }
   found.interactions = interactionTests(final_, found.candidate);
   return found;

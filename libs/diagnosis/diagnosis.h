@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "diagnosis/budget_file.h"
 #include "diagnosis/held_out.h"
 #include "diagnosis/result.h"
 
@@ -10,8 +11,9 @@ namespace fathom {
 
 struct DiagnosisOptions {
   EffectParameters<double> calibration;  ///< what is known already
-  double false_alarm = 0.01;             ///< of a recording with nothing missing
-  std::size_t max_effects = 3;
+  ErrorBudget budget = fieldBudget();
+  double false_alarm = 0.01;  ///< of a recording with nothing missing
+  std::size_t max_effects = 8;
   int segments = 30;  ///< onsets and ends are looked for at so many places first
   HeldOutOptions heldout;
   std::uint64_t seed = 1;  ///< of the simulated noise

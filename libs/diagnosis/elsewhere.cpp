@@ -58,7 +58,7 @@ double rmsOf(const Eigen::VectorXd& left, const Linearization& linear, Channel c
 
 std::vector<Candidate> lastingEffects(const Diagnosis& diagnosis) {
   std::vector<Candidate> lasting;
-  for (const FoundEffect& found : diagnosis.effects.empty() ? diagnosis.nearest : diagnosis.effects)
+  for (const FoundEffect& found : diagnosis.effects)
     // What was drawn for an image was drawn for that one only.
     if (found.candidate.isForGood() && !isDrawn(found.candidate.effect)) lasting.push_back(found.candidate);
   return lasting;
@@ -92,7 +92,7 @@ Elsewhere JudgeElsewhere::judge(const BatchInput& other) const {
   const Eigen::VectorXd left_with = with.nuisances().project(with.residual());
   const Eigen::VectorXd boxed = model.nuisances().project(
       model.residual() + model.whitened(black_box_.columns(model.linear())) * splines_);
-  result.physics = before.cost - after.cost;
+  result.physics = after.weight.log_evidence - before.weight.log_evidence;
   result.black_box = model.costOf(left) - model.costOf(boxed);
   for (const Channel channel : kEveryChannel) {
     const double was = rmsOf(left, model.linear(), channel);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +7,8 @@
 /// What a recording may differ from its model by for no reason that has a name: the declared error budget
 /// (config/error_budget.yaml), a file of the user's.
 namespace fathom {
+
+inline constexpr double kSigmasOf99 = 2.576;  ///< so many hold 99 % of a normal variable
 
 /// A field that is smooth in a reading's covariates: a Gaussian process with a squared-exponential kernel.
 struct SmoothField {
@@ -18,7 +19,7 @@ struct SmoothField {
 /// One way in which readings are off, whose sigma is known to a factor.
 struct VarianceComponent {
   /// What has a value of its own.
-  enum class Each { recording, instrument, marker, place, image, reading };
+  enum class Each { recording, sensor, instrument, marker, place, image, reading };
 
   std::string name;  ///< "print-placement"
   /// What acts: "EFFECT.PARAMETER", of lists "EFFECT.PARAMETER.y", that parameter being the value; or
@@ -38,10 +39,7 @@ struct ErrorBudget {
   std::string name;  ///< "field"
   std::vector<VarianceComponent> components;
   double outlier_share = 0;  ///< of any channel's readings
-
-  /// Throws Error where the file is none, with the key.
-  static ErrorBudget read(const std::filesystem::path& file);
-  static ErrorBudget parse(const std::string& text, const std::string& name);
+  double noise_factor = 3;   ///< within which a channel's noise is what is stated
 };
 
 }  // namespace fathom

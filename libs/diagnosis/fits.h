@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "diagnosis/refit.h"
+#include "diagnosis/screening.h"
 
 namespace fathom {
 
@@ -12,14 +13,12 @@ namespace fathom {
 /// the nominal model. The same whatever the number of threads.
 class Fits {
  public:
-  /// -ln of the odds against an effect besides another, before looking.
-  static constexpr double kLogOdds = 8.0;
-
   /// `segments`: onsets and ends are looked for at so many places first. The data is referred to.
   Fits(const BatchData& data, int segments) : data_(data), segments_(segments) {}
 
   /// Under another noise: what was fitted is forgotten. `base`: the nominal fit's options, with that noise.
   void beginWith(Refit nominal, BatchOptions base, const NoiseModel& noise);
+  void setThreshold(double log_odds) { threshold_ = log_odds; }
 
   const BatchData& data() const { return data_; }
   const Refit& nominal() const { return nominal_; }
@@ -37,9 +36,10 @@ class Fits {
   Refit without(const Refit& from, std::vector<Candidate> effects, std::size_t one);
   Refit without(const Refit& from, std::size_t one) { return without(from, from.effects, one); }
 
-  /// Against the nominal one: support, less the odds against so many effects. (The first is believed by the
-  /// alarm: it knows the chance of a false one.)
-  double worth(const Refit& fit) const;
+  /// ln of the odds of a fit's effects against the nominal model, before looking and by the readings.
+  double logOdds(const Refit& fit) const;
+  /// What an effect has to add to the log odds to be named.
+  double threshold() const { return threshold_; }
   /// Intervals and times to a fraction of a segment, and whether what seems lasting was on for a part only.
   Refit settled(Refit fit);
   /// With those for good that were on for a part where that fits better: of an effect that is far from linear
@@ -48,24 +48,33 @@ class Fits {
   /// Without those effects that are not needed; one remains.
   Refit onlyNeeded(Refit fit);
 
-  /// Each that was made until now.
+  /// Each that was made until now, of a camera by itself.
   template <class Look>
   void forEach(Look&& look) const {
-    for (const auto& [name, fit] : fitted_) look(fit);
+    for (const auto& [name, cached] : fitted_) look(cached.fit);
   }
 
  private:
-  bool isNeeded(const Refit& fit, const Refit& less, const Candidate& effect) const;
-
   const BatchData& data_;
   int segments_;
   BatchOptions base_;
   NoiseModel noise_;
   Refit nominal_;
-  std::map<std::string, Refit> fitted_;  // by the effects' names
+  PriorOdds prior_;
+  double threshold_ = 0;
+  struct Cached {
+    Refit fit;
+    std::size_t asked = 0;  // when, last
+  };
+  /// The readings' derivatives are most of what a fit takes: those of the last few are kept, others are made
+  /// anew when asked for.
+  void forgetModels();
+
+  std::map<std::string, Cached> fitted_;  // by the effects' names
+  std::size_t asked_ = 0;
 };
 
-/// Of the support of what may turn out to be the best once it is refitted, or at its best times, beside the
+/// Of the log odds of what may turn out to be the best once it is refitted, or at its best times, beside the
 /// largest.
 double leastOfContenders(double largest);
 

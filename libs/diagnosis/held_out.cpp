@@ -7,10 +7,12 @@
 
 #include "core/progress.h"
 #include "core/random.h"
+#include "diagnosis/bare.h"
 #include "diagnosis/black_box.h"
 #include "diagnosis/placebo.h"
 #include "diagnosis/residual_metrics.h"
 #include "effects/catalogue.h"
+#include "estimation/sparse.h"
 
 namespace fathom {
 namespace {
@@ -21,32 +23,6 @@ constexpr int kResamples = 1000;
 constexpr int kFloorDraws = 8;
 /// Columns of what is left of a fold's rows; after the draws of noise, one without each effect.
 constexpr Eigen::Index kBefore = 0, kAfter = 1, kBlackBox = 2, kFirstDraw = 3;
-
-/// The linearization with the effects' columns taken out of the nuisances: the residual is that without them.
-Linearization withoutEffects(const Linearization& linear, const Eigen::SparseMatrix<double>& columns,
-                             const Eigen::VectorXd& values) {
-  Linearization bare = linear;
-  bare.residual = linear.residual - columns * values;
-  std::vector<Eigen::Triplet<double>> entries;
-  int width = 0;
-  bare.blocks.clear();
-  for (UnknownBlock block : linear.blocks) {
-    if (block.kind == UnknownBlock::Kind::effect) continue;
-    if (block.kind == UnknownBlock::Kind::draw &&
-        isEstimated(linear, effectOf(linear.draws[block.index].scalar)))
-      continue;
-    for (int k = 0; k < block.size; ++k)
-      for (Eigen::SparseMatrix<double>::InnerIterator e(linear.J, block.column + k); e; ++e)
-        entries.emplace_back(static_cast<int>(e.row()), width + k, e.value());
-    block.column = width;
-    width += block.size;
-    bare.blocks.push_back(block);
-  }
-  bare.J.resize(linear.J.rows(), width);
-  bare.J.setFromTriplets(entries.begin(), entries.end());
-  for (EffectColumn& column : bare.columns) column.estimated = false;
-  return bare;
-}
 
 /// Sums over a piece of a held-out stretch.
 struct Piece {
@@ -100,14 +76,6 @@ struct Fitted {
   Eigen::VectorXd sigma;
 };
 
-Eigen::SparseMatrix<double> sideBySide(const Eigen::SparseMatrix<double>& a,
-                                       const Eigen::SparseMatrix<double>& b) {
-  Eigen::SparseMatrix<double> both(a.rows(), a.cols() + b.cols());
-  both.leftCols(a.cols()) = a;
-  both.rightCols(b.cols()) = b;
-  return both;
-}
-
 /// Fold by fold: the physics and its yardsticks trained on all stretches but its own, and what is left there.
 class HoldOut {
  public:
@@ -135,8 +103,8 @@ class HoldOut {
   const std::vector<Candidate>& effects_;
   const NoiseModel& noise_;
   HeldOutOptions options_;
-  Eigen::SparseMatrix<double> physics_;
-  Eigen::VectorXd found_, sigma_;  // the effects' values, and what they may be off by
+  Bare without_;
+  Eigen::VectorXd sigma_;  // what the effects' values may be off by
   WhitenedModel model_;
   const Linearization& bare_;
   std::vector<Channel> channels_;  // that the effects act on, those they change most first
@@ -151,18 +119,6 @@ class HoldOut {
   std::vector<const Piece*> filled_;
   HeldOutGain gain_;
 };
-
-Eigen::VectorXd valuesOf(const Linearization& linear, const std::vector<Candidate>& effects,
-                         const BatchState& all) {
-  std::vector<double> values;
-  for (const Candidate& effect : effects)
-    for (const CandidateColumn& c : columnsOf(linear, effect.effect)) {
-      const std::size_t scalar = linear.columns[c.column].scalar;
-      values.push_back(c.image < 0 ? sizeOf(scalar, all.effects.values[scalar])
-                                   : all.drawn({scalar, static_cast<std::size_t>(c.image)}));
-    }
-  return Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values));
-}
 
 /// Of a peak's time at most as far from the one found as it is wide: beyond that its columns, which were
 /// taken there, tell nothing.
@@ -185,11 +141,10 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
       effects_(effects),
       noise_(noise),
       options_(options),
-      physics_(columnsOf(linear, effects)),
-      found_(valuesOf(linear, effects, found)),
-      model_(withoutEffects(linear, physics_, found_), noise, data),
+      without_(withoutEffects(linear, effects, found)),
+      model_(without_.linear, noise),
       bare_(model_.linear()),
-      channels_(channelsOf(model_, model_.whitened(physics_) * found_)),
+      channels_(channelsOf(model_, model_.whitened(without_.columns) * without_.values)),
       stretches_(data, options.folds),
       random_(options.seed),
       pieces_(static_cast<std::size_t>(stretches_.count()) * kParts) {

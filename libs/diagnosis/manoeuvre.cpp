@@ -99,7 +99,7 @@ WhitenedModel modelOf(const BatchData& data, const std::vector<double>& times_s,
   if (recorded.T_odom_panel.size() == state.T_odom_panel.size()) state.T_odom_panel = recorded.T_odom_panel;
   state.water = recorded.water;
   state.flaws = recorded.flaws;
-  return WhitenedModel(linearize(data, BatchProblem(data, options, state)), noise, data);
+  return WhitenedModel(linearize(data, BatchProblem(data, options, state)), noise);
 }
 
 }  // namespace

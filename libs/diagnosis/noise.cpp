@@ -4,135 +4,43 @@
 #include <cmath>
 
 #include "core/median.h"
-#include "core/random.h"
-#include "diagnosis/saturated.h"
-#include "diagnosis/shown_scatter.h"
 
 namespace fathom {
 namespace {
 
-constexpr int kNoiseDraws = 16;
-constexpr int kCorrelationRounds = 5, kPartRounds = 3;
-constexpr std::size_t kFewestRows = 30;  // fewer show no noise of their own
-constexpr double kClearSigmas = 4;       // from which on a correlation is more than chance
-constexpr double kLargestCorrelation = 0.95;
-constexpr double kCounted = 0.1;         // of Poisson's variance: where there are no specks there is less
-constexpr double kLeastOfStated = 0.01;  // of the variance of light: a mean of rounded numbers is no better
-
-/// Sums over a channel of squares and of neighbours' products.
-struct Moments {
-  double square = 0, product = 0;
-  double correlation() const { return square > 0 ? product / square : 0; }
-};
-
-using Pairs = std::vector<std::array<std::size_t, 2>>;
-
-struct ChannelRows {
-  std::vector<std::size_t> rows;
-  Pairs pairs;
-};
-
-Moments momentsOf(const Eigen::Ref<const Eigen::VectorXd>& r, const ChannelRows& own) {
-  Moments moments;
-  for (const std::size_t i : own.rows)
-    moments.square += r[static_cast<Eigen::Index>(i)] * r[static_cast<Eigen::Index>(i)];
-  for (const auto& [a, b] : own.pairs)
-    moments.product += r[static_cast<Eigen::Index>(a)] * r[static_cast<Eigen::Index>(b)];
-  if (!own.pairs.empty())
-    moments.product *= static_cast<double>(own.rows.size()) / static_cast<double>(own.pairs.size());
-  return moments;
-}
-
-Moments meanMoments(const Eigen::MatrixXd& draws, const ChannelRows& own) {
-  Moments mean;
-  for (const auto& draw : draws.colwise()) {
-    const Moments moments = momentsOf(draw, own);
-    mean.square += moments.square / static_cast<double>(draws.cols());
-    mean.product += moments.product / static_cast<double>(draws.cols());
-  }
-  return mean;
-}
-
-std::array<ChannelRows, kChannelCount> rowsByChannel(const Linearization& linear) {
-  std::array<ChannelRows, kChannelCount> channels;
-  for (const Channel channel : kEveryChannel) {
-    auto& own = channels[indexOf(channel)];
-    if (channel == kChannel<Prior>) continue;
-    for (std::size_t i = 0; i < linear.rows.size(); ++i)
-      if (linear.rows[i].channel == channel) own.rows.push_back(i);
-    own.pairs = neighbours(linear, channel);
-  }
-  return channels;
-}
-
-/// White noise made into that of first-order autoregressions, sigma one.
-Eigen::MatrixXd correlated(Eigen::MatrixXd noise, const std::array<ChannelRows, kChannelCount>& rows,
-                           const std::array<double, kChannelCount>& correlation) {
-  for (std::size_t c = 0; c < rows.size(); ++c) {
-    if (correlation[c] == 0) continue;
-    const double fresh = std::sqrt(1 - correlation[c] * correlation[c]);
-    for (const auto& [a, b] : rows[c].pairs) {
-      const auto i = static_cast<Eigen::Index>(a), j = static_cast<Eigen::Index>(b);
-      noise.row(j) = correlation[c] * noise.row(i) + fresh * noise.row(j);
-    }
-  }
-  return noise;
-}
-
-/// The pixels' noise as two parts: the sigma stated, so many times, and a share of the light. By the sum of
-/// what is left squared, and by the same with more weight where the second part would show most; without a
-/// second part where that sum is not beyond chance, or where there is no more noise than is stated: that
-/// counts what rounding does to dark places, which lasts, and is not to be made less of. `simulated`: what
-/// would be left of white noise.
-void splitLightNoise(const Saturated& saturated, const Linearization& linear,
-                     const std::vector<std::size_t>& rows, const Eigen::MatrixXd& simulated,
-                     const NoiseModel& assumed, NoiseModel& noise) {
-  constexpr auto kPixels = indexOf(kChannel<Pixels>);
-  if (rows.size() < kFewestRows) return;
-  const double scale = assumed.channels[kPixels].independentScale();
-  const auto count = std::ssize(rows);
-  // As shares of the variance assumed: of what is stated, of all the light; what is left of them; and what is
-  // seen.
-  Eigen::ArrayXd stated(count), light(count), left(count), seen(count);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const auto row = static_cast<Eigen::Index>(rows[static_cast<std::size_t>(k)]);
-    const RowInfo& info = linear.rows[rows[static_cast<std::size_t>(k)]];
-    light[k] = std::pow(info.level * info.per_unit, 2);
-    stated[k] = (1 - assumed.light_scatter * assumed.light_scatter * light[k]) / (scale * scale);
-    left[k] = simulated.row(row).squaredNorm() / kNoiseDraws;
-    seen[k] = saturated.left[row] * saturated.left[row];
-  }
-  const double of_stated = (left * stated).sum();
-  const Eigen::ArrayXd weight = light - (left * stated * light).sum() / of_stated;
-  const double plain = seen.sum() / of_stated;
-  const double excess = (weight * seen).sum(),
-               chance = std::sqrt(2 * (weight * left * plain * stated).square().sum());
-  if (excess <= kClearSigmas * chance || plain < 1) return;
-  const double share = excess / (weight * left * light).sum();
-  noise.light_scatter = std::sqrt(std::max(0.0, share));
-  noise.channels[kPixels].scale =
-      std::sqrt(std::max(kLeastOfStated * plain, plain - share * (left * light).sum() / of_stated));
-}
-
-/// With what print scatters by, as it shows.
-std::unique_ptr<Saturated> saturatePrinted(Linearization& linear, PrintScatter& print) {
-  std::unique_ptr<Saturated> saturated = saturate(linear);
-  print = printScatter(*saturated, linear);
-  return print.isSeen() ? saturate(linear, print) : std::move(saturated);
-}
-
-/// Makes less of what is seen in part.
-void takeParts(Linearization& linear, double parts) {
-  Eigen::VectorXd factor = Eigen::VectorXd::Ones(linear.residual.size());
-  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
-    double& own = factor[static_cast<Eigen::Index>(i)];
-    own = 1 / std::sqrt(1 + parts * parts * partVariance(linear.rows[i]));
-    linear.rows[i].per_unit *= own;
-  }
-  multiplyRows(linear, factor);
-}
+constexpr double kLeastSeen = 0.1;  // of a place; less counts as that
 
 }  // namespace
+
+double partVariance(const RowInfo& row) {
+  if (row.channel != kChannel<Pixels> || !(row.reflected > 0)) return 0;
+  return (1 / std::max(kLeastSeen, row.seen_share) - 1) * std::pow(row.reflected * row.per_unit, 2);
+}
+
+HeldColumns budgetColumns(const Linearization& linear, const NoiseModel& noise) {
+  HeldColumns held;
+  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<double> sigma;
+  for (std::size_t k = 0; k < noise.budget.components.size(); ++k) {
+    const Eigen::SparseMatrix<double> own = columnsOf(linear, noise.budget.components[k]);
+    const auto first = static_cast<int>(sigma.size());
+    for (Eigen::Index c = 0; c < own.cols(); ++c)
+      for (Eigen::SparseMatrix<double>::InnerIterator e(own, c); e; ++e)
+        entries.emplace_back(static_cast<int>(e.row()), first + static_cast<int>(c), e.value());
+    sigma.resize(sigma.size() + static_cast<std::size_t>(own.cols()), noise.sigmaOf(k));
+    held.sizes.push_back(own.cols());
+  }
+  held.columns.resize(std::ssize(linear.rows), std::ssize(sigma));
+  held.columns.setFromTriplets(entries.begin(), entries.end());
+  held.sigma = Eigen::Map<const Eigen::VectorXd>(sigma.data(), std::ssize(sigma));
+  return held;
+}
+
+NoiseModel NoiseModel::declared() const {
+  NoiseModel declared = *this;
+  declared.scales.clear();
+  return declared;
+}
 
 double ChannelNoise::independentScale() const {
   return scale * std::sqrt((1 + correlation) / (1 - correlation));
@@ -155,61 +63,6 @@ std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, 
       if (spacings[k - 1] <= longest_s) pairs.push_back({track[k - 1], track[k]});
   }
   return pairs;
-}
-
-NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint64_t seed) {
-  NoiseModel noise = assumed;
-  std::unique_ptr<Saturated> saturated = saturatePrinted(linear, noise.print);
-  // What readings that vary so much weigh, and with it how much that is, is known only once it is taken.
-  double parts = 0;
-  for (int round = 0; round < kPartRounds; ++round) {
-    const double more = partScatter(*saturated, linear);
-    if (more == 0) break;
-    parts = std::hypot(parts, more);
-    takeParts(linear, more);
-    saturated = saturatePrinted(linear, noise.print);
-  }
-  noise.print.parts = parts;
-  noise.markers = markerScatter(*saturated, linear);
-  const auto rows = rowsByChannel(linear);
-  Random random(seed);
-  const Eigen::MatrixXd white = random.normals(saturated->left.size(), kNoiseDraws),
-                        left_of_white = saturated->nuisances.project(white);
-
-  std::array<double, kChannelCount> correlation{};
-  std::array<bool, kChannelCount> is_correlated{};
-  Eigen::MatrixXd simulated = left_of_white;
-  for (int round = 0; round < kCorrelationRounds; ++round) {
-    if (round > 0) simulated = saturated->nuisances.project(correlated(white, rows, correlation));
-    for (std::size_t c = 0; c < rows.size(); ++c) {
-      ChannelNoise& channel = noise.channels[c];
-      channel.rows = rows[c].rows.size();
-      if (channel.rows < kFewestRows) continue;
-      const Moments seen = momentsOf(saturated->left, rows[c]), expected = meanMoments(simulated, rows[c]);
-      const double difference = seen.correlation() - expected.correlation();
-      const bool counts_specks = static_cast<Channel>(c) == kChannel<Specks>;
-      if (round == 0)
-        is_correlated[c] = rows[c].pairs.size() >= kFewestRows &&
-                           (counts_specks ? seen.square > kCounted * expected.square
-                                          : std::abs(difference) >
-                                                kClearSigmas / std::sqrt(static_cast<double>(channel.rows)));
-      channel.correlation = correlation[c];
-      // Numbers of specks scatter by Poisson's law, and where there are none they do not. But the same flakes
-      // are seen in several images, in how many is told by how alike the numbers are.
-      if (!counts_specks) {
-        channel.scale = assumed.channels[c].independentScale() *
-                        std::sqrt(seen.square / std::max(expected.square, 1e-12));
-        channel.freedom = expected.square;
-      }
-      if (is_correlated[c])
-        correlation[c] =
-            std::clamp(correlation[c] + difference, counts_specks ? 0.0 : -0.5, kLargestCorrelation);
-    }
-    if (std::none_of(is_correlated.begin(), is_correlated.end(), [](bool is) { return is; })) break;
-  }
-  noise.light_scatter = 0;
-  splitLightNoise(*saturated, linear, rows[indexOf(kChannel<Pixels>)].rows, left_of_white, assumed, noise);
-  return noise;
 }
 
 }  // namespace fathom

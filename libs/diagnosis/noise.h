@@ -1,11 +1,10 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <limits>
 
-#include "diagnosis/candidate.h"
-#include "diagnosis/scatter.h"
+#include "diagnosis/budget_columns.h"
+#include "diagnosis/evidence.h"
 
 namespace fathom {
 
@@ -22,24 +21,36 @@ struct ChannelNoise {
   double independentScale() const;
 };
 
+/// What readings scatter by for no reason that has a name: each channel's own noise, and the components of
+/// the error budget.
 struct NoiseModel {
   std::array<ChannelNoise, kChannelCount> channels;  ///< by Channel
-  MarkerScatter markers;
   /// What patches of images scatter by besides, share of their light.
   double light_scatter = 0;
-  PrintScatter print;
+  /// What half of a place differs by from all of it; see partVariance().
+  double parts = 0;
+  ErrorBudget budget;
+  /// Of its components, as a recording shows them; none: as declared.
+  std::vector<EstimatedScale> scales;
 
   const ChannelNoise& of(Channel channel) const { return channels[indexOf(channel)]; }
+  /// What a component's values scatter by, in its unit.
+  double sigmaOf(std::size_t component) const {
+    return scales.empty() ? budget.components[component].sigma : scales[component].scale;
+  }
+  /// With the budget as declared.
+  NoiseModel declared() const;
   /// Has a problem take readings for that noisy.
   void applyTo(ProblemOptions& options) const;
 };
 
-/// The noise that an estimate's residuals show once every effect of the catalogue may explain its share: what
-/// is left out of the model is not taken for noise. Scale and correlation are those with which simulated
-/// noise leaves the residuals seen, so what the estimate follows is accounted for. `linear`: weighted (see
-/// applyRobustWeights()), at an estimate with the noise `assumed`; robust weights of light are taken anew, so
-/// that what an effect explains is no outlier.
-NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint64_t seed);
+/// The variance, in units of the row's noise, by which a place that is seen in part reads otherwise than all
+/// of it would, were NoiseModel::parts 1: of the mean over a part of what varies over short distances, about
+/// the mean over all of it. 0: is no patch of a panel.
+double partVariance(const RowInfo& row);
+
+/// The budget's columns over a linearization's rows, which is weighted, each with the sigma that holds it.
+HeldColumns budgetColumns(const Linearization& linear, const NoiseModel& noise);
 
 /// Rows of a track that follow one another without a gap: pairs of neighbours, by row.
 std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, Channel channel);

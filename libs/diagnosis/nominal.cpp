@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "core/text.h"
+#include "diagnosis/shown_noise.h"
 
 namespace fathom {
 namespace {
@@ -13,8 +14,10 @@ constexpr double kTolerance = 0.01;  // of a likelihood: a hundredth of what dec
 }  // namespace
 
 NominalFit nominalFit(const BatchData& data, const StartPath& start,
-                      const EffectParameters<double>& calibration, std::uint64_t seed) {
+                      const EffectParameters<double>& calibration, const ErrorBudget& budget,
+                      std::uint64_t seed) {
   NominalFit nominal;
+  nominal.noise.budget = budget;
   const auto failed = [&](const std::string& why) {
     nominal.failure = why;
     return nominal;

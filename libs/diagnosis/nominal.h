@@ -16,6 +16,7 @@ struct NominalFit {
 
 /// `calibration`: what is known already. The seed is of simulated noise, see shownNoise().
 NominalFit nominalFit(const BatchData& data, const StartPath& start,
-                      const EffectParameters<double>& calibration, std::uint64_t seed);
+                      const EffectParameters<double>& calibration, const ErrorBudget& budget,
+                      std::uint64_t seed);
 
 }  // namespace fathom

@@ -2,22 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
-#include "diagnosis/screening.h"
+#include "diagnosis/evidence.h"
 
 namespace fathom {
 namespace {
 
 constexpr double kFinest_s = 0.1;
-constexpr double kBetter = 5.0;  // ln p, for having looked at so many intervals
 
-/// -ln p of each.
+/// ln of each one's Bayes factor.
 std::vector<double> evidences(const WhitenedModel& model, const std::vector<Candidate>& candidates) {
   const std::vector<Reduced> reduced = model.reduceEach(candidates);
   std::vector<double> evidences;
   for (std::size_t i = 0; i < candidates.size(); ++i)
-    evidences.push_back(
-        support(reduced[i].gram, reduced[i].score, priorSigmas(model.linear(), {candidates[i]})));
+    evidences.push_back(EffectEvidence(reduced[i].gram, priorSigmas(model.linear(), {candidates[i]}))
+                            .best(reduced[i].score)
+                            .log_bayes_factor);
   return evidences;
 }
 
@@ -29,12 +30,34 @@ std::vector<double*> edgesOf(Candidate& candidate) {
   if (candidate.peak) edges.push_back(&candidate.peak->width_s);
   if (candidate.active_s.from_s > -Interval::kForever_s) edges.push_back(&candidate.active_s.from_s);
   if (candidate.active_s.to_s < Interval::kForever_s) edges.push_back(&candidate.active_s.to_s);
+  for (Interval::Pause& pause : candidate.active_s.pauses)
+    if (pause.isOne()) edges.insert(edges.end(), {&pause.from_s, &pause.to_s});
   return edges;
+}
+
+bool isInOrder(const Interval& interval) {
+  for (const auto& [from_s, to_s] : interval.parts())
+    if (from_s >= to_s) return false;
+  return true;
+}
+
+/// With one more pause; nothing where it has as many as it can, or they would overlap.
+std::optional<Interval> withPause(Interval interval, double from_s, double to_s) {
+  const auto free = std::find_if(interval.pauses.begin(), interval.pauses.end(),
+                                 [](const Interval::Pause& pause) { return !pause.isOne(); });
+  if (free == interval.pauses.end()) return {};
+  for (auto pause = interval.pauses.begin(); pause != free; ++pause)
+    if (from_s <= pause->to_s && pause->from_s <= to_s) return {};
+  *free = {from_s, to_s};
+  std::sort(interval.pauses.begin(), free + 1,
+            [](const Interval::Pause& a, const Interval::Pause& b) { return a.from_s < b.from_s; });
+  return isInOrder(interval) ? std::optional(interval) : std::nullopt;
 }
 
 }  // namespace
 
 Candidate refinedInterval(const WhitenedModel& model, Candidate candidate, double step_s) {
+  const Interval span = readingsSpan(model.linear());
   for (; step_s > kFinest_s; step_s *= 0.5)
     for (std::size_t edge = 0; edge < edgesOf(candidate).size(); ++edge) {
       std::vector<Candidate> tried;
@@ -42,7 +65,8 @@ Candidate refinedInterval(const WhitenedModel& model, Candidate candidate, doubl
         tried.push_back(candidate);
         *edgesOf(tried.back())[edge] += 0.5 * k * step_s;
         const Candidate& last = tried.back();
-        if (last.active_s.from_s >= last.active_s.to_s || (last.peak && last.peak->width_s <= 0))
+        const bool is_outside = last.time_s && !(*last.time_s > span.from_s && *last.time_s < span.to_s);
+        if (is_outside || !isInOrder(last.active_s) || (last.peak && last.peak->width_s <= 0))
           tried.pop_back();
       }
       const std::vector<double> evidence = evidences(model, tried);
@@ -53,7 +77,8 @@ Candidate refinedInterval(const WhitenedModel& model, Candidate candidate, doubl
 }
 
 Candidate bestInterval(const WhitenedModel& model, const Candidate& lasting, int segments) {
-  const auto [first_s, last_s] = readingsSpan(model.linear());
+  const Interval span = readingsSpan(model.linear());
+  const double first_s = span.from_s, last_s = span.to_s;
   const double step_s = (last_s - first_s) / segments;
   std::vector<Candidate> tried{lasting};
   for (int from = 0; from < segments; ++from)
@@ -65,8 +90,41 @@ Candidate bestInterval(const WhitenedModel& model, const Candidate& lasting, int
     }
   const std::vector<double> evidence = evidences(model, tried);
   const auto best = std::max_element(evidence.begin(), evidence.end()) - evidence.begin();
-  if (evidence[static_cast<std::size_t>(best)] < evidence[0] + kBetter) return lasting;
+  if (evidence[static_cast<std::size_t>(best)] < evidence[0] + std::log(tried.size())) return lasting;
   return refinedInterval(model, tried[static_cast<std::size_t>(best)], step_s);
+}
+
+Candidate withPauses(const WhitenedModel& model, const Candidate& part, int segments) {
+  if (part.time_s || part.peak || part.active_s == Interval{}) return part;
+  const Interval span = readingsSpan(model.linear());
+  const double first_s = span.from_s, last_s = span.to_s;
+  const double step_s = (last_s - first_s) / segments;
+  std::vector<Candidate> tried{part};
+  const auto add = [&](const std::optional<Interval>& active_s) {
+    if (!active_s) return;
+    tried.push_back(part);
+    tried.back().active_s = *active_s;
+  };
+  const Interval& own = part.active_s;
+  for (int from = 0; from < segments; ++from)
+    for (int to = from + 1; to <= segments; ++to) {
+      const double from_s = first_s + from * step_s, to_s = first_s + to * step_s;
+      Interval longer = own;
+      if (from_s > own.from_s && to_s < own.to_s)
+        add(withPause(own, from_s, to_s));
+      else if (from_s > own.to_s) {  // on again afterwards
+        longer.to_s = to == segments ? Interval::kForever_s : to_s;
+        add(withPause(longer, own.to_s, from_s));
+      } else if (to_s < own.from_s) {  // and before
+        longer.from_s = from == 0 ? -Interval::kForever_s : from_s;
+        add(withPause(longer, to_s, own.from_s));
+      }
+    }
+  const std::vector<double> evidence = evidences(model, tried);
+  const auto best = std::max_element(evidence.begin(), evidence.end()) - evidence.begin();
+  if (evidence[static_cast<std::size_t>(best)] < evidence[0] + std::log(0.5 * segments * (segments + 1)))
+    return part;
+  return withPauses(model, tried[static_cast<std::size_t>(best)], segments);
 }
 
 }  // namespace fathom

@@ -12,4 +12,8 @@ Candidate refinedInterval(const WhitenedModel& model, Candidate candidate, doubl
 /// the best of all intervals between `segments` equal parts, by evidence; itself where none is better.
 Candidate bestInterval(const WhitenedModel& model, const Candidate& lasting, int segments);
 
+/// A candidate that is on for a part as one that is on again before or after, or pauses in between: the best
+/// of all times between `segments` equal parts, where that is more than chance; itself where none is.
+Candidate withPauses(const WhitenedModel& model, const Candidate& part, int segments);
+
 }  // namespace fathom

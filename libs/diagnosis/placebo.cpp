@@ -31,7 +31,7 @@ double Placebo::percentile95() const {
   for (Eigen::Index draw = 0; draw < kPlacebos; ++draw) {
     double best = -1e300, gain = 0;
     for (std::size_t c = 0; c < first_.size(); ++c) {
-      const double own = supportOf(c, draw);
+      const double own = evidenceOf(c, draw);
       if (own <= best) continue;
       best = own;
       gain = gainOf(c, draw);
@@ -42,7 +42,7 @@ double Placebo::percentile95() const {
   return gains[gains.size() * 95 / 100];
 }
 
-double Placebo::supportOf(std::size_t candidate, Eigen::Index draw) const {
+double Placebo::evidenceOf(std::size_t candidate, Eigen::Index draw) const {
   const Eigen::Index k = first_[candidate], n = size_[candidate];
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd g = Eigen::VectorXd::Zero(n);
@@ -50,7 +50,7 @@ double Placebo::supportOf(std::size_t candidate, Eigen::Index draw) const {
     A += fold.A_test.block(k, k, n, n);
     g += fold.g_test.col(draw).segment(k, n);
   }
-  return support(A, g, sigma_.segment(k, n));
+  return EffectEvidence(A, sigma_.segment(k, n)).best(g).log_bayes_factor;
 }
 
 double Placebo::gainOf(std::size_t candidate, Eigen::Index draw) const {

@@ -21,7 +21,7 @@ class Placebo {
   struct Fold {
     Eigen::MatrixXd A_train, A_test, g_train, g_test;
   };
-  double supportOf(std::size_t candidate, Eigen::Index draw) const;
+  double evidenceOf(std::size_t candidate, Eigen::Index draw) const;
   double gainOf(std::size_t candidate, Eigen::Index draw) const;
 
   Eigen::SparseMatrix<double> columns_;

@@ -13,8 +13,6 @@
 namespace fathom {
 namespace {
 
-constexpr double kMostly = 0.5;
-
 /// Prior sigmas of a fit's effect parameters, in the order of its estimates.
 Eigen::VectorXd priorsOf(const Refit& fit) {
   Eigen::VectorXd sigma(std::ssize(fit.estimates));
@@ -22,27 +20,6 @@ Eigen::VectorXd priorsOf(const Refit& fit) {
     for (const EffectColumn& column : fit.model->linear().columns)
       if (column.scalar == fit.estimates[i].scalar) sigma[static_cast<Eigen::Index>(i)] = column.prior_sigma;
   return sigma;
-}
-
-/// By how much more effects cost that are larger than anybody expects than by the normal priors that are in
-/// the model: with Cauchy's tails less, (n + 1) / 2 ln(1 + u^2) instead of u^2 / 2, but where they are in the
-/// estimate.
-double tailCost(const Refit& fit) {
-  std::map<std::size_t, std::pair<double, double>> sizes;  // by effect: u^2, dimensions
-  for (const EffectEstimate& estimate : fit.estimates) {
-    if (estimate.image >= 0) continue;
-    auto& [square, dimensions] = sizes[estimate.effect];
-    square += std::pow(estimate.value / parameterOf(estimate.scalar).prior_sigma, 2);
-    ++dimensions;
-  }
-  double cost = 0;
-  for (const auto& [effect, size] : sizes) {
-    const auto& [square, dimensions] = size;
-    cost += hasWidePrior(effect)
-                ? widePriorCost(square, dimensions) - 0.5 * widePriorWeight(square, dimensions) * square
-                : std::min(0.0, 0.5 * (dimensions + 1) * std::log1p(square) - 0.5 * square);
-  }
-  return cost;
 }
 
 /// One least-squares step with the noise as it is: readings of a sensor have some of it in common, which the
@@ -69,7 +46,6 @@ void finish(Refit& fit) {
           {block.index, scalars[k], fit.estimate.state.effects.values[scalars[k]] + step[columns.back()], 0});
     }
   }
-  fit.cost = fit.model->cost();
   if (columns.empty()) return;
   fit.covariance = fit.model->nuisances().covariance(columns);
   for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -82,9 +58,6 @@ void finish(Refit& fit) {
       state.draws[{found.scalar, static_cast<std::size_t>(found.image)}] = found.value;
   }
   for (const EffectEstimate& spread : withSpreads(fit)) state.effects.values[spread.scalar] = spread.value;
-  fit.cost += tailCost(fit);
-  const Eigen::VectorXd precision = priorsOf(fit).array().square().inverse();
-  fit.freedom = static_cast<double>(columns.size()) - precision.dot(fit.covariance.diagonal());
 }
 
 bool areAllPossible(const Refit& fit) {
@@ -129,8 +102,12 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
   fit.estimate = bestMinimum(data, from, fit.options);
   if (!fit.estimate.succeeded) return fit;
   try {
-    fit.model = std::make_shared<WhitenedModel>(linearize(data, *problemAt(data, fit.estimate, fit.options)),
-                                                noise, data);
+    Linearization linear = linearize(data, *problemAt(data, fit.estimate, fit.options));
+    applyRobustWeights(linear);
+    fit.weight = weigh(linear, effects, fit.estimate.state, noise);
+    NoiseModel shown = noise;
+    shown.scales = fit.weight.scales;
+    fit.model = std::make_shared<WhitenedModel>(WhitenedModel::Weighted{}, std::move(linear), shown);
   } catch (const std::runtime_error& e) {
     fit.estimate.failure = e.what();
     return fit;
@@ -173,11 +150,6 @@ std::vector<EffectEstimate> withSpreads(const Refit& fit) {
   return all;
 }
 
-double supportOver(const Refit& fit, const Refit& fewer) {
-  const double freedom = fit.freedom - fewer.freedom;
-  return freedom > 1e-6 ? -chiSquareLogTail(freedom, 2 * (fewer.cost - fit.cost)) : 0;
-}
-
 Eigen::VectorXd changeBy(const Refit& fit, const Candidate& effect, const Linearization& at) {
   const Eigen::SparseMatrix<double> own = columnsOf(at, {effect});
   Eigen::VectorXd value(own.cols());
@@ -185,34 +157,6 @@ Eigen::VectorXd changeBy(const Refit& fit, const Candidate& effect, const Linear
   for (const EffectEstimate& estimate : fit.estimates)
     if (estimate.effect == effect.effect) value[k++] = sizeOf(estimate.scalar, estimate.value);
   return own * value;
-}
-
-bool isBeyondBias(const WhitenedModel& model, const Eigen::VectorXd& change) {
-  const Linearization& linear = model.linear();
-  const Eigen::VectorXd remaining = model.remaining(change);
-  double told = 0, beyond = 0;  // by squares, in units of sigma
-  for (const Channel channel : kEveryChannel) {
-    std::vector<Eigen::Index> all, changed;
-    for (std::size_t i = 0; i < linear.rows.size(); ++i) {
-      if (linear.rows[i].channel != channel) continue;
-      all.push_back(static_cast<Eigen::Index>(i));
-      if (change[all.back()] != 0) changed.push_back(all.back());
-    }
-    double square = 0, raw_square = 0;
-    const std::vector<Eigen::Index>& own = changed.empty() ? all : changed;
-    for (const Eigen::Index i : own) {
-      square += remaining[i] * remaining[i];
-      raw_square += std::pow(remaining[i] / linear.rows[static_cast<std::size_t>(i)].per_unit, 2);
-    }
-    told += square;
-    if (raw_square > static_cast<double>(own.size()) * std::pow(textOf(channel).systematic, 2))
-      beyond += square;
-  }
-  return beyond > kMostly * told;
-}
-
-bool isBeyondBias(const Refit& fit, const Refit& fewer, const Candidate& effect) {
-  return isBeyondBias(*fewer.model, changeBy(fit, effect, fewer.model->linear()));
 }
 
 double sqrtLambda(const Refit& fit, std::size_t effect) {

@@ -15,8 +15,8 @@ namespace fathom {
 
 enum class Verdict {
   none,         ///< nothing material is missing
-  explained,    ///< effects of the catalogue are missing, and with them nothing else is
-  unexplained,  ///< something is missing that no effect of the catalogue describes
+  explained,    ///< effects of the catalogue are missing, and take away 95 % of what can be taken away
+  unexplained,  ///< something is missing besides the effects that were found, or instead of any
   insufficient  ///< the recording could not show it either way
 };
 /// "none", …, as in results.
@@ -25,21 +25,47 @@ std::string nameOf(Verdict verdict);
 struct FoundEffect {
   Candidate candidate;
   std::vector<EffectEstimate> estimates;
-  double sqrt_lambda = 0;  ///< its size in units of what the recording could resolve at best
-  double support = 0;      ///< -ln p against the model without it, everything refitted
-  double confidence = 0;   ///< that it is this one: by its support and that of all others in its place
-  double log_likelihood_gain = 0;  ///< of the best fits, over the model without it
-  double bic_gain = 0;
+  double sqrt_lambda = 0;          ///< its size in units of what the recording could resolve at best
+  double log_odds = 0;             ///< for it, against the model without it, everything refitted
+  double confidence = 0;           ///< that it is this one: by its odds and those of all others in its place
+  double log_likelihood_gain = 0;  ///< over the model without it, all that is unknown integrated out
+  double bic_gain = 0;             ///< what the BIC approximates: twice that
   double heldout_log_likelihood_gain = 0;
+  double share = 0;  ///< of the mismatch, what it takes away on stretches that it was not fitted to
   std::vector<InteractionTest> interactions;
 };
 
 /// Effects among which the recording cannot choose: each explains what the first does.
 struct Alternatives {
   std::vector<Candidate> candidates;  ///< the effect stated, then those as good
-  std::vector<double> support;        ///< against the first's, 0 or a little less
+  std::vector<double> log_odds;       ///< against the first's, 0 or a little less
   std::vector<double> alignment;      ///< |cos| with the first: 1 is the same to this recording
   Advice advice;                      ///< for telling the first from the one most like it
+};
+
+/// What is left of the mismatch beside the effects found.
+struct Remainder {
+  double share = 0;  ///< of what can be taken away
+  std::string where, unit;
+  double size = 0;        ///< in that unit, root mean square beyond chance
+  bool material = false;  ///< large enough to matter; nothing that is not is any remainder
+};
+
+/// A component of the error budget, or the noise of a channel, as the recording shows it.
+struct BudgetEntry {
+  std::string component, unit, source;
+  double prior = 0, estimate = 0;
+  double log_sd = 0;  ///< of the estimate's logarithm
+  /// ln of how much likelier the readings are so than were it just what 99 % of such are at most.
+  double beyond = 0;
+  bool bursts = false;  ///< it would have to be beyond, by odds of twenty to one
+};
+
+/// A hypothesis and how likely it is, of all that were looked at.
+struct Hypothesis {
+  std::vector<Candidate> effects;  ///< none: nothing is missing
+  bool is_something_else = false;  ///< what no effect of the catalogue is
+  double mass = 0;
 };
 
 struct Diagnosis {
@@ -50,13 +76,14 @@ struct Diagnosis {
   /// Of the most improbable of all that were believed possible, having looked at all.
   double alarm_p = 1;
   std::string most_improbable;
-  /// It is no chance, but moves readings by less than they may be off anyway (isBeyondBias).
-  bool is_within_bias = false;
+  double log_odds = 0;              ///< of all effects that were found together, against none
   std::vector<Mismatch> mismatch;   ///< of the nominal model, worst first
   std::vector<Mismatch> remaining;  ///< of the final one
   std::vector<FoundEffect> effects;
-  std::vector<FoundEffect> nearest;  ///< unexplained: effects that come near, but fail a test
   std::vector<Alternatives> alternatives;
+  Remainder remainder;
+  std::vector<BudgetEntry> budget;
+  std::vector<Hypothesis> posterior;           ///< the likeliest first
   HeldOutResult heldout;                       ///< empty where no effect was found
   EffectParameters<double> calibration;        ///< with all effects found: `simulate` and `localize` take it;
                                                ///< wholeOf() what the estimates below have

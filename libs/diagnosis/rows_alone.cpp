@@ -10,7 +10,9 @@ namespace {
 constexpr double kRidge = 1e-4;  // of a column's length, where a stretch by itself says nothing
 
 /// The nuisances of some rows, each held a little: a stretch by itself may not determine them all.
-Nuisances nuisancesOf(const Eigen::SparseMatrix<double>& J, const std::vector<Eigen::Index>& rows) {
+Nuisances nuisancesOf(const Nuisances& all, const std::vector<Eigen::Index>& rows) {
+  const Eigen::SparseMatrix<double>& J = all.J();
+  Eigen::Index full = 0;
   std::vector<int> place(static_cast<std::size_t>(J.rows()), -1);
   for (std::size_t k = 0; k < rows.size(); ++k)
     place[static_cast<std::size_t>(rows[k])] = static_cast<int>(k);
@@ -24,21 +26,23 @@ Nuisances nuisancesOf(const Eigen::SparseMatrix<double>& J, const std::vector<Ei
       entries.emplace_back(place[static_cast<std::size_t>(e.row())], column, e.value());
       square += e.value() * e.value();
     }
-    if (square > 0) lengths.push_back(std::sqrt(square));
+    if (square == 0) continue;
+    lengths.push_back(std::sqrt(square));
+    full += c >= J.cols() - all.full();
   }
   const int first = static_cast<int>(rows.size()), width = static_cast<int>(lengths.size());
   for (int c = 0; c < width; ++c)
     entries.emplace_back(first + c, c, kRidge * lengths[static_cast<std::size_t>(c)]);
   Eigen::SparseMatrix<double> own(first + width, width);
   own.setFromTriplets(entries.begin(), entries.end());
-  return Nuisances(own);
+  return Nuisances(own, full);
 }
 
 }  // namespace
 
 RowsAlone::RowsAlone(const WhitenedModel& model, std::vector<Eigen::Index> rows)
     : rows_(std::move(rows)),
-      nuisances_(nuisancesOf(model.nuisances().J(), rows_)),
+      nuisances_(nuisancesOf(model.nuisances(), rows_)),
       select_(nuisances_.J().rows(), model.residual().size()) {
   std::vector<Eigen::Triplet<double>> ones;
   for (std::size_t k = 0; k < rows_.size(); ++k)

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <set>
 
-#include "diagnosis/scatter.h"
 #include "effects/catalogue.h"
 #include "estimation/sparse.h"
 
@@ -15,7 +14,8 @@ constexpr int kPeaks = 16;  // over the recording: narrower ones are noise until
 
 /// Of an effect that comes and goes, whenever it may be: one peak beside another.
 std::vector<Candidate> peaksOf(const Linearization& linear) {
-  const auto [first_s, last_s] = readingsSpan(linear);
+  const Interval span = readingsSpan(linear);
+  const double first_s = span.from_s, last_s = span.to_s;
   const double spacing_s = std::max(1e-9, (last_s - first_s) / kPeaks);
   std::vector<Candidate> candidates;
   for (const EffectInfo& effect : allEffects()) {
@@ -35,7 +35,7 @@ std::vector<Candidate> otherMarkers(const Linearization& linear) {
   const auto moved = std::find_if(linear.blocks.begin(), linear.blocks.end(), [](const UnknownBlock& block) {
     return block.kind == UnknownBlock::Kind::effect && block.index == kEffectIndex<MarkerMoved>;
   });
-  if (moved == linear.blocks.end() || isCameraAlone(linear)) return {};
+  if (moved == linear.blocks.end()) return {};
   std::set<int> ids = markersOf(linear);
   for (Eigen::SparseMatrix<double>::InnerIterator entry(linear.J, moved->column); entry; ++entry)
     if (entry.value() != 0) ids.erase(linear.rows[static_cast<std::size_t>(entry.row())].marker_id);
@@ -51,30 +51,30 @@ std::vector<Candidate> allThatMayBe(const Linearization& linear) {
   return candidates;
 }
 
-Eigen::SparseMatrix<double> unknownsOf(const Linearization& linear, const std::vector<Candidate>& candidates,
-                                       const PrintScatter& print) {
-  const Eigen::SparseMatrix<double> all =
-      withHeldColumns(linear.J, columnsOf(linear, candidates), priorSigmas(linear, candidates));
-  if (!print.isSeen()) return all;
-  const HeldColumns places = printColumns(linear, print);
-  return withHeldColumns(all, places.columns, places.sigma);
+Nuisances unknownsOf(const Linearization& linear, const std::vector<Candidate>& candidates,
+                     const NoiseModel& noise) {
+  const HeldColumns budget = budgetColumns(linear, noise);
+  const Eigen::SparseMatrix<double> all = withHeldColumns(
+      withHeldColumns(linear.J, columnsOf(linear, candidates), priorSigmas(linear, candidates)),
+      budget.columns, budget.sigma);
+  return Nuisances(all, all.cols() - linear.J.cols());
 }
 
 }  // namespace
 
-Saturated::Saturated(const Linearization& linear, const PrintScatter& print)
+Saturated::Saturated(const Linearization& linear, const NoiseModel& noise)
     : candidates(allThatMayBe(linear)),
-      nuisances(unknownsOf(linear, candidates, print)),
+      nuisances(unknownsOf(linear, candidates, noise)),
       residual(Eigen::VectorXd::Zero(nuisances.J().rows())) {
   residual.head(linear.residual.size()) = linear.residual;
   left = nuisances.project(residual);
 }
 
-std::unique_ptr<Saturated> saturate(Linearization& linear, const PrintScatter& print) {
-  auto saturated = std::make_unique<Saturated>(linear, print);
+std::unique_ptr<Saturated> saturate(Linearization& linear, const NoiseModel& noise) {
+  auto saturated = std::make_unique<Saturated>(linear, noise);
   for (int round = 0; round < kWeightRounds; ++round) {
     if (!applyOtherRobustWeights(linear, kChannel<Pixels>, saturated->left)) break;
-    saturated = std::make_unique<Saturated>(linear, print);
+    saturated = std::make_unique<Saturated>(linear, noise);
   }
   return saturated;
 }

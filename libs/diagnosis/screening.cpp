@@ -8,7 +8,6 @@
 
 #include "core/chi_square.h"
 #include "core/linear_algebra.h"
-#include "core/median.h"
 #include "core/parallel.h"
 #include "core/random.h"
 #include "core/stable_sort.h"
@@ -19,26 +18,36 @@ namespace fathom {
 namespace {
 
 constexpr double kLeastKept = 1e-4;  // of a direction's length: less is rounding
-constexpr double kForAPart = 2.0;    // ln of the odds for an effect that lasts
-constexpr int kAlarmDraws = 100;
+constexpr int kAlarmDraws = 200;
+constexpr double kImpossible = -1e6;    // ln of odds
 constexpr std::size_t kFinerTried = 4;  // parts with finer edges, of each family
 constexpr std::size_t kKeptSets = 60;   // of a size, to which another effect is added
 
 }  // namespace
 
-double logPriorOf(const Candidate& candidate, int segments) {
-  const auto n = static_cast<double>(segments);
-  if (candidate.time_s) return -std::log(n);
-  return candidate.isForGood() ? 0 : -kForAPart - std::log(0.5 * n * (n + 1));
+PriorOdds::PriorOdds(const Linearization& linear, int segments)
+    : segments_(segments),
+      effects_(0),
+      markers_(static_cast<double>(std::max<std::size_t>(1, markersOf(linear).size()))),
+      sensors_(
+          static_cast<double>(std::max<std::size_t>(1, sensorsOf(linear, kEffectIndex<ClockDrift>).size()))) {
+  for (const EffectInfo& effect : allEffects()) {
+    effects_ += canShow(linear, effect.index);
+    instances_.push_back(1 + static_cast<double>(instancesOf(linear, effect.index).size()));
+  }
 }
 
-double support(const Eigen::MatrixXd& A, const Eigen::VectorXd& g, const Eigen::VectorXd& prior_sigma) {
-  const Eigen::MatrixXd S = prior_sigma.asDiagonal();
-  const Eigen::MatrixXd scaled = S * A * S;
-  const SymmetricFactors M(Eigen::MatrixXd::Identity(A.rows(), A.rows()) + scaled);
-  const double freedom = M.solve(scaled).trace();
-  const Eigen::VectorXd own = S * g;
-  return freedom > 1e-6 ? -chiSquareLogTail(freedom, own.dot(M.solve(own))) : 0;
+double PriorOdds::logOf(const Candidate& candidate) const {
+  const double n = segments_;
+  double log_prior = -std::log(std::max(1.0, effects_) * instances_.at(candidate.effect));
+  if (candidate.marker_id) log_prior -= std::log(markers_);
+  if (candidate.sensor) log_prior -= std::log(sensors_);
+  if (hasPeak(allEffects()[candidate.effect])) return log_prior - std::log(0.5 * n * (n + 1));
+  if (candidate.time_s) return log_prior - std::log(n);
+  // An effect that is of one marker or clock, or drawn for each image, is not tried for a part.
+  if (candidate.marker_id || candidate.sensor || isDrawn(candidate.effect)) return log_prior;
+  const double times = candidate.isForGood() ? 0 : static_cast<double>(candidate.active_s.parts().size());
+  return log_prior - std::log(2.0) - times * std::log(0.5 * n * (n + 1));
 }
 
 Information::Information(const Eigen::MatrixXd& A, const Eigen::VectorXd& norms)
@@ -53,13 +62,13 @@ Information::Information(const Eigen::MatrixXd& A, const Eigen::VectorXd& norms)
   }
 }
 
-Screening::Screening(const WhitenedModel& model, int segments, const std::set<std::size_t>& lasting_only)
-    : model_(model) {
-  layOut(model.linear(), segments, lasting_only);
-  columns_ = model.whitened(columns(model.linear()));
+Screening::Screening(const WhitenedModel& model, int segments, const LeftOut& left_out)
+    : model_(model.under(model.noise().declared())), prior_(model.linear(), segments) {
+  layOut(model_.linear(), segments, left_out);
+  columns_ = model_.whitened(columns(model_.linear()));
   std::vector<Eigen::Index> sizes;
   for (const Family& family : families_) sizes.push_back(family.size * family.segments);
-  reduced_ = model.nuisances().reduce(columns_, model.residual(), sizes);
+  reduced_ = model_.nuisances().reduce(columns_, model_.residual(), sizes);
   std::vector<std::optional<TestedCandidate>> parts;  // the best of each family
   for (std::size_t family = 0; family < families_.size(); ++family) {
     std::optional<TestedCandidate>& part = parts.emplace_back();
@@ -67,35 +76,25 @@ Screening::Screening(const WhitenedModel& model, int segments, const std::set<st
       const Candidate candidate = candidateOf(run);
       const Reduced reduced{gramOf(run), scoreOf(run, reduced_.score), normsOf(run)};
       const Information information(reduced.gram, reduced.norms);
-      TestedCandidate one = test(family, candidate, reduced, information);
+      const EffectEvidence evidence(reduced.gram, families_[family].prior_sigma);
+      TestedCandidate one = test(family, candidate, reduced, information, evidence);
       if (one.dof == 0) continue;
-      all_.push_back({run, information, candidate.isForGood()});
+      all_.push_back({run, information, evidence, prior_.logOf(candidate), candidate.isForGood()});
       if (candidate.isForGood())
-        add(family, std::move(one), 0);
-      else if (!part || one.support > part->support)
+        add(family, std::move(one));
+      else if (!part || one.log_evidence > part->log_evidence)
         part = std::move(one);
     }
   }
   takeFinerEdges(segments, parts);
   for (std::size_t family = 0; family < families_.size(); ++family)
-    if (parts[family]) add(family, *parts[family], logPriorOf(parts[family]->candidate, segments));
-  // One of the markers, or of several instruments of a kind, is one of many, too.
-  std::map<std::size_t, std::set<std::pair<std::optional<int>, std::optional<Instance>>>> of_many;
-  const auto isOfMany = [](const Candidate& c) { return c.marker_id || c.only; };
-  for (const TestedCandidate& t : tested_)
-    if (isOfMany(t.candidate)) of_many[t.candidate.effect].emplace(t.candidate.marker_id, t.candidate.only);
-  for (std::size_t i = 0; i < tested_.size(); ++i) {
-    const Candidate& c = tested_[i].candidate;
-    if (isOfMany(c)) log_prior_[i] -= std::log(static_cast<double>(of_many[c.effect].size()));
-    tested_[i].support += log_prior_[i];
-  }
+    if (parts[family]) add(family, *parts[family]);
   combine();
 }
 
-void Screening::add(std::size_t family, TestedCandidate tested, double log_prior) {
+void Screening::add(std::size_t family, TestedCandidate tested) {
   tested_.push_back(std::move(tested));
   family_of_.push_back(family);
-  log_prior_.push_back(log_prior);
 }
 
 /// Parts with edges between the segments', where one is better by more than for having looked at so many.
@@ -123,11 +122,11 @@ void Screening::takeFinerEdges(int segments, std::vector<std::optional<TestedCan
   const std::vector<Reduced> reduced = model_.reduceEach(candidates);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     TestedCandidate finer =
-        test(family_of[i], candidates[i], reduced[i], Information(reduced[i].gram, reduced[i].norms));
-    const double looked = std::log(edges.perSegment()) * (families_[family_of[i]].is_step ? 1 : 2);
-    finer.log_p = std::min(0.0, finer.log_p + looked);
-    finer.support -= looked;
-    if (finer.dof > 0 && finer.support > parts[family_of[i]]->support) parts[family_of[i]] = std::move(finer);
+        test(family_of[i], candidates[i], reduced[i], Information(reduced[i].gram, reduced[i].norms),
+             EffectEvidence(reduced[i].gram, families_[family_of[i]].prior_sigma));
+    finer.log_evidence -= std::log(edges.perSegment()) * (families_[family_of[i]].is_step ? 1 : 2);
+    if (finer.dof > 0 && finer.log_evidence > parts[family_of[i]]->log_evidence)
+      parts[family_of[i]] = std::move(finer);
   }
 }
 
@@ -147,14 +146,15 @@ Eigen::MatrixXd Screening::gramOf(std::size_t a, std::size_t b) const {
                               families_[family_of_[b]].size);
 }
 
-void Screening::layOut(const Linearization& linear, int segments, const std::set<std::size_t>& lasting_only) {
+void Screening::layOut(const Linearization& linear, int segments, const LeftOut& left_out) {
   const Interval span = readingsSpan(linear);
   first_s_ = span.from_s;
   segment_s_ = std::max(1e-9, (span.to_s - first_s_) / segments);
   Eigen::Index column = 0;
   for (const EffectInfo& effect : allEffects()) {
-    const bool lasts = lasting_only.contains(effect.index);
-    if (isEstimated(linear, effect.index) || (lasts && (effect.has(ParameterKind::time) || hasPeak(effect))))
+    const bool lasts = left_out.parts.contains(effect.index);
+    if (isEstimated(linear, effect.index) || left_out.all.contains(effect.index) ||
+        (lasts && (effect.has(ParameterKind::time) || hasPeak(effect))))
       continue;
     Family family;
     family.candidate.effect = effect.index;
@@ -175,6 +175,13 @@ void Screening::layOut(const Linearization& linear, int segments, const std::set
     };
     if (effect.has(ParameterKind::marker_id)) {
       for (const int id : markersOf(linear)) add(id, {}, 1);
+      continue;
+    }
+    if (effect.has(ParameterKind::sensor)) {
+      for (const int sensor : sensorsOf(linear, effect.index)) {
+        family.candidate.sensor = sensor;
+        add({}, {}, 1);
+      }
       continue;
     }
     const int count = lasts || isDrawn(effect.index) ? 1 : segments;
@@ -267,7 +274,7 @@ Eigen::VectorXd Screening::normsOf(const Run& run) const {
 }
 
 TestedCandidate Screening::test(std::size_t of_family, const Candidate& candidate, const Reduced& reduced,
-                                const Information& information) const {
+                                const Information& information, const EffectEvidence& evidence) const {
   const Family& family = families_[of_family];
   TestedCandidate tested;
   tested.candidate = candidate;
@@ -275,7 +282,8 @@ TestedCandidate Screening::test(std::size_t of_family, const Candidate& candidat
   if (tested.dof == 0) return tested;
   tested.kept = std::sqrt(std::max(0.0, reduced.gram.trace()) / reduced.norms.squaredNorm());
   // The residual is reading - prediction to first order in -C: what lowers it is -value.
-  const Eigen::VectorXd value = -information.inverse * reduced.score;
+  const EffectEvidence::Best best = evidence.best(reduced.score);
+  const Eigen::VectorXd value = evidence.valueAt(reduced.score, best.size);
   bool is_possible = true;
   for (Eigen::Index k = 0; k < family.size; ++k) {
     const std::size_t scalar = family.scalars[static_cast<std::size_t>(k)];
@@ -283,18 +291,19 @@ TestedCandidate Screening::test(std::size_t of_family, const Candidate& candidat
         {family.candidate.effect, scalar, value[k], std::sqrt(information.inverse(k, k))});
     is_possible = is_possible && canBeFound(scalar, value[k]);
   }
-  if (!is_possible) return tested;
-  tested.statistic = reduced.score.dot(information.inverse * reduced.score);
+  tested.size = best.size;
+  tested.log_evidence = prior_.logOf(candidate) + (is_possible ? best.log_bayes_factor : kImpossible);
+  if (is_possible) tested.statistic = reduced.score.dot(information.inverse * reduced.score);
   tested.log_p = chiSquareLogTail(tested.dof, tested.statistic);
-  tested.support = fathom::support(reduced.gram, reduced.score, family.prior_sigma);
   return tested;
 }
 
-double Screening::supportOf(const std::vector<std::size_t>& members) const {
+double Screening::evidenceOf(const std::vector<std::size_t>& members) const {
   Eigen::Index size = 0;
   for (const std::size_t m : members) size += families_[family_of_[m]].size;
   Eigen::MatrixXd A(size, size);
   Eigen::VectorXd g(size), sigma(size);
+  std::vector<double> sizes;
   double prior = 0;
   Eigen::Index row = 0;
   for (const std::size_t a : members) {
@@ -306,16 +315,19 @@ double Screening::supportOf(const std::vector<std::size_t>& members) const {
       column += columns;
     }
     g.segment(row, rows) = combined_.score.segment(place_[a], rows);
-    sigma.segment(row, rows) = families_[family_of_[a]].prior_sigma;
-    prior += log_prior_[a];
+    sigma.segment(row, rows) = tested_[a].size * families_[family_of_[a]].prior_sigma;
+    sizes.push_back(tested_[a].size);
+    prior += prior_.logOf(tested_[a].candidate);
     row += rows;
   }
-  return support(A, g, sigma) + prior;
+  return logBayesFactorOf(A, g, sigma, sizes) + prior;
 }
 
 std::vector<TestedSet> Screening::bestSets(std::size_t size, std::size_t count, double log_odds) const {
   std::vector<TestedSet> all, latest{{{}, 0}};
-  const auto byEvidence = [](const TestedSet& a, const TestedSet& b) { return a.support > b.support; };
+  const auto byEvidence = [](const TestedSet& a, const TestedSet& b) {
+    return a.log_evidence > b.log_evidence;
+  };
   for (std::size_t k = 1; k <= size; ++k) {
     std::set<std::vector<std::size_t>> grown;
     for (const TestedSet& set : latest)
@@ -330,11 +342,12 @@ std::vector<TestedSet> Screening::bestSets(std::size_t size, std::size_t count, 
       }
     latest.clear();
     for (const auto& members : grown) latest.push_back({members, 0});
-    parallelFor(latest.size(), [&](std::size_t i) { latest[i].support = supportOf(latest[i].members); });
+    parallelFor(latest.size(),
+                [&](std::size_t i) { latest[i].log_evidence = evidenceOf(latest[i].members); });
     stableSort(latest, byEvidence);
     if (latest.size() > kKeptSets) latest.resize(kKeptSets);
     for (const TestedSet& set : latest)
-      all.push_back({set.members, set.support - log_odds * static_cast<double>(k - 1)});
+      all.push_back({set.members, set.log_evidence - log_odds * static_cast<double>(k - 1)});
   }
   stableSort(all, byEvidence);
   if (all.size() > count) all.resize(count);
@@ -353,33 +366,21 @@ double Screening::alignment(std::size_t a, std::size_t b) const {
   return std::min(1.0, largestSingularValue(cosines));
 }
 
-Looks Screening::independentLooks(std::uint64_t seed) const {
+Screening::Chance Screening::chance(std::uint64_t seed) const {
   if (all_.empty()) return {};
   Random random(seed);
   const Eigen::MatrixXd noise = random.normals(columns_.rows(), kAlarmDraws);
   const Eigen::MatrixXd scores = model_.nuisances().scores(columns_, noise);
-  std::vector<double> lasting(kAlarmDraws, 0), parts(kAlarmDraws, 0);  // ln of the least p
+  std::vector<double> best(kAlarmDraws, kImpossible);
   parallelFor(kAlarmDraws, [&](int draw) {
     const Eigen::VectorXd score = scores.col(draw);
-    std::map<std::pair<bool, int>, double> largest;  // by kind and degrees of freedom
-    for (const Test& test : all_) {
-      const Eigen::VectorXd g = scoreOf(test.run, score);
-      double& of_kind = largest[{test.is_lasting, test.information.rank}];
-      of_kind = std::max(of_kind, g.dot(test.information.inverse * g));
-    }
-    for (const auto& [kind, statistic] : largest) {
-      double& least = (kind.first ? lasting : parts)[static_cast<std::size_t>(draw)];
-      least = std::min(least, chiSquareLogTail(kind.second, statistic));
-    }
+    double& own = best[static_cast<std::size_t>(draw)];
+    for (const Test& test : all_)
+      own = std::max(own, test.log_prior + test.evidence.best(scoreOf(test.run, score)).log_bayes_factor);
   });
-  const auto looks = [](std::vector<double> least) {
-    return std::log(2.0) / std::exp(upperMedian(std::move(least)));
-  };
-  return {looks(std::move(lasting)), looks(std::move(parts))};
-}
-
-double alarmOf(double log_p, bool is_lasting, const Looks& looks) {
-  return -std::expm1(-2 * (is_lasting ? looks.lasting : looks.parts) * std::exp(log_p));
+  std::sort(best.begin(), best.end());
+  const auto reached = static_cast<std::size_t>((1 - Chance::kShare) * static_cast<double>(best.size()));
+  return {best[reached]};
 }
 
 }  // namespace fathom

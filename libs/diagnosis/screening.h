@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <set>
@@ -27,49 +29,68 @@ struct TestedCandidate {
   /// would have to be there of.
   double statistic = 0;
   int dof = 0;
-  double log_p = 0;    ///< ln of its probability where nothing is missing, for this candidate alone
-  double support = 0;  ///< -ln p, prior and looking elsewhere accounted for
-  double kept = 0;     ///< |P C| / |C|: what the nuisances leave of it
+  double log_p = 0;         ///< ln of its probability where nothing is missing, for this candidate alone
+  double log_evidence = 0;  ///< ln of the odds that it is there, prior and looking elsewhere accounted for
+  double size = 1;          ///< t of EffectEvidence
+  double kept = 0;          ///< |P C| / |C|: what the nuisances leave of it
   std::vector<EffectEstimate> one_step;  ///< its parameters so
 };
 
-/// ln of a candidate's odds against one that lasts for good, before looking: a part of the recording, or a
-/// time, is one of the many between so many segments.
-double logPriorOf(const Candidate& candidate, int segments);
+/// ln of how likely a candidate is before looking, of all that may be missing: any effect that can show is as
+/// likely as any other, and of each as likely that it lasts as that it is on for a part, or from a time on:
+/// one of the many between so many segments.
+class PriorOdds {
+ public:
+  PriorOdds() = default;
+  PriorOdds(const Linearization& linear, int segments);
+  double logOf(const Candidate& candidate) const;
 
-/// How many independent tests all that was tried is worth: effects that last, and parts of the recording or
-/// times, which are many. Each kind may ring half of the false alarms, or what lasts would have to be as
-/// improbable as the best of a thousand intervals.
-struct Looks {
-  double lasting = 1, parts = 1;
+ private:
+  int segments_ = 1;
+  double effects_ = 1, markers_ = 1, sensors_ = 1;
+  std::vector<double> instances_;  // of each effect
 };
 
-/// Probability that, where nothing is missing, something that was tried is as improbable: that any of its
-/// kind has so small a p, counted twice for the two kinds.
-double alarmOf(double log_p, bool is_lasting, const Looks& looks);
+/// Effects that have been tried in full, and did not hold on stretches that they were not fitted to.
+struct LeftOut {
+  std::set<std::size_t> parts;  ///< tried for good only
+  std::set<std::size_t> all;    ///< not at all
+};
 
 /// Candidates that are on together.
 struct TestedSet {
   std::vector<std::size_t> members;  ///< in Screening::candidates()
-  double support = 0;
+  double log_evidence = 0;
 };
 
 class Screening {
  public:
-  /// Onsets, ends and steps are tried where the recording is cut into so many equal segments. The model is
-  /// referred to and must outlive it.
-  /// Of effects in `lasting_only` no part of the recording is tried.
-  Screening(const WhitenedModel& model, int segments, const std::set<std::size_t>& lasting_only = {});
+  /// Onsets, ends and steps are tried where the recording is cut into so many equal segments. With the budget
+  /// as declared: what the readings show it to be is for a fit to say.
+  Screening(const WhitenedModel& model, int segments, const LeftOut& left_out = {});
 
   /// Each effect (and marker) for good, then with its best interval or time.
   const std::vector<TestedCandidate>& candidates() const { return tested_; }
-  /// Sets of up to `size` effects, best supported first; at most `count`. `log_odds`: ln of the odds against
+  /// Sets of up to `size` effects, the likeliest first; at most `count`. `log_odds`: ln of the odds against
   /// each effect besides the first.
   std::vector<TestedSet> bestSets(std::size_t size, std::size_t count, double log_odds) const;
   /// The largest |cos| between what two candidates can do to the readings, nuisances projected off.
   double alignment(std::size_t a, std::size_t b) const;
-  /// By the medians of the least p of simulated noise.
-  Looks independentLooks(std::uint64_t seed) const;
+  /// How often the best of all that was tried is so likely where nothing is missing: by simulated readings
+  /// that differ from the model by noise and the budget alone.
+  class Chance {
+   public:
+    /// By Markov's inequality: odds of e^x are seen by chance e^-x as often (Ville; Vovk & Wang 2021).
+    double alarmOf(double log_evidence) const {
+      return std::min(1.0, kShare * std::exp(usual_best - log_evidence));
+    }
+    /// The evidence that is reached so often.
+    double evidenceOf(double alarm) const { return usual_best + std::log(kShare / alarm); }
+
+    static constexpr double kShare = 0.1;
+    double usual_best = 0;  ///< that share of the simulated readings reach it
+  };
+  Chance chance(std::uint64_t seed) const;
 
  private:
   /// An effect's columns, segment by segment, among all.
@@ -90,10 +111,12 @@ class Screening {
   struct Test {
     Run run;
     Information information;
+    EffectEvidence evidence;
+    double log_prior = 0;
     bool is_lasting = true;
   };
 
-  void layOut(const Linearization& linear, int segments, const std::set<std::size_t>& lasting_only);
+  void layOut(const Linearization& linear, int segments, const LeftOut& left_out);
   Eigen::SparseMatrix<double> columns(const Linearization& linear) const;
   Eigen::VectorXd normsOf(const Run& run) const;
   std::vector<Run> runsOf(std::size_t family) const;
@@ -101,15 +124,16 @@ class Screening {
   Candidate candidateOf(const Family& family, double from_s, double to_s) const;
   Eigen::MatrixXd gramOf(const Run& run) const;
   Eigen::MatrixXd gramOf(std::size_t a, std::size_t b) const;
-  void add(std::size_t family, TestedCandidate tested, double log_prior);
+  void add(std::size_t family, TestedCandidate tested);
   void takeFinerEdges(int segments, std::vector<std::optional<TestedCandidate>>& parts);
   void combine();
   Eigen::VectorXd scoreOf(const Run& run, const Eigen::VectorXd& score) const;
   TestedCandidate test(std::size_t of_family, const Candidate& candidate, const Reduced& reduced,
-                       const Information& information) const;
-  double supportOf(const std::vector<std::size_t>& members) const;
+                       const Information& information, const EffectEvidence& evidence) const;
+  double evidenceOf(const std::vector<std::size_t>& members) const;
 
-  const WhitenedModel& model_;
+  WhitenedModel model_;
+  PriorOdds prior_;
   Eigen::SparseMatrix<double> columns_;  // of all families, whitened
   double first_s_ = 0, segment_s_ = 0;
   std::vector<Family> families_;
@@ -119,12 +143,6 @@ class Screening {
   std::vector<Test> all_;            // that were tried
   std::vector<TestedCandidate> tested_;
   std::vector<std::size_t> family_of_;  // of the tested ones
-  std::vector<double> log_prior_;       // of the tested ones: an interval is one of many
 };
-
-/// -ln of the probability that parameters of no effect raise the likelihood so much: information A, score g.
-/// With a normal prior, which keeps sizes that nobody would expect from counting, and of parameters that the
-/// readings do not determine, the freedom.
-double support(const Eigen::MatrixXd& A, const Eigen::VectorXd& g, const Eigen::VectorXd& prior_sigma);
 
 }  // namespace fathom

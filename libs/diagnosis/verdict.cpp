@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/stable_sort.h"
 #include "core/text.h"
 #include "effects/catalogue.h"
 
@@ -10,10 +11,11 @@ namespace fathom {
 namespace {
 
 constexpr double kUnexplained_p = 0.01;
-constexpr double kDetectable = 18;   // information times prior variance: 5 % over the catalogue, power 90 %
-constexpr double kLeastShare = 0.2;  // of the catalogue to be within reach, for "none" to mean something
-// Seen at usual angles either shifts corners alike.
-constexpr MarkerScatter kMaterialScatter{.in_face_m = 0.001, .off_face_m = 0.00175, .tilted_m = 0.002};
+constexpr double kExplained = 0.95;   // of what can be taken away
+constexpr double kBursts = 3;         // ln odds: twenty to one
+constexpr double kMostLogOdds = 300;  // beyond, its exponential is no double
+constexpr double kDetectable = 18;    // information times prior variance: 5 % over the catalogue, power 90 %
+constexpr double kLeastShare = 0.2;   // of the catalogue to be within reach, for "none" to mean something
 constexpr double kNoisier = 1.5, kQuieter = 0.5;  // than stated, worth a remark
 constexpr std::size_t kToldFailures = 3;
 
@@ -45,47 +47,126 @@ void remarkOnNoise(Diagnosis& diagnosis) {
           print("%s: %.2f times the noise stated", nameOf(channel).c_str(), noise.scale));
 }
 
-/// Everything by which the model with the effects found is still not adequate.
-std::vector<std::string> failuresOf(const Diagnosis& diagnosis) {
-  std::vector<std::string> failures;
+/// Of so many readings of one sigma, were it not more than `largest`.
+double beyondOf(const ChannelNoise& noise, double largest) {
+  const double ratio = noise.scale / largest;
+  return ratio > 1 ? static_cast<double>(noise.rows) * (0.5 * (ratio * ratio - 1) - std::log(ratio)) : 0;
+}
+
+/// What the budget's components and the channels' noise turned out to be.
+std::vector<BudgetEntry> budgetOf(const NoiseModel& noise) {
+  std::vector<BudgetEntry> entries;
+  for (std::size_t k = 0; k < noise.scales.size(); ++k) {
+    const VarianceComponent& c = noise.budget.components[k];
+    const EstimatedScale& own = noise.scales[k];
+    entries.push_back({c.name, c.unit, c.source, c.sigma, own.scale, own.log_sd, own.beyond, false});
+  }
+  for (const Channel channel : kEveryChannel)
+    if (const ChannelNoise& own = noise.of(channel); own.rows > 0 && channel != kChannel<Prior>)
+      entries.push_back({"noise of " + nameOf(channel), "of the sigma stated", "data sheet", 1, own.scale,
+                         1 / std::sqrt(2 * static_cast<double>(own.rows)),
+                         beyondOf(own, noise.budget.noise_factor), false});
+  for (BudgetEntry& entry : entries) entry.bursts = entry.beyond > kBursts;
+  return entries;
+}
+
+bool isLeft(const Mismatch& map) { return map.material && map.log_p < std::log(kUnexplained_p); }
+
+/// Of log likelihood, what a correction by one covariate would still take away beyond chance.
+double leftBy(const Mismatch& map) { return std::max(0.0, 0.5 * (map.statistic_value - map.dof)); }
+
+std::string textOf(const Mismatch& map) {
+  return print("%s of %s against %s (%s: %.1f sigma, %.2g %s in all)", map.statistic.c_str(),
+               nameOf(map.channel).c_str(), map.against.c_str(), map.where.c_str(), map.size_sigma,
+               map.size_raw, map.raw_unit.c_str());
+}
+
+std::string textOf(const FoundEffect& found, const InteractionTest& test) {
+  return print("%s would have to change with %s, by %.0f %% over one standard deviation of it",
+               nameOf(found.candidate).c_str(), test.against.c_str(), 100 * test.relative_change);
+}
+
+/// A correction that would still take something away.
+struct Left {
+  double log_likelihood = 0;  ///< beyond chance
+  double statistic = 0;       ///< chi-square of dof by chance
+  int dof = 0;
+  std::string where, unit;
+  double size = 0;
+};
+
+/// What matters of it, the largest first: beside the effects, or beyond the budget.
+std::vector<Left> leftBeside(const Diagnosis& diagnosis) {
+  std::vector<Left> all;
   for (const Mismatch& map : diagnosis.remaining)
-    if (map.material && map.log_p < std::log(kUnexplained_p))
-      failures.push_back(print("%s of %s against %s (%s: %.1f sigma, %.2g %s in all)", map.statistic.c_str(),
-                               nameOf(map.channel).c_str(), map.against.c_str(), map.where.c_str(),
-                               map.size_sigma, map.size_raw, map.raw_unit.c_str()));
+    if (isLeft(map))
+      all.push_back({leftBy(map), map.statistic_value, map.dof, textOf(map), map.raw_unit, map.size_raw});
   for (const FoundEffect& found : diagnosis.effects)
     for (const InteractionTest& test : found.interactions)
       if (test.failed)
-        failures.push_back(
-            print("%s would have to change with %s, by %.0f %% over one standard deviation of it",
-                  nameOf(found.candidate).c_str(), test.against.c_str(), 100 * test.relative_change));
-  const MarkerScatter& scatter = diagnosis.noise.markers;
-  if (scatter.in_face_m > kMaterialScatter.in_face_m || scatter.off_face_m > kMaterialScatter.off_face_m)
-    failures.push_back(print("markers lie %.1f mm off the map, one by one", 1e3 * scatter.largest_m()));
+        all.push_back({0.5 * (test.statistic - 1), test.statistic, 1, textOf(found, test), "%",
+                       100 * std::abs(test.relative_change)});
+  for (const BudgetEntry& entry : diagnosis.budget)
+    if (entry.bursts)
+      all.push_back({entry.beyond, 1 + 2 * entry.beyond, 1,
+                     print("%s, %.2g %s where %.2g is ordinary", entry.component.c_str(), entry.estimate,
+                           entry.unit.c_str(), entry.prior),
+                     entry.unit, entry.estimate});
+  stableSort(all, [](const Left& a, const Left& b) { return a.log_likelihood > b.log_likelihood; });
+  return all;
+}
+
+/// By log likelihood, of what the effects take away and what is left besides.
+void shareOut(Diagnosis& diagnosis) {
+  double taken = 0, by_effects = 0;
+  for (const FoundEffect& found : diagnosis.effects)
+    by_effects += std::max(0.0, found.heldout_log_likelihood_gain);
+  taken = std::max(diagnosis.heldout.gain.physics, 0.0);
+  const std::vector<Left> beside = leftBeside(diagnosis);
+  const double left = beside.empty() ? 0 : beside.front().log_likelihood;
+  if (left > 0)
+    diagnosis.remainder = {left / (taken + left), beside.front().where, beside.front().unit,
+                           beside.front().size, true};
+  for (FoundEffect& found : diagnosis.effects)
+    found.share = by_effects > 0
+                      ? taken / (taken + left) * std::max(0.0, found.heldout_log_likelihood_gain) / by_effects
+                      : 0;
+}
+
+std::vector<std::string> failuresOf(const Diagnosis& diagnosis) {
+  std::vector<std::string> failures;
+  if (diagnosis.remainder.share > 1 - kExplained)
+    for (const Left& left : leftBeside(diagnosis)) failures.push_back(left.where);
   return failures;
 }
 
-void judgeUnexplained(Diagnosis& diagnosis, const std::vector<std::string>& failures,
-                      const EffectParameters<double>& known) {
+std::string effectsText(const Diagnosis& diagnosis) {
+  std::string text;
+  for (std::size_t i = 0; i < diagnosis.effects.size(); ++i)
+    text += (i > 0 ? "; and " : "") + sentence(diagnosis.effects[i]);
+  return text;
+}
+
+void judgeUnexplained(Diagnosis& diagnosis, const std::vector<std::string>& failures) {
   diagnosis.verdict = Verdict::unexplained;
-  diagnosis.why =
-      "Something is missing that no effect of the catalogue describes. It shows as " + failures[0];
+  diagnosis.why = diagnosis.effects.empty()
+                      ? "Something is missing that no effect of the catalogue describes. It shows as "
+                      : "The model leaves out " + effectsText(diagnosis) + ". That is not all: it shows as ";
+  diagnosis.why += failures[0];
   for (std::size_t i = 1; i < std::min(kToldFailures, failures.size()); ++i)
     diagnosis.why += "; " + failures[i];
   diagnosis.why += ".";
-  if (diagnosis.effects.empty()) return;
-  diagnosis.why += " What comes nearest is " + sentence(diagnosis.effects[0]) + ".";
-  diagnosis.nearest = std::move(diagnosis.effects);
-  diagnosis.effects.clear();
-  diagnosis.calibration = known;
 }
 
 void judgeExplained(Diagnosis& diagnosis) {
   diagnosis.verdict = Verdict::explained;
-  diagnosis.why = "The model leaves out ";
-  for (std::size_t i = 0; i < diagnosis.effects.size(); ++i)
-    diagnosis.why += (i > 0 ? "; and " : "") + sentence(diagnosis.effects[i]);
-  diagnosis.why += ".";
+  diagnosis.why = "The model leaves out " + effectsText(diagnosis) + ".";
+  if (diagnosis.remainder.share > 0)
+    diagnosis.remarks.push_back(print("%.2g %% of the mismatch remains: ", 100 * diagnosis.remainder.share) +
+                                diagnosis.remainder.where);
+}
+
+void tellAlternatives(Diagnosis& diagnosis) {
   for (const Alternatives& set : diagnosis.alternatives) {
     diagnosis.why += " As good in place of " + nameOf(set.candidates[0]) + ":";
     for (std::size_t i = 1; i < set.candidates.size(); ++i)
@@ -93,6 +174,38 @@ void judgeExplained(Diagnosis& diagnosis) {
     diagnosis.why += ". This recording cannot choose among them.";
     if (!set.advice.manoeuvre.empty()) diagnosis.why += " To tell them apart: " + textOf(set.advice) + ".";
   }
+}
+
+/// What is left by an unknown correction, were its size just what the readings show (empirical Bayes), of as
+/// many maps as were looked at.
+double oddsOfSomethingElse(const Diagnosis& diagnosis) {
+  const std::vector<Left> beside = leftBeside(diagnosis);
+  if (beside.empty() || beside.front().statistic <= beside.front().dof) return 0;
+  const Left& most = beside.front();
+  const double log_odds = 0.5 * (most.statistic - most.dof - most.dof * std::log(most.statistic / most.dof)) -
+                          std::log(static_cast<double>(diagnosis.remaining.size()));
+  return std::exp(std::min(log_odds, kMostLogOdds));
+}
+
+/// The effects stated, each rival in its place, what is none of the catalogue, and nothing at all.
+void weighHypotheses(Diagnosis& diagnosis) {
+  std::vector<Candidate> stated;
+  for (const FoundEffect& found : diagnosis.effects) stated.push_back(found.candidate);
+  diagnosis.posterior.push_back({stated, false, 1});
+  for (const Alternatives& set : diagnosis.alternatives)
+    for (std::size_t k = 1; k < set.candidates.size(); ++k) {
+      std::vector<Candidate> other = stated;
+      std::replace(other.begin(), other.end(), set.candidates[0], set.candidates[k]);
+      diagnosis.posterior.push_back({other, false, std::exp(std::min(0.0, set.log_odds[k]))});
+    }
+  diagnosis.posterior.push_back({{}, true, oddsOfSomethingElse(diagnosis)});
+  if (!stated.empty())
+    diagnosis.posterior.push_back(
+        {{}, false, 1 / std::exp(std::clamp(diagnosis.log_odds, 0.0, kMostLogOdds))});
+  double sum = 0;
+  for (const Hypothesis& hypothesis : diagnosis.posterior) sum += hypothesis.mass;
+  for (Hypothesis& hypothesis : diagnosis.posterior) hypothesis.mass /= sum;
+  stableSort(diagnosis.posterior, [](const Hypothesis& a, const Hypothesis& b) { return a.mass > b.mass; });
 }
 
 /// Whether a usual size of a candidate, its prior sigma, would have shown in the recording.
@@ -118,22 +231,24 @@ void judgeNothingFound(Diagnosis& diagnosis, const Linearization& nominal) {
   diagnosis.verdict = Verdict::none;
   diagnosis.why = print("Nothing material is missing: of %zu things tried the most telling, %s, would ",
                         diagnosis.tested.size(), diagnosis.most_improbable.c_str());
-  diagnosis.why += diagnosis.is_within_bias
-                       ? "move readings by less than they are off in any recording."
-                       : print("be seen by chance with probability %.2g.", diagnosis.alarm_p);
+  diagnosis.why += print("be seen by chance with probability %.2g.", diagnosis.alarm_p);
 }
 
 }  // namespace
 
-void judge(Diagnosis& diagnosis, const Linearization& nominal, const EffectParameters<double>& known) {
+void judge(Diagnosis& diagnosis, const Linearization& nominal) {
   remarkOnNoise(diagnosis);
+  diagnosis.budget = budgetOf(diagnosis.noise);
+  shareOut(diagnosis);
   const std::vector<std::string> failures = failuresOf(diagnosis);
   if (!failures.empty())
-    judgeUnexplained(diagnosis, failures, known);
+    judgeUnexplained(diagnosis, failures);
   else if (!diagnosis.effects.empty())
     judgeExplained(diagnosis);
   else
     judgeNothingFound(diagnosis, nominal);
+  tellAlternatives(diagnosis);
+  weighHypotheses(diagnosis);
 }
 
 }  // namespace fathom

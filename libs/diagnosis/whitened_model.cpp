@@ -2,21 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
-#include "effects/registry.h"
 #include "estimation/sparse.h"
 
 namespace fathom {
 namespace {
-
-/// Half the side of each marker.
-std::map<int, double> halfSizes(const BatchData& data) {
-  std::map<int, double> sizes;
-  for (const PanelMap& panel : data.panels)
-    for (const Marker& marker : panel.markers) sizes[marker.id] = 0.5 * marker.size_m;
-  return sizes;
-}
 
 Linearization weighted(Linearization linear) {
   applyRobustWeights(linear);
@@ -25,22 +15,22 @@ Linearization weighted(Linearization linear) {
 
 }  // namespace
 
-WhitenedModel::WhitenedModel(Linearization linear, const NoiseModel& noise, const BatchData& data)
-    : linear_(weighted(std::move(linear))),
-      noise_(noise),
-      W_(whitener(linear_, noise)),
-      nuisances_(nuisanceColumns(noise, data)) {
+WhitenedModel::WhitenedModel(Linearization linear, const NoiseModel& noise)
+    : WhitenedModel(Weighted{}, weighted(std::move(linear)), noise) {}
+
+WhitenedModel::WhitenedModel(Weighted, Linearization linear, const NoiseModel& noise)
+    : linear_(std::move(linear)), noise_(noise), W_(whitenerOf(linear_, noise)), nuisances_(nuisancesOf()) {
   residual_ = Eigen::VectorXd::Zero(nuisances_.J().rows());
   residual_.head(W_.rows()) = W_ * linear_.residual;
 }
 
-Eigen::SparseMatrix<double> WhitenedModel::whitener(const Linearization& linear, const NoiseModel& noise) {
+Eigen::SparseMatrix<double> whitenerOf(const Linearization& linear, const NoiseModel& noise) {
   // A row's sigma was taken too large by so much, for what its neighbours have in common with it.
   Eigen::VectorXd size = Eigen::VectorXd::Ones(std::ssize(linear.rows));
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t i = 0; i < linear.rows.size(); ++i) {
     const ChannelNoise& channel = noise.of(linear.rows[i].channel);
-    const double parts = noise.print.parts * noise.print.parts * partVariance(linear.rows[i]);
+    const double parts = noise.parts * noise.parts * partVariance(linear.rows[i]);
     size[static_cast<Eigen::Index>(i)] = channel.independentScale() / channel.scale / std::sqrt(1 + parts);
   }
   Eigen::VectorXd diagonal = size;
@@ -83,13 +73,9 @@ Eigen::VectorXd WhitenedModel::remaining(const Eigen::VectorXd& changes) const {
   return left;
 }
 
-Eigen::SparseMatrix<double> WhitenedModel::nuisanceColumns(const NoiseModel& noise,
-                                                           const BatchData& data) const {
-  Eigen::SparseMatrix<double> J = W_ * linear_.J;
-  const auto add = [&](const HeldColumns& held) { J = withHeldColumns(J, W_ * held.columns, held.sigma); };
-  if (noise.print.isSeen()) add(printColumns(linear_, noise.print));
-  if (noise.markers.largest_m() > 0) add(placeColumns(linear_, noise.markers, halfSizes(data)));
-  return J;
+Nuisances WhitenedModel::nuisancesOf() const {
+  const HeldColumns held = budgetColumns(linear_, noise_);
+  return Nuisances(withHeldColumns(W_ * linear_.J, W_ * held.columns, held.sigma), held.sigma.size());
 }
 
 Eigen::SparseMatrix<double> WhitenedModel::whitened(const Eigen::SparseMatrix<double>& columns) const {

@@ -1,17 +1,25 @@
 #pragma once
 
+#include "diagnosis/candidate.h"
 #include "diagnosis/noise.h"
 #include "estimation/nuisances.h"
 
 namespace fathom {
 
-/// An estimate's linear model in units of independent noise, as the data shows it: W r, W J, W C. Where the
-/// markers scatter about their map, each marker's own place is among the nuisances; where print does, each
-/// place's albedo.
+/// W over a linearization's rows.
+Eigen::SparseMatrix<double> whitenerOf(const Linearization& linear, const NoiseModel& noise);
+
+/// An estimate's linear model in units of independent noise, as the data shows it: W r, W J, W C. The
+/// error budget's components are among the nuisances, held by what they scatter by.
 class WhitenedModel {
  public:
   /// `linear` at an estimate with noise.applyTo(), not yet weighted.
-  WhitenedModel(Linearization linear, const NoiseModel& noise, const BatchData& data);
+  WhitenedModel(Linearization linear, const NoiseModel& noise);
+  /// The same of one whose robust weights have been applied.
+  struct Weighted {};
+  WhitenedModel(Weighted, Linearization linear, const NoiseModel& noise);
+  /// This one under another noise.
+  WhitenedModel under(const NoiseModel& noise) const { return {Weighted{}, linear_, noise}; }
 
   const Linearization& linear() const { return linear_; }
   const NoiseModel& noise() const { return noise_; }
@@ -36,8 +44,7 @@ class WhitenedModel {
   double costOf(const Eigen::VectorXd& left) const;
 
  private:
-  static Eigen::SparseMatrix<double> whitener(const Linearization& linear, const NoiseModel& noise);
-  Eigen::SparseMatrix<double> nuisanceColumns(const NoiseModel& noise, const BatchData& data) const;
+  Nuisances nuisancesOf() const;
 
   Linearization linear_;
   NoiseModel noise_;

@@ -2,16 +2,30 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "core/text.h"
 #include "effects/catalogue.h"
+#include "effects/sensor_kinds.h"
 
 namespace fathom {
 namespace {
 
+double readSensor(const YamlMap& entry, const std::string& name) {
+  const std::string label = entry.text(name);
+  if (const int kind = sensorKind(label); kind >= 0) return kind;
+  std::string known;
+  for (const std::string_view kind : kSensorKinds) known.append(known.empty() ? "" : ", ").append(kind);
+  throw entry.error(name, "no such kind of sensors: `" + label + "` (known: " + known + ")");
+}
+
 void readParameter(const YamlMap& entry, const Parameter& parameter, double* values) {
   const std::string name(parameter.name);
   if (parameter.optional && !entry.has(name)) return;
+  if (parameter.kind == ParameterKind::sensor) {
+    *values = readSensor(entry, name);
+    return;
+  }
   const auto numbers = parameter.size == 1 ? std::vector<double>{entry.number(name)} : entry.numbers(name);
   if (static_cast<int>(numbers.size()) != parameter.size)
     throw entry.error(name, "must have " + std::to_string(parameter.size) + " numbers");
@@ -28,10 +42,16 @@ void readParameter(const YamlMap& entry, const Parameter& parameter, double* val
 void readInterval(const YamlMap& entry, Interval& active_s) {
   const std::string name = "active_s";
   if (!entry.has(name)) return;
-  const auto numbers = entry.numbers(name);
-  if (numbers.size() != 2 || !(numbers[0] < numbers[1]))
-    throw entry.error(name, "must be [from, to], s, to being later");
-  active_s = {numbers[0], numbers[1]};
+  const std::vector<double> times = entry.matrix(name);
+  const bool is_rising =
+      std::adjacent_find(times.begin(), times.end(), std::greater_equal<>()) == times.end();
+  if (times.size() < 2 || times.size() > 2 + 2 * active_s.pauses.size() || times.size() % 2 != 0 ||
+      !is_rising)
+    throw entry.error(
+        name,
+        "must be [from, to], s, to being later, or up to three of these, each later than the one before");
+  active_s = {times.front(), times.back()};
+  for (std::size_t k = 1; k + 1 < times.size(); k += 2) active_s.pauses[k / 2] = {times[k], times[k + 1]};
 }
 
 void readInstance(const YamlMap& entry, std::optional<Instance>& only) {
@@ -44,6 +64,8 @@ void readInstance(const YamlMap& entry, std::optional<Instance>& only) {
 }
 
 std::string formatNumbers(const double* values, int size, const Parameter& parameter = {}) {
+  if (parameter.kind == ParameterKind::sensor)
+    return std::string(kSensorKinds.at(static_cast<std::size_t>(*values)));
   std::string text = size > 1 ? "[" : "";
   for (int i = 0; i < size; ++i) text += (i > 0 ? ", " : "") + shortest(asNamed(parameter, values[i]));
   return text + (size > 1 ? "]" : "");
@@ -86,8 +108,10 @@ std::string formatEntry(const EffectInfo& effect, const double* value, const Int
     value += parameter.size;
   }
   if (active_s != Interval{}) {
-    const std::array<double, 2> ends{active_s.from_s, active_s.to_s};
-    text += ", active_s: " + formatNumbers(ends.data(), 2);
+    std::string times;
+    const auto parts = active_s.parts();
+    for (const auto& part : parts) times += (times.empty() ? "" : ", ") + formatNumbers(part.data(), 2);
+    text += ", active_s: " + (parts.size() > 1 ? "[" + times + "]" : times);
   }
   if (only) text += ", instance: " + std::string(only->isFirst() ? Instance::kFirst : only->name());
   return text + "}";

@@ -12,9 +12,11 @@
 ///   effects:
 ///     - {id: dvl-scale, scale_error: 0.012}
 ///     - {id: dvl-lever-arm, offset_m: [0.10, 0, -0.02]}
+///     - {id: clock-drift, sensor: DVL, rate_ppm: 40}
 ///     - {id: water-current, current_m_s: [0.2, 0.1, 0], active_s: [30, 80]}
 ///
-/// active_s: from when to when, in seconds from the recording's first entry; without it, always.
+/// active_s: from when to when, in seconds from the recording's first entry, or [[from, to], [from, to]] of
+/// what comes again; without it, always.
 /// instance: where a vehicle has several instruments of the kind, the one that it acts on, as it stands
 /// behind the dot of its label (`2` of DVL.2, or `first`); without it, on each. An effect may be given once
 /// for each instance.

@@ -97,6 +97,8 @@ std::string_view nameOf(ParameterKind kind) {
       return "continuous";
     case ParameterKind::marker_id:
       return "marker id";
+    case ParameterKind::sensor:
+      return "sensor";
     case ParameterKind::time:
       return "time";
     case ParameterKind::peak_time:

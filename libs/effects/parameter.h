@@ -8,6 +8,7 @@ namespace fathom {
 enum class ParameterKind {
   continuous,  ///< readings depend on it smoothly: a fit may differentiate
   marker_id,   ///< a whole number, one of the panel map's ids: tried one by one
+  sensor,      ///< a kind of sensors by its label, its place in kSensorKinds: tried one by one
   time,        ///< s since the recording's first entry, of a step: derivatives are zero, so searched
   peak_time,   ///< the same of a peak: searched, and then estimated. Neutral is any time
   log_width,   ///< ln of a peak's width over its usual one, likewise
@@ -16,7 +17,7 @@ enum class ParameterKind {
 
 /// Whether readings depend on it, or on what is drawn of it, smoothly.
 constexpr bool isDifferentiated(ParameterKind kind) {
-  return kind != ParameterKind::marker_id && kind != ParameterKind::time;
+  return kind != ParameterKind::marker_id && kind != ParameterKind::sensor && kind != ParameterKind::time;
 }
 /// Whether a fit estimates it itself, where it is once known roughly.
 constexpr bool isEstimated(ParameterKind kind) {
@@ -27,12 +28,12 @@ constexpr bool isSize(ParameterKind kind) {
   return kind == ParameterKind::continuous || kind == ParameterKind::spread;
 }
 
-/// One named parameter of an effect, a scalar or a list of three. Neutral is always zero: at zero the effect
-/// changes nothing, so every effect's size is also its distance from "not there".
+/// One named parameter of an effect, a scalar or a list of two or three. Neutral is always zero: at zero the
+/// effect changes nothing, so every effect's size is also its distance from "not there".
 struct Parameter {
   std::string_view name{};  ///< with the unit as suffix, e.g. "offset_m"
   std::string_view unit{};  ///< "1", "m", "deg", "s", …
-  int size = 1;             ///< 1, or 3 for x y z
+  int size = 1;             ///< 1, or 2 for x y, 3 for x y z
   /// How large an engineer would expect it, same unit: keeps near-aliases apart. 0 where it is not
   /// continuous: any is as likely.
   double prior_sigma = 0;

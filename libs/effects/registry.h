@@ -15,12 +15,14 @@
 #include "effects/auto_exposure.h"
 #include "effects/camera_latency.h"
 #include "effects/camera_misalignment.h"
+#include "effects/clock_drift.h"
 #include "effects/dark_offset.h"
 #include "effects/dvl_latency.h"
 #include "effects/dvl_lever_arm.h"
 #include "effects/dvl_misalignment.h"
 #include "effects/dvl_scale.h"
 #include "effects/earth_rotation.h"
+#include "effects/edge_bias.h"
 #include "effects/extra_effects.h"
 #include "effects/flat_port_refraction.h"
 #include "effects/focal_scale.h"
@@ -29,6 +31,7 @@
 #include "effects/gyro_bias.h"
 #include "effects/gyro_scale.h"
 #include "effects/heading_disturbance.h"
+#include "effects/illumination_gradient.h"
 #include "effects/ins_latency.h"
 #include "effects/ins_misalignment.h"
 #include "effects/lamp.h"
@@ -38,6 +41,7 @@
 #include "effects/marker_size.h"
 #include "effects/motion_blur.h"
 #include "effects/panel_moved.h"
+#include "effects/panel_shape.h"
 #include "effects/pressure_density.h"
 #include "effects/pressure_offset.h"
 #include "effects/rolling_shutter.h"
@@ -61,7 +65,8 @@ using Catalogue =
                FlatPortRefraction, FocalScale, LensDistortion, CameraMisalignment, CameraLatency,
                RollingShutter, MarkerMoved, MarkerSize, PanelMoved, SunFlicker, Lamp, SeparateBackscatter,
                TurbidityPlume, SlantRange, ForwardScatter, Vignetting, AutoExposure, Gamma, DarkOffset,
-               MotionBlur, MarineSnow, HeadingDisturbance>;
+               MotionBlur, MarineSnow, HeadingDisturbance, ClockDrift, EdgeBias, PanelShape,
+               IlluminationGradient>;
 
 /// The catalogue, and after it what the build was told to know besides.
 using AllEffects = decltype(std::tuple_cat(Catalogue{}, ExtraEffects{}));
@@ -99,12 +104,34 @@ inline constexpr std::size_t kEffectIndex = detail::effectIndex<Effect>();
 /// Where each effect's scalars start in EffectParameters::values; the last entry is the total.
 inline constexpr auto kEffectOffsets = detail::effectOffsets(std::make_index_sequence<kEffectCount>{});
 
-/// From when to when, s since the recording's first entry. The default outlasts every recording.
+/// When, s since the recording's first entry: once, or with pauses. The default outlasts every recording.
 struct Interval {
   static constexpr double kForever_s = 1e9;
   double from_s = -kForever_s, to_s = kForever_s;
+  /// Between these it is not; one that does not last is none. In the order of time.
+  struct Pause {
+    double from_s = 0, to_s = 0;
+    bool isOne() const { return from_s < to_s; }
+    friend bool operator==(const Pause&, const Pause&) = default;
+  };
+  std::array<Pause, 2> pauses{};
 
-  bool contains(double t_s) const { return from_s <= t_s && t_s <= to_s; }
+  bool contains(double t_s) const {
+    if (!(from_s <= t_s && t_s <= to_s)) return false;
+    for (const Pause& pause : pauses)
+      if (pause.from_s < t_s && t_s < pause.to_s) return false;
+    return true;
+  }
+  /// [from, to] of each time that it is.
+  std::vector<std::array<double, 2>> parts() const {
+    std::vector<std::array<double, 2>> all{{from_s, to_s}};
+    for (const Pause& pause : pauses)
+      if (pause.isOne()) {
+        all.back()[1] = pause.from_s;
+        all.push_back({pause.to_s, to_s});
+      }
+    return all;
+  }
   friend bool operator==(const Interval&, const Interval&) = default;
 };
 
@@ -194,14 +221,16 @@ void forEachEffect(F&& f) {
   }(static_cast<AllEffects*>(nullptr));
 }
 
+/// Whether an effect acts at a stage: its own, or one that is of its own's kind.
+template <class Effect, class T, class Stage>
+inline constexpr bool kActsAt = std::is_base_of_v<typename Effect::template Stage<T>, Stage>;
+
 /// The effects that act at a stage, which is one of T.
 template <class T, class Stage>
 const std::bitset<kEffectCount>& effectsAt() {
   static const std::bitset<kEffectCount> acting = [] {
     std::bitset<kEffectCount> effects;
-    forEachEffect([&]<class Effect>() {
-      effects[kEffectIndex<Effect>] = std::is_same_v<typename Effect::template Stage<T>, Stage>;
-    });
+    forEachEffect([&]<class Effect>() { effects[kEffectIndex<Effect>] = kActsAt<Effect, T, Stage>; });
     return effects;
   }();
   return acting;
@@ -215,7 +244,7 @@ void applyEffects(const EffectParameters<T>& parameters, double t_s, Stage& stag
   if (parameters.asked != nullptr) *parameters.asked |= effectsAt<T, Stage>();
   if (parameters.on.none()) return;
   forEachEffect([&]<class Effect>() {
-    if constexpr (std::is_same_v<typename Effect::template Stage<T>, Stage>)
+    if constexpr (kActsAt<Effect, T, Stage>)
       if (parameters.isActive(kEffectIndex<Effect>, t_s))
         Effect::template apply<T>(parameters.template of<Effect>(), stage);
   });

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/camera_model.h"
+#include "core/face_shape.h"
 #include "core/geometry.h"
 
 /// The stages of the forward model at which an effect can act: each is a quantity on its way from the true
@@ -17,13 +18,21 @@ struct Mounting {
   Vector3<T> position_robot = Vector3<T>::Zero();  ///< m
 };
 
-/// When the measurement was truly valid, against its time stamp: starts at zero, negative is earlier.
-template <class T, class Instrument>
-struct ValidityOffset {
+/// When a measurement was truly valid, against its time stamp: starts at zero, negative is earlier. Where an
+/// effect acts at this one, it acts on all instruments.
+template <class T>
+struct Validity {
   T seconds = T(0);
+  double t_s = 0;   ///< context: the stamp, since the recording's first entry
+  int sensor = -1;  ///< context: the instrument's place in kSensorKinds
 };
+/// The same of one kind of instrument.
+template <class T, class Instrument>
+struct ValidityOffset : Validity<T> {};
 template <class Stage>
 inline constexpr bool kIsValidityOffset = false;
+template <class T>
+inline constexpr bool kIsValidityOffset<Validity<T>> = true;
 template <class T, class Instrument>
 inline constexpr bool kIsValidityOffset<ValidityOffset<T, Instrument>> = true;
 
@@ -87,6 +96,8 @@ struct PanelPlacement {
   Matrix3<T> R_odom_panel = Matrix3<T>::Identity();
 };
 
+// FaceShape (core/face_shape.h): how its face differs from that of the map.
+
 /// A flat port before the camera: parallel layers of air and glass, and water behind. See
 /// imaging/flat_port.h.
 template <class T>
@@ -116,11 +127,20 @@ struct Shutter {
   T readout_s = T(0);
 };
 
+/// How far white grows over black at each edge in the image, as a detector sees it; starts with none.
+template <class T>
+struct EdgeSpread {
+  T white_px = T(0);
+};
+
 // Image.
 
 /// The light that falls on what is seen.
 template <class T>
 struct SceneLight {
+  /// Context: where on its panel that is, from the middle of the face, right and up; zero where it is of
+  /// none.
+  Eigen::Vector2d at_panel_m = Eigen::Vector2d::Zero();
   T daylight = T(1);  ///< in units of the environment's ambient light
   T lamps = T(0);     ///< irradiance of each of the vehicle's on its axis at 1 m, see imaging/lamps.h
 };
@@ -175,6 +195,8 @@ template <class T>
 inline constexpr bool kIsOfWorld<MarkerPlacement<T>> = true;
 template <class T>
 inline constexpr bool kIsOfWorld<PanelPlacement<T>> = true;
+template <class T>
+inline constexpr bool kIsOfWorld<FaceShape<T>> = true;
 template <class T>
 inline constexpr bool kIsOfWorld<SceneLight<T>> = true;
 template <class T>

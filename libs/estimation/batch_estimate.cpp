@@ -93,14 +93,27 @@ ceres::Solver::Summary solve(const BatchProblem& problem, const std::vector<Batc
   return summary;
 }
 
-/// Seconds by which the latencies of two calibrations differ at most.
-double latencyChange(const EffectParameters<double>& a, const EffectParameters<double>& b) {
+/// Seconds by which the latencies of two calibrations differ at most, of whatever lasts: at the first and the
+/// last reading.
+double latencyChange(const EffectParameters<double>& a, const EffectParameters<double>& b,
+                     const BatchData& data) {
+  const auto lasting = [](EffectParameters<double> effects) {
+    effects.on.set();  // neutral where they are not
+    effects.active_s.fill({});
+    return effects;
+  };
+  const auto before = lasting(a), after = lasting(b);
   double change_s = 0.0;
-  forEachEffect([&]<class Effect>() {
-    using Stage = typename Effect::template Stage<double>;
-    if constexpr (requires(Stage stage) { stage.seconds; })
-      change_s = std::max(change_s, std::abs(*a.template of<Effect>() - *b.template of<Effect>()));
+  const auto look = [&]<class Instrument>() {
+    for (const double t_s : {data.first_s, data.last_s})
+      change_s = std::max(change_s, std::abs(validityOffset<Instrument>(before, t_s) -
+                                             validityOffset<Instrument>(after, t_s)));
+  };
+  forEachInstrument([&]<class Instrument>() {
+    if constexpr (std::is_same_v<typename Instrument::Instrument, Instrument>)
+      look.template operator()<Instrument>();
   });
+  look.template operator()<Camera>();
   return change_s;
 }
 
@@ -305,7 +318,7 @@ BatchEstimate minimumFrom(const BatchData& data, const BatchEstimate& from, cons
     const EffectParameters<double> before = estimate.state.effects;
     estimate.state = problem->at(x);
     // What light was compared at is where things were before.
-    const bool has_moved = latencyChange(before, estimate.state.effects) > kSettled_s ||
+    const bool has_moved = latencyChange(before, estimate.state.effects, data) > kSettled_s ||
                            (!data.patches.empty() && !poses_stay && estimate.rounds == 0);
     const bool has_gained = summary.initial_cost - summary.final_cost >= options.cost_tolerance;
     settled = !has_moved || (estimate.rounds > 0 && !has_gained);

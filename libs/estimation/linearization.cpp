@@ -119,7 +119,9 @@ void setPixel(RowInfo& info, const Vector2d& pixel, const CameraModel& camera) {
 }
 
 void setCorner(RowInfo& info, const BatchMarker& seen) {
-  setPixel(info, seen.detection.corners_px[static_cast<std::size_t>(info.component / 2)], seen.camera);
+  const auto corner = static_cast<std::size_t>(info.component / 2);
+  setPixel(info, seen.detection.corners_px[corner], seen.camera);
+  info.point_panel = seen.marker.corners_panel()[corner].head<2>();
 }
 
 void setTiePoint(RowInfo& info, const BatchTiePoint& seen, const Pose& T_left_right) {

@@ -44,7 +44,7 @@ struct RowInfo {
   std::ptrdiff_t panel = -1, image = -1, eye = -1;
   Vector2d pixel = Vector2d::Constant(kNone);  ///< the corner, or the point
   double image_radius = kNone;  ///< its distance from the principal point over the focal length
-  Vector2d point_panel = Vector2d::Constant(kNone);  ///< of a patch or edges: where on the panel, m
+  Vector2d point_panel = Vector2d::Constant(kNone);  ///< of a corner, patch or edges: where on the panel, m
   double range_m = kNone;                            ///< of the marker's centre
   double incidence_rad = kNone;                      ///< between the marker's normal and the line of sight
 
@@ -71,9 +71,10 @@ struct Linearization {
   std::vector<UnknownBlock> blocks;
   std::vector<Draw> draws;  ///< what blocks of that kind are about
   /// By every continuous scalar of every registered effect, where it acts at its estimate, else at neutral.
-  /// Every row takes an effect's marker_id for its own marker's, time_s for long past and active_s for
-  /// always: a candidate (effect, marker, onset) is its columns with all other rows set to zero. Where an
-  /// effect with a peak is not on, every row is taken for at the peak.
+  /// Every row takes an effect's marker_id for its own marker's, its sensor for the one that the row is of,
+  /// time_s for long past and active_s for always: a candidate (effect, marker, sensor, onset) is its columns
+  /// with all other rows set to zero. Where an effect with a peak is not on, every row is taken for at the
+  /// peak.
   Eigen::MatrixXd C;
   std::vector<EffectColumn> columns;
   /// Rows of one sensor's axis, or of one coordinate of one marker's corner, or one colour of

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <stdexcept>
 
 #include "core/parallel.h"
 #include "estimation/sparse.h"
@@ -10,32 +9,38 @@
 namespace fathom {
 namespace {
 
-constexpr Eigen::Index kBlock = 32;
+constexpr Eigen::Index kBlock = 32, kGramTile = 128;
 
 /// U^T U, tile by tile: each is computed by one thread, so nothing depends on their number.
 Eigen::MatrixXd gramOf(const Eigen::MatrixXd& U) {
-  const Eigen::Index tiles = (U.cols() + kBlock - 1) / kBlock;
+  const Eigen::Index tiles = (U.cols() + kGramTile - 1) / kGramTile;
   Eigen::MatrixXd gram(U.cols(), U.cols());
-  const auto width = [&](Eigen::Index tile) { return std::min(kBlock, U.cols() - tile * kBlock); };
+  const auto width = [&](Eigen::Index tile) { return std::min(kGramTile, U.cols() - tile * kGramTile); };
   parallelFor(tiles * tiles, [&](Eigen::Index k) {
     const Eigen::Index i = k / tiles, j = k % tiles;
     if (j > i) return;
-    gram.block(i * kBlock, j * kBlock, width(i), width(j)).noalias() =
-        U.middleCols(i * kBlock, width(i)).transpose() * U.middleCols(j * kBlock, width(j));
+    const auto own = U.middleCols(i * kGramTile, width(i));
+    gram.block(i * kGramTile, j * kGramTile, width(i), width(j)) =
+        i == j ? transposedTimesItself(own) : transposedTimes(own, U.middleCols(j * kGramTile, width(j)));
   });
   return gram.selfadjointView<Eigen::Lower>();
 }
 
 }  // namespace
 
-Nuisances::Nuisances(const Eigen::SparseMatrix<double>& J) : J_(J) {
-  factors_.compute(transposedTimes(J_, J_));
-  if (factors_.info() != Eigen::Success || factors_.vectorD().minCoeff() <= 0)
-    throw std::runtime_error("the nuisances' derivative lacks rank");
+Nuisances::Nuisances(const Eigen::SparseMatrix<double>& J, Eigen::Index full)
+    : J_(J), sparse_(J.leftCols(J.cols() - full)), full_(J.rightCols(full)) {
+  factors_.compute(transposedTimes(sparse_, sparse_));
+  if (sparse_.cols() > 0 && (factors_.info() != Eigen::Success || factors_.vectorD().minCoeff() <= 0))
+    throw Singular("the nuisances' derivative lacks rank");
+  across_ = eliminated(denseTransposedTimes(sparse_, full_));
+  if (full == 0) return;
+  last_.compute(denseTransposedTimes(full_, full_) - gramOf(across_));
+  if (!last_.succeeded()) throw Singular("the nuisances' derivative lacks rank");
 }
 
-Eigen::MatrixXd Nuisances::forward(const Eigen::SparseMatrix<double>& B) const {
-  Eigen::MatrixXd U = B;
+Eigen::MatrixXd Nuisances::eliminated(Eigen::MatrixXd U) const {
+  if (U.rows() == 0) return U;
   const Eigen::VectorXd root = factors_.vectorD().cwiseSqrt().cwiseInverse();
   parallelFor((U.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
     auto columns = U.middleCols(block * kBlock, std::min(kBlock, U.cols() - block * kBlock));
@@ -45,14 +50,43 @@ Eigen::MatrixXd Nuisances::forward(const Eigen::SparseMatrix<double>& B) const {
   return U;
 }
 
+Eigen::MatrixXd Nuisances::forward(const Eigen::SparseMatrix<double>& C) const {
+  if (full() == 0) return eliminated(transposedTimes(sparse_, C));
+  Eigen::MatrixXd U(J_.cols(), C.cols());
+  U.topRows(sparse_.cols()) = eliminated(transposedTimes(sparse_, C));
+  U.bottomRows(full()) = denseTransposedTimes(full_, C);
+  parallelFor((U.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
+    const Eigen::Index first = block * kBlock, count = std::min(kBlock, U.cols() - first);
+    auto own = U.bottomRows(full()).middleCols(first, count);
+    own -= transposedTimes(across_, U.topRows(sparse_.cols()).middleCols(first, count));
+    last_.halfSolveInPlace(own);
+  });
+  return U;
+}
+
+Eigen::MatrixXd Nuisances::solve(const Eigen::MatrixXd& b) const {
+  if (full() == 0) return factors_.solve(b);
+  const Eigen::Index sparse = J_.cols() - full();
+  const Eigen::VectorXd root = factors_.vectorD().cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd x = b;
+  auto first = x.topRows(sparse), last = x.bottomRows(full());
+  factors_.matrixL().solveInPlace(first);
+  first = root.asDiagonal() * first;
+  last.noalias() -= across_.transpose() * first;
+  last_.solveInPlace(last);
+  first.noalias() -= across_ * last;
+  first = root.asDiagonal() * first;
+  factors_.matrixU().solveInPlace(first);
+  return x;
+}
+
 Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r,
                           const std::vector<Eigen::Index>& blocks) const {
-  const Eigen::SparseMatrix<double> along = transposedTimes(J_, C);
-  const Eigen::MatrixXd U = forward(along);
+  const Eigen::MatrixXd U = forward(C);
   Reduced reduced;
   reduced.norms = Eigen::VectorXd(C.cols());
   for (Eigen::Index c = 0; c < C.cols(); ++c) reduced.norms[c] = C.col(c).norm();
-  reduced.score = scores(C, along, r);
+  reduced.score = scores(C, r);
   if (blocks.empty()) {
     reduced.gram = Eigen::MatrixXd(C.transpose() * C) - gramOf(U);
     return reduced;
@@ -70,19 +104,7 @@ Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::Vec
 }
 
 Eigen::MatrixXd Nuisances::scores(const Eigen::SparseMatrix<double>& C, const Eigen::MatrixXd& R) const {
-  return scores(C, transposedTimes(J_, C), R);
-}
-
-Eigen::MatrixXd Nuisances::scores(const Eigen::SparseMatrix<double>& C,
-                                  const Eigen::SparseMatrix<double>& along, const Eigen::MatrixXd& R) const {
-  Eigen::MatrixXd scores(C.cols(), R.cols());
-  parallelFor((R.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
-    const Eigen::Index first = block * kBlock, count = std::min(kBlock, R.cols() - first);
-    const auto own = R.middleCols(first, count);
-    const Eigen::MatrixXd left = J_.transpose() * own;
-    scores.middleCols(first, count) = C.transpose() * own - along.transpose() * factors_.solve(left);
-  });
-  return scores;
+  return C.transpose() * project(R);
 }
 
 Eigen::MatrixXd Nuisances::project(const Eigen::MatrixXd& R) const {
@@ -90,7 +112,7 @@ Eigen::MatrixXd Nuisances::project(const Eigen::MatrixXd& R) const {
   parallelFor((R.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
     const Eigen::Index first = block * kBlock, count = std::min(kBlock, R.cols() - first);
     const Eigen::MatrixXd along = J_.transpose() * R.middleCols(first, count);
-    left.middleCols(first, count) = R.middleCols(first, count) - J_ * factors_.solve(along);
+    left.middleCols(first, count) = R.middleCols(first, count) - J_ * solve(along);
   });
   return left;
 }
@@ -98,11 +120,9 @@ Eigen::MatrixXd Nuisances::project(const Eigen::MatrixXd& R) const {
 Eigen::MatrixXd Nuisances::covariance(const std::vector<Eigen::Index>& unknowns) const {
   Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(J_.cols(), std::ssize(unknowns));
   for (std::size_t k = 0; k < unknowns.size(); ++k) unit(unknowns[k], static_cast<Eigen::Index>(k)) = 1;
-  return factors_.solve(unit)(unknowns, Eigen::all);
+  return solve(unit)(unknowns, Eigen::all);
 }
 
-Eigen::VectorXd Nuisances::step(const Eigen::VectorXd& r) const {
-  return -factors_.solve(J_.transpose() * r);
-}
+Eigen::VectorXd Nuisances::step(const Eigen::VectorXd& r) const { return -solve(J_.transpose() * r); }
 
 }  // namespace fathom

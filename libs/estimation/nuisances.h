@@ -2,7 +2,10 @@
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
+#include <stdexcept>
 #include <vector>
+
+#include "core/linear_algebra.h"
 
 namespace fathom {
 
@@ -13,13 +16,21 @@ struct Reduced {
   Eigen::VectorXd norms;  ///< |C| of each column as it was
 };
 
+/// Readings cannot tell unknowns apart, or weigh so much that rounding is all that they tell.
+struct Singular : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// What is estimated in any case, factorized once: everything tested is tested with it projected off.
 class Nuisances {
  public:
-  /// Columns in an order that eliminates with little fill. Throws std::runtime_error where J lacks rank.
-  explicit Nuisances(const Eigen::SparseMatrix<double>& J);
+  /// Columns in an order that eliminates with little fill; the last `full` of them have readings in common
+  /// with most others, and are eliminated last, without looking for zeros. Throws Singular where J lacks
+  /// rank.
+  explicit Nuisances(const Eigen::SparseMatrix<double>& J, Eigen::Index full = 0);
 
   const Eigen::SparseMatrix<double>& J() const { return J_; }
+  Eigen::Index full() const { return across_.cols(); }
   /// `blocks`: sizes of the gram's diagonal blocks that are wanted, everything else is zero; none: all of it.
   Reduced reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r,
                  const std::vector<Eigen::Index>& blocks = {}) const;
@@ -33,14 +44,17 @@ class Nuisances {
   Eigen::VectorXd step(const Eigen::VectorXd& r) const;
 
  private:
-  /// The same, with `along` J^T C.
-  Eigen::MatrixXd scores(const Eigen::SparseMatrix<double>& C, const Eigen::SparseMatrix<double>& along,
-                         const Eigen::MatrixXd& R) const;
-  /// D^-1/2 L^-1 B, columns side by side.
-  Eigen::MatrixXd forward(const Eigen::SparseMatrix<double>& B) const;
+  /// U with U^T U = C^T J (J^T J)^-1 J^T C: what C has in common with J, eliminated.
+  Eigen::MatrixXd forward(const Eigen::SparseMatrix<double>& C) const;
+  /// The same of columns J^T C of the sparse ones alone.
+  Eigen::MatrixXd eliminated(Eigen::MatrixXd U) const;
+  /// (J^T J)^-1 b.
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;
 
-  Eigen::SparseMatrix<double> J_;
+  Eigen::SparseMatrix<double> J_, sparse_, full_;  // all columns, the first, the last
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factors_;
+  Eigen::MatrixXd across_;  // the full columns' share of J^T J with the others, eliminated
+  PositiveFactors last_;    // of what that leaves of their own
 };
 
 }  // namespace fathom

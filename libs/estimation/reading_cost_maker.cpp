@@ -14,12 +14,13 @@ namespace {
 
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
-/// Marker ids and times are this row's own: what acts here.
-void setDiscrete(ForwardPoint& point, int marker_id, double t_s) {
+/// Marker ids, sensors and times are this row's own: what acts here.
+void setDiscrete(ForwardPoint& point, int marker_id, const RowSource& source) {
   for (std::size_t s = 0; s < kEffectScalars; ++s) {
     if (parameterOf(s).kind == ParameterKind::marker_id) point.effects[s] = marker_id;
+    if (parameterOf(s).kind == ParameterKind::sensor) point.effects[s] = sensorKindOf(source.channel);
     if (parameterOf(s).kind == ParameterKind::time) point.effects[s] = -Interval::kForever_s;
-    if (parameterOf(s).kind == ParameterKind::peak_time) point.effects[s] = t_s;
+    if (parameterOf(s).kind == ParameterKind::peak_time) point.effects[s] = source.t_s;
   }
 }
 
@@ -82,6 +83,8 @@ std::bitset<kEffectCount> ReadingCostMaker::actingOn(const ReadingModel& model, 
         acts = acts && source.marker >= 0 &&
                static_cast<int>(std::lround(value)) ==
                    data_.markers[static_cast<std::size_t>(source.marker)].marker.id;
+      if (parameterOf(s).kind == ParameterKind::sensor)
+        acts = acts && static_cast<int>(std::lround(value)) == sensorKindOf(source.channel);
       if (parameterOf(s).kind == ParameterKind::time) acts = acts && source.t_s >= value;
     }
     acting[e] = acts;
@@ -91,7 +94,7 @@ std::bitset<kEffectCount> ReadingCostMaker::actingOn(const ReadingModel& model, 
 
 void ReadingCostMaker::setEffects(const Subject& subject, ReadingCost& cost) const {
   ForwardPoint& point = cost.at_reference;
-  setDiscrete(point, subject.marker == nullptr ? -1 : subject.marker->marker.id, cost.source.t_s);
+  setDiscrete(point, subject.marker == nullptr ? -1 : subject.marker->marker.id, cost.source);
   const EffectParameters<double> effects = unknowns_.reference().effects.of(cost.source.instance);
   cost.acting = actingOn(*cost.model, cost.source, effects);
   for (const EffectInfo& effect : allEffects())

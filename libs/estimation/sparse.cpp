@@ -56,4 +56,31 @@ Matrix withHeldColumns(const Matrix& J, const Matrix& C, const Eigen::VectorXd& 
   return all;
 }
 
+/// Row by row: a row's entries of both, each with each. Tiles of B's columns side by side, so that nothing
+/// depends on the number of threads.
+Eigen::MatrixXd denseTransposedTimes(const Eigen::SparseMatrix<double>& A,
+                                     const Eigen::SparseMatrix<double>& B) {
+  constexpr Eigen::Index kTile = 64;
+  using RowMajor = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+  const RowMajor rows = A;
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(A.cols(), B.cols());
+  parallelFor((B.cols() + kTile - 1) / kTile, [&](Eigen::Index tile) {
+    const Eigen::Index first = tile * kTile, count = std::min(kTile, B.cols() - first);
+    const RowMajor own = B.middleCols(first, count);
+    for (Eigen::Index row = 0; row < own.rows(); ++row)
+      for (RowMajor::InnerIterator b(own, row); b; ++b)
+        for (RowMajor::InnerIterator a(rows, row); a; ++a)
+          product(a.col(), first + b.col()) += a.value() * b.value();
+  });
+  return product;
+}
+
+Eigen::SparseMatrix<double> sideBySide(const Eigen::SparseMatrix<double>& a,
+                                       const Eigen::SparseMatrix<double>& b) {
+  Eigen::SparseMatrix<double> both(a.rows(), a.cols() + b.cols());
+  both.leftCols(a.cols()) = a;
+  both.rightCols(b.cols()) = b;
+  return both;
+}
+
 }  // namespace fathom

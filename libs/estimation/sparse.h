@@ -9,6 +9,14 @@ namespace fathom {
 Eigen::SparseMatrix<double> transposedTimes(const Eigen::SparseMatrix<double>& A,
                                             const Eigen::SparseMatrix<double>& B);
 
+/// The same as a dense matrix: where most columns of A have readings in common with most of B, by far faster.
+Eigen::MatrixXd denseTransposedTimes(const Eigen::SparseMatrix<double>& A,
+                                     const Eigen::SparseMatrix<double>& B);
+
+/// Columns of b behind those of a.
+Eigen::SparseMatrix<double> sideBySide(const Eigen::SparseMatrix<double>& a,
+                                       const Eigen::SparseMatrix<double>& b);
+
 /// J with more columns, each held by a row of its own: what is estimated too, with a prior of so much sigma.
 Eigen::SparseMatrix<double> withHeldColumns(const Eigen::SparseMatrix<double>& J,
                                             const Eigen::SparseMatrix<double>& C,

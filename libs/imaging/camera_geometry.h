@@ -245,12 +245,15 @@ template <class T>
 std::array<Vector3<T>, 4> markerCorners_panel(const Marker& nominal, const EffectParameters<T>& effects,
                                               double t_s) {
   const MarkerPlacement<T> marker = markerPlacement(nominal, effects, t_s);
+  FaceShape<T> shape;
+  applyEffects(effects, t_s, shape);
   const T half_m = 0.5 * marker.size_m;
   std::array<Vector3<T>, 4> corners;
   for (std::size_t k = 0; k < 4; ++k) {
     const double right = kMarkerCorners[k][0], up = kMarkerCorners[k][1];
-    corners[k] =
-        marker.position_panel + marker.R_panel_marker * Vector3<T>(half_m * right, half_m * up, T(0));
+    corners[k] = shape.moved(
+        marker.position_panel + marker.R_panel_marker * Vector3<T>(half_m * right, half_m * up, T(0)),
+        nominal.panel_half_m);
   }
   return corners;
 }

@@ -8,7 +8,7 @@
 #include "panel/panel_map.h"
 
 /// Where a detector sees a marker's corners: on the edges between black and white as the image has them,
-/// which the camera's response shifts.
+/// which the camera's response shifts, and whatever else lets white grow over black.
 namespace fathom {
 
 /// What a marker's edges are between.
@@ -45,26 +45,42 @@ T spreadOfWhite_px(const T& exponent, double dark_over_bright) {
 /// Corners of a black square whose sides have all moved inward by so much.
 template <class T>
 std::array<Vector2<T>, 4> shrunk(const std::array<Vector2<T>, 4>& corners, const T& by_px) {
-  std::array<Vector2d, 4> at;
-  for (std::size_t k = 0; k < 4; ++k) at[k] = {valueOf(corners[k].x()), valueOf(corners[k].y())};
-  const Vector2d middle = 0.25 * (at[0] + at[1] + at[2] + at[3]);
+  const Vector2<T> middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
   const auto inward = [&](std::size_t side) {
-    const Vector2d along = (at[(side + 1) % 4] - at[side]).normalized();
-    const Vector2d normal(-along.y(), along.x());
-    return Vector2d(normal.dot(middle - at[side]) < 0 ? -normal : normal);
+    const Vector2<T> along = (corners[(side + 1) % 4] - corners[side]).normalized();
+    const Vector2<T> normal(-along.y(), along.x());
+    return Vector2<T>(valueOf(normal.dot(middle - corners[side])) < 0 ? Vector2<T>(-normal) : normal);
   };
   std::array<Vector2<T>, 4> moved = corners;
   for (std::size_t k = 0; k < 4; ++k) {
-    const Vector2d before = inward((k + 3) % 4), after = inward(k);
-    const double sine = before.x() * after.y() - before.y() * after.x();
-    if (std::abs(sine) < 0.1) continue;  // seen nearly from its side
-    const Vector2d way((after.y() - before.y()) / sine, (before.x() - after.x()) / sine);
-    moved[k] += by_px * way.cast<T>();
+    const Vector2<T> before = inward((k + 3) % 4), after = inward(k);
+    const T sine = before.x() * after.y() - before.y() * after.x();
+    if (std::abs(valueOf(sine)) < 0.1) continue;  // seen nearly from its side
+    const Vector2<T> way((after.y() - before.y()) / sine, (before.x() - after.x()) / sine);
+    moved[k] += by_px * way;
   }
   return moved;
 }
 
-/// predictCorners(), as a detector finds them in an image whose response may be another than stated.
+/// Whether anything can make white spread over black.
+template <class T>
+bool anySpreadsWhite(const EffectParameters<T>& effects) {
+  return anyActsAt<ResponseCurve<double>>(effects) || anyActsAt<EdgeSpread<double>>(effects);
+}
+
+/// By how many pixels white spreads over black, with these effects, further than nominally.
+template <class T>
+T spreadOfWhite_px(const EdgeLight& light, const EffectParameters<T>& effects, double t_s) {
+  EdgeSpread<T> edges;
+  applyEffects(effects, t_s, edges);
+  if (!anyActsAt<ResponseCurve<double>>(effects)) return edges.white_px;
+  ResponseCurve<T> curve{T(light.response_gamma)};
+  applyEffects(effects, t_s, curve);
+  return edges.white_px + spreadOfWhite_px(curve.exponent, light.dark_over_bright) -
+         spreadOfWhite_px(T(light.response_gamma), light.dark_over_bright);
+}
+
+/// predictCorners(), as a detector finds them in an image in which white may spread over black.
 template <class T>
 std::array<Vector2<T>, 4> predictDetectedCorners(const KinematicState<T>& state,
                                                  const PanelPlacement<T>& panel, const Marker& marker,
@@ -72,11 +88,9 @@ std::array<Vector2<T>, 4> predictDetectedCorners(const KinematicState<T>& state,
                                                  const EdgeLight& light, const EffectParameters<T>& effects,
                                                  double t_s, const Pose& T_left_right = {}) {
   auto corners = predictCorners(state, panel, marker, camera, T_robot_camera, effects, t_s, T_left_right);
-  if (!anyActsAt<ResponseCurve<double>>(effects)) return corners;
-  ResponseCurve<T> curve{T(light.response_gamma)};
-  applyEffects(effects, t_s, curve);
-  return shrunk<T>(corners, spreadOfWhite_px(curve.exponent, light.dark_over_bright) -
-                                spreadOfWhite_px(T(light.response_gamma), light.dark_over_bright));
+  if (!anySpreadsWhite(effects)) return corners;
+  const T spread_px = spreadOfWhite_px(light, effects, t_s);
+  return shrunk<T>(corners, isBrightSquare(marker.family, marker.look) ? T(-spread_px) : spread_px);
 }
 
 // Without derivatives: compiled once, in detected_corners.cpp.

@@ -131,6 +131,41 @@ cv::Mat cosinesOf(const CameraModel& camera) {
   return cosines;
 }
 
+namespace {
+
+/// One step of level lines that move by so many pixels, at most half of one: u_t = |grad u| by differences
+/// to the brighter side only (to the darker one where black grows), which move a step along an axis by
+/// exactly that, in area, and overshoot nowhere (Osher & Sethian 1988, Rouy & Tourin 1992).
+cv::Mat grownALittle(const cv::Mat& light, float by_px) {
+  const float sign = by_px < 0 ? -1.0F : 1.0F;
+  cv::Mat grown(light.size(), CV_32FC3);
+  for (int v = 0; v < light.rows; ++v)
+    for (int u = 0; u < light.cols; ++u) {
+      const auto& here = light.at<cv::Vec3f>(v, u);
+      const auto& left = light.at<cv::Vec3f>(v, std::max(u - 1, 0));
+      const auto& right = light.at<cv::Vec3f>(v, std::min(u + 1, light.cols - 1));
+      const auto& over = light.at<cv::Vec3f>(std::max(v - 1, 0), u);
+      const auto& under = light.at<cv::Vec3f>(std::min(v + 1, light.rows - 1), u);
+      for (int c = 0; c < 3; ++c) {
+        const float across = std::max({0.0F, sign * (left[c] - here[c]), sign * (right[c] - here[c])}),
+                    upright = std::max({0.0F, sign * (over[c] - here[c]), sign * (under[c] - here[c])});
+        grown.at<cv::Vec3f>(v, u)[c] = here[c] + by_px * std::sqrt(across * across + upright * upright);
+      }
+    }
+  return grown;
+}
+
+}  // namespace
+
+cv::Mat whiteGrown(const cv::Mat& light, double by_px) {
+  constexpr double kStep_px = 0.5;
+  require(light, CV_32FC3, light.size());
+  const int steps = static_cast<int>(std::ceil(std::abs(by_px) / kStep_px));
+  cv::Mat grown = light;
+  for (int step = 0; step < steps; ++step) grown = grownALittle(grown, static_cast<float>(by_px / steps));
+  return grown;
+}
+
 ImageModel::ImageModel(const CameraSheet& sheet, const Water& water, const EffectParameters<double>& effects)
     : sheet_(sheet), water_(water), effects_(effects), rays_(raysOf(sheet.model)) {
   cv::extractChannel(rays_, z_per_range_, 2);
@@ -201,8 +236,11 @@ void ImageModel::respondAlong(int row, double t_s, RowResponse& along) const {
   }
 }
 
-cv::Mat ImageModel::expose(const cv::Mat& light, Random* noise, double t_s) const {
-  require(light, CV_32FC3, z_per_range_.size());
+cv::Mat ImageModel::expose(const cv::Mat& scene_light, Random* noise, double t_s) const {
+  require(scene_light, CV_32FC3, z_per_range_.size());
+  EdgeSpread<double> edges;
+  applyEffects(effects_, t_s, edges);
+  const cv::Mat light = whiteGrown(scene_light, edges.white_px);
   const auto row_size = 3 * static_cast<std::size_t>(light.cols);
   const auto shot_variance = static_cast<float>(1 / sheet_.full_well_e),
              read_variance = static_cast<float>(std::pow(sheet_.read_noise_e / sheet_.full_well_e, 2)),

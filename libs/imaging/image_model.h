@@ -84,6 +84,10 @@ cv::Mat raysOf(const CameraModel& camera);
 /// Its cosine to the optical axis, by which z follows from range: CV_32FC1. Takes as long.
 cv::Mat cosinesOf(const CameraModel& camera);
 
+/// Light in which white has grown over black by so many pixels at every edge (negative: black over white):
+/// its level lines have moved by so much, colour by colour. CV_32FC3.
+cv::Mat whiteGrown(const cv::Mat& light, double by_px);
+
 /// The model over whole images. Const and without hidden state, so threads may share one; an image is the
 /// same whoever makes it.
 class ImageModel {
@@ -112,10 +116,11 @@ class ImageModel {
   /// View, see render/renderer.h. Without effects exp() is approximated to 3e-7 of the light.
   cv::Mat light(const cv::Mat& radiance, const cv::Mat& range_m, double t_s = 0) const;
 
-  /// The sensor: shot and read noise, clipping, response, rounding to the sheet's bits. Blue, green, red, as
-  /// cv::imwrite() wants it; CV_8UC3, or CV_16UC3 where there are more than 8 bits. Poisson's law is taken as
-  /// a normal one of the same variance: good where electrons are many, and read noise hides the rest. The
-  /// normal numbers come from a table of 65536 and so end at 4.3 sigma. Without `noise`: none.
+  /// The sensor: edges where it has them, shot and read noise, clipping, response, rounding to the sheet's
+  /// bits. Blue, green, red, as cv::imwrite() wants it; CV_8UC3, or CV_16UC3 where there are more than 8
+  /// bits. Poisson's law is taken as a normal one of the same variance: good where electrons are many, and
+  /// read noise hides the rest. The normal numbers come from a table of 65536 and so end at 4.3 sigma.
+  /// Without `noise`: none.
   cv::Mat expose(const cv::Mat& light, Random* noise, double t_s = 0) const;
 
  private:

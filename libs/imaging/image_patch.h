@@ -21,7 +21,8 @@ struct PatchSurface {
   Vector3d albedo = Vector3d::Zero();  ///< of what is there, with its shading, under full ambient light
   /// The same blurred, as forward scattering mixes it.
   Surroundings<double> albedo_around = Surroundings<double>::Zero();
-  double image_radius = 0;    ///< see PixelResponse
+  double image_radius = 0;                               ///< see PixelResponse
+  Eigen::Vector2d at_panel_m = Eigen::Vector2d::Zero();  ///< see SceneLight
   double response_gamma = 1;  ///< by which its radiance was made of the image's numbers
 };
 
@@ -95,7 +96,7 @@ Vector3<T> predictPatchLight(const PatchSurface& patch, const T& z_m, const T& r
                              const PatchUnderLamps<T>& under_lamps, const Vector9<T>& water,
                              const EffectParameters<T>& effects, double t_s) {
   const WaterColumn<T> column{water.template head<3>(), water.template segment<3>(3)};
-  SceneLight<T> shining;
+  SceneLight<T> shining{patch.at_panel_m};
   applyEffects(effects, t_s, shining);
   const Vector3<T> irradiance =
       shining.daylight * water.template tail<3>() + shining.lamps * under_lamps.irradiance;

@@ -5,8 +5,9 @@
 
 namespace fathom {
 
-/// A panel as it truly is, t_s after the recording's first entry: its pose and its markers' places and sizes
-/// with what effects make of them. A marker moved before the face stays a flat sheet there.
+/// A panel as it truly is, t_s after the recording's first entry: its pose, the shape of its
+/// face, and its markers' places and sizes with what effects make of them. A marker moved before the face
+/// stays a flat sheet there.
 PanelMap truePanel(const PanelMap& nominal, const EffectParameters<double>& effects, double t_s);
 
 /// Its pose alone.

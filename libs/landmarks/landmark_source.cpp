@@ -3,20 +3,34 @@
 #include <atomic>
 
 #include "core/for_each.h"
+#include "imaging/detected_corners.h"
 #include "imaging/true_panel.h"
 
 namespace fathom {
 namespace {
 
+/// Corners where they are without white that has grown over black by so much. (What a response does to edges
+/// depends on how dark they are, and is left.)
+void takeBack(double spread_px, const std::vector<PanelMap>& panels, std::vector<Detection>& detections) {
+  const MarkerLook look = panels.empty() ? MarkerLook{} : panels.front().look();
+  for (Detection& detection : detections)
+    detection.corners_px =
+        shrunk(detection.corners_px, isBrightSquare(detection.family, look) ? spread_px : -spread_px);
+}
+
 std::vector<CameraDetections> seenIn(const ImageEntry& entry, const Detections& detections,
+                                     const std::vector<PanelMap>& panels,
                                      const LandmarkCalibration& calibration) {
   std::vector<CameraDetections> cameras;
+  EdgeSpread<double> edges;
+  applyEffects(calibration.effects.of(entry.instance), calibration.stamp_s(entry.time), edges);
   for (const ImageEntry::Eye& eye : entry.eyes) {
     const auto* found = detections.find(eye.image.file);
     if (found == nullptr) continue;
     const TrueCamera camera = trueCamera(entry, eye, calibration);
     CameraDetections& seen = cameras.emplace_back(CameraDetections{*found, camera.lens, eye.T_first_camera});
     if (camera.bends()) seen.projector = camera.projector;
+    if (edges.white_px != 0) takeBack(edges.white_px, panels, seen.detections);
   }
   return cameras;
 }
@@ -64,7 +78,7 @@ Sightings solveSightings(const std::vector<ImageEntry>& entries, const Detection
   forEachIndex(entries.size(), "solving for the panels", [&](std::size_t i) {
     const ImageEntry& entry = entries[i];
     const double t_s = calibration.stamp_s(entry.time);
-    const auto cameras = seenIn(entry, detections, calibration);
+    const auto cameras = seenIn(entry, detections, panels, calibration);
     if (cameras.size() < entry.eyes.size()) ++without_file;
     const auto mount = cameraMounting(entry.T_robot_camera, calibration.effects.of(entry.instance), t_s);
     const auto solve = [&](const std::vector<PanelMap>& there) {

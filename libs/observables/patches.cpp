@@ -170,6 +170,12 @@ std::array<Vector3d, 4> placesAround(const Patch& patch, const CameraModel& came
   return points;
 }
 
+Eigen::Vector2d middleOnPanel_m(const std::array<Vector3d, 4>& around_panel) {
+  Vector3d sum = Vector3d::Zero();
+  for (const Vector3d& point : around_panel) sum += point;
+  return 0.25 * sum.head<2>();
+}
+
 cv::Mat squareLabels(const cv::Size& size, int side_px) {
   const int across = (size.width + side_px - 1) / side_px;
   cv::Mat labels(size, CV_32SC1);

@@ -58,6 +58,9 @@ cv::Mat knownAround(const View& clean, const CameraModel& camera);
 std::array<Vector3d, 4> placesAround(const Patch& patch, const CameraModel& camera,
                                      const Pose& T_panel_camera);
 
+/// Their middle, right and up: where light that changes evenly is as its mean over the patch.
+Eigen::Vector2d middleOnPanel_m(const std::array<Vector3d, 4>& around_panel);
+
 /// A patch for each square of this side, by default on the grid of JPEG's blocks of colour. CV_32SC1.
 cv::Mat squareLabels(const cv::Size& size, int side_px = 16);
 

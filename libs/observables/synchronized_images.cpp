@@ -35,13 +35,14 @@ cv::Mat squaresOf(const View& clean, const CameraModel& camera, bool scatters) {
   return labels;
 }
 
-/// When it was seen, and where lamps have it.
+/// When it was seen, where on the panel, and where lamps have it.
 void place(const PosedImage& posed, const std::vector<PanelMap>& panels, Patch& patch) {
   const Pose T_panel_camera = panels[posed.panel].T_odom_panel.inverse() * posed.T_odom_camera();
   patch.t_s = posed.t_s;
   patch.T_robot_camera = posed.camera.T_robot_camera;
   const Pose T_robot_panel = patch.T_robot_camera * T_panel_camera.inverse();
   patch.on_robot.around_robot = placesAround(patch, posed.camera.lens, T_panel_camera);
+  patch.at_panel_m = middleOnPanel_m(patch.on_robot.around_robot);
   for (Vector3d& point : patch.on_robot.around_robot) point = T_robot_panel * point;
   patch.on_robot.normal_robot = T_robot_panel.rotation.col(2);
 }

@@ -20,10 +20,16 @@ struct Marker {
   double size_m = 0;    ///< side of the border square
   Pose T_panel_marker;  ///< turned about the panel's z axis, counter-clockwise seen from in front
   MarkerLook look{};    ///< how it is printed
+  /// By which its corners are off those of a square, in the order of kMarkerCorners; marker frame.
+  Eigen::Matrix<double, 3, 4> off_square_m = Eigen::Matrix<double, 3, 4>::Zero();
+  Eigen::Vector2d panel_half_m = Eigen::Vector2d::Zero();  ///< PanelMap::half_extent_m of its panel
 
   /// In the order of kMarkerCorners; panel frame, m.
   std::array<Vector3d, 4> corners_panel() const;
 };
+
+/// Whether its border square is bright, on dark; else dark, on bright, as most are.
+bool isBrightSquare(const std::string& family, const MarkerLook& look);
 
 /// "family id", as in messages.
 std::string nameOf(const Marker& marker);

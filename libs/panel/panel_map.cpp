@@ -166,6 +166,17 @@ void PanelMap::turnHandle(std::string_view id, double angle_rad) {
   handle->angle_rad = angle_rad;
 }
 
+void PanelMap::setExtent() {
+  half_extent_m.setZero();
+  const auto reach = [&](const Vector3d& point) {
+    half_extent_m = half_extent_m.cwiseMax(point.head<2>().cwiseAbs());
+  };
+  for (const Surface::Vertex& vertex : body.vertices) reach(vertex.position.cast<double>());
+  for (const Marker& marker : markers)
+    for (const Vector3d& corner : marker.corners_panel()) reach(corner);
+  for (Marker& marker : markers) marker.panel_half_m = half_extent_m;
+}
+
 PanelMap readPanelMap(const fs::path& file) {
   const YamlFile yaml(file);
   const YamlMap& y = yaml.root();
@@ -185,6 +196,7 @@ PanelMap readPanelMap(const fs::path& file) {
   yaml.rejectUnknownKeys();
   readMeshOf(file, y, map);
   checkMarkers(markers, map);
+  map.setExtent();
   return map;
 }
 

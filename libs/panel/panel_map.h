@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/face_shape.h"
 #include "core/geometry.h"
 #include "panel/handle.h"
 #include "panel/marker.h"
@@ -25,7 +26,13 @@ struct PanelMap {
   int components = 0;                                ///< connected pieces of the body
   std::vector<Marker> markers;
   std::vector<Handle> handles;
+  FaceShape<double> shape{};  ///< what surfaceOf() makes of all of it
 
+  /// From the middle of the face to the furthest of body and markers, right and up; see setExtent().
+  Eigen::Vector2d half_extent_m = Eigen::Vector2d::Zero();
+
+  /// Measures it, and tells it to the markers (Marker::panel_half_m).
+  void setExtent();
   /// Sets a handle's state. Throws std::invalid_argument: no such handle, or the angle is outside its range.
   void turnHandle(std::string_view id, double angle_rad);
 

@@ -44,7 +44,7 @@ Surface surfaceOf(const PanelMap& map) {
                 T_panel_cells);
   }
   for (const Handle& handle : map.handles) surface.add(surfaceOf(handle), handle.T_panel_handle());
-  return surface;
+  return isAsMapped(map.shape) ? surface : shaped(surface, map.shape, map.half_extent_m);
 }
 
 }  // namespace fathom

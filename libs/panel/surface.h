@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/face_shape.h"
 #include "core/geometry.h"
 
 namespace fathom {
@@ -22,5 +23,9 @@ struct Surface {
   /// Appends another surface, given in frame b, to this one, in frame a.
   void add(const Surface& other, const Pose& T_a_b = {});
 };
+
+/// A panel's surface, panel frame, as its face is shaped: cut until no edge is longer than 5 cm, then moved
+/// corner by corner (FaceShape::moved()). Normals stay.
+Surface shaped(const Surface& surface, const FaceShape<double>& shape, const Eigen::Vector2d& half_extent_m);
 
 }  // namespace fathom

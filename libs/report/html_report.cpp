@@ -1,8 +1,10 @@
 #include "report/html_report.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/files.h"
+#include "core/text.h"
 
 namespace fathom {
 namespace {
@@ -41,6 +43,9 @@ figure svg, figure img { display: block; width: 100%; height: auto; }
 figure.square svg { max-width: 48rem; }
 .slider { --at: 50%; max-width: 42rem; } .slider div { position: relative; } .slider input { width: 100%; margin: .4rem 0; }
 .slider img + img { position: absolute; inset: 0; clip-path: inset(0 0 0 var(--at)); }
+.shares div { display: flex; height: 1.6rem; border-radius: 4px; overflow: hidden; border: 1px solid var(--line); }
+.shares ul { list-style: none; display: flex; flex-wrap: wrap; gap: .2rem 1.2rem; padding: 0; margin: .5rem 0; }
+.shares li i { display: inline-block; width: .8rem; height: .8rem; margin-right: .4rem; border-radius: 2px; }
 figcaption { color: var(--soft); font-size: .92rem; max-width: 46rem; }
 pre { background: var(--card); border: 1px solid var(--line); border-radius: 6px; padding: .7rem .9rem;
       overflow-x: auto; font-size: .87rem; }
@@ -52,6 +57,10 @@ footer { margin-top: 3rem; padding-top: .8rem; border-top: 1px solid var(--line)
   figure, tr, .warning, .keys div { break-inside: avoid; } h2, h3 { break-after: avoid; }
   .scroll { overflow: visible; } .scroll button { display: none; } }
 )css";
+
+/// Told apart by people who see colours differently (Okabe & Ito 2008).
+constexpr std::array kShareColors{"#0072b2", "#e69f00", "#009e73", "#cc79a7",
+                                  "#56b4e9", "#d55e00", "#f0e442"};
 
 /// RFC 4180: a cell that holds what separates cells is quoted.
 constexpr const char* kScript = R"js(
@@ -154,6 +163,21 @@ void HtmlReport::keyValues(const std::vector<std::pair<std::string, std::string>
   for (const auto& [name, value] : values)
     body_ += "<div><dt>" + escaped(name) + "</dt><dd>" + escaped(value) + "</dd></div>\n";
   body_ += "</dl>\n";
+}
+
+void HtmlReport::shares(const std::vector<std::pair<std::string, double>>& parts,
+                        const std::string& caption) {
+  std::string bar, legend;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const auto& [name, share] = parts[k];
+    const std::string color = kShareColors[k % kShareColors.size()];
+    bar += print("<i style=\"flex-grow:%.4f;background:%s\"></i>", share, color.c_str());
+    legend += print("<li><i style=\"background:%s\"></i>%s: %.3g %%</li>", color.c_str(),
+                    escaped(name).c_str(), 100 * share);
+  }
+  body_ += "<figure class=\"shares\"><div>" + bar + "</div><ul>" + legend + "</ul>\n";
+  if (!caption.empty()) body_ += element("figcaption", caption);
+  body_ += "</figure>\n";
 }
 
 void HtmlReport::table(const Table& table, const std::string& caption) {

@@ -24,6 +24,8 @@ class HtmlReport {
   void warning(const std::string& text);  ///< a box that cannot be overlooked
   /// What matters most, each a large value above its name: {"final error", "0.42 m"}.
   void keyValues(const std::vector<std::pair<std::string, std::string>>& values);
+  /// What something is made of, as one bar: names and shares, which are 1 together.
+  void shares(const std::vector<std::pair<std::string, double>>& parts, const std::string& caption = "");
   void table(const Table& table, const std::string& caption = "");
   /// Draws at once. Throws as renderSvg does.
   void plot(const Plot& plot, const std::string& caption = "");

@@ -16,7 +16,9 @@ std::string_view idOf(const Candidate& candidate) { return allEffects()[candidat
 Json optionalJson(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 Json intervalJson(const std::optional<Interval>& interval) {
-  return interval ? Json{interval->from_s, interval->to_s} : Json(nullptr);
+  if (!interval) return nullptr;
+  const auto parts = interval->parts();
+  return parts.size() == 1 ? Json(parts.front()) : Json(parts);
 }
 
 /// A scalar as a number, else a list.
@@ -75,7 +77,8 @@ Json effectJson(const FoundEffect& effect, const DiagnosisStory& story) {
   Json json{{"id", idOf(effect.candidate)}, {"name", nameOf(effect.candidate)}};
   for (const char* key : {"parameters", "sigma", "unit"}) json[key] = Json::object();
   for (const FoundParameter& parameter : parametersOf(effect, story.diagnosis)) {
-    json["parameters"][parameter.name] = numbersJson(parameter.value);
+    json["parameters"][parameter.name] =
+        parameter.word.empty() ? numbersJson(parameter.value) : Json(parameter.word);
     json["unit"][parameter.name] = parameter.unit;
     if (!parameter.sigma.empty()) json["sigma"][parameter.name] = numbersJson(parameter.sigma);
   }
@@ -83,9 +86,10 @@ Json effectJson(const FoundEffect& effect, const DiagnosisStory& story) {
   json["active_s"] = intervalJson(activeIn(effect.candidate, story.read.input.data));
   json["sqrt_lambda"] = effect.sqrt_lambda;
   json["confidence"] = effect.confidence;
+  json["share"] = effect.share;
   json["evidence"] = {{"heldout_log_likelihood_gain", effect.heldout_log_likelihood_gain},
                       {"bic_gain", effect.bic_gain},
-                      {"support", effect.support},
+                      {"log_odds", effect.log_odds},
                       {"log_likelihood_gain", effect.log_likelihood_gain}};
   json["interactions"] = interactionsJson(effect.interactions);
   return json;
@@ -116,7 +120,7 @@ Json alternativesJson(const DiagnosisStory& story) {
     }
     list.push_back({{"effects", ids},
                     {"candidates", candidates},
-                    {"support", set.support},
+                    {"log_odds", set.log_odds},
                     {"alignment", set.alignment},
                     {"advice", adviceJson(set.advice)}});
   }
@@ -171,7 +175,7 @@ Json testedJson(const DiagnosisStory& story) {
     json["dof"] = tested.dof;
     json["p_value"] = std::exp(tested.log_p);
     json["log_p"] = tested.log_p;
-    json["support"] = tested.support;
+    json["log_odds"] = tested.log_evidence;
     json["kept"] = tested.kept;
     json["one_step"] = Json::object();
     for (const EffectEstimate& e : tested.one_step)
@@ -189,14 +193,41 @@ Json noiseJson(const NoiseModel& noise) {
     if (c.rows > 0)
       json[nameOf(channel)] = {{"rows", c.rows}, {"scale", c.scale}, {"correlation", c.correlation}};
   }
-  json["marker_scatter_m"] = {{"in_face", noise.markers.in_face_m}, {"off_face", noise.markers.off_face_m}};
   json["light_scatter"] = noise.light_scatter;
-  json["print_scatter"] = {{"black", noise.print.black},
-                           {"white", noise.print.white},
-                           {"body", noise.print.body},
-                           {"parts", noise.print.parts},
-                           {"edges_px2", noise.print.edges_px2}};
+  json["parts"] = noise.parts;
   return json;
+}
+
+Json remainderJson(const Remainder& remainder) {
+  return {{"share", remainder.share},
+          {"where", remainder.where},
+          {"size", remainder.size},
+          {"unit", remainder.unit},
+          {"material", remainder.material}};
+}
+
+Json budgetJson(const std::vector<BudgetEntry>& budget) {
+  Json list = Json::array();
+  for (const BudgetEntry& entry : budget)
+    list.push_back({{"component", entry.component},
+                    {"unit", entry.unit},
+                    {"prior", entry.prior},
+                    {"estimate", entry.estimate},
+                    {"sigma", entry.estimate * entry.log_sd},
+                    {"bursts", entry.bursts},
+                    {"source", entry.source}});
+  return list;
+}
+
+Json posteriorJson(const std::vector<Hypothesis>& posterior) {
+  Json list = Json::array();
+  for (const Hypothesis& hypothesis : posterior) {
+    Json ids = Json::array();
+    for (const Candidate& effect : hypothesis.effects) ids.push_back(nameOf(effect));
+    if (hypothesis.is_something_else) ids.push_back("something else");
+    list.push_back({{"hypothesis", ids}, {"mass", hypothesis.mass}});
+  }
+  return list;
 }
 
 Json diagnosisJson(const DiagnosisStory& story) {
@@ -212,7 +243,9 @@ Json diagnosisJson(const DiagnosisStory& story) {
           {"heldout", headlineJson(d.heldout.channels)},
           {"heldout_metrics", heldOutJson(d.heldout.channels)},
           {"heldout_log_likelihood_gain", gainJson(d.heldout.gain)},
-          {"nearest", effectsJson(d.nearest, story)},
+          {"remainder", remainderJson(d.remainder)},
+          {"budget", budgetJson(d.budget)},
+          {"posterior", posteriorJson(d.posterior)},
           {"alarm_p", d.alarm_p},
           {"false_alarm", story.false_alarm},
           {"tested", testedJson(story)},

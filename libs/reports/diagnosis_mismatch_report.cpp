@@ -103,13 +103,13 @@ void addMismatch(const DiagnosisStory& story, HtmlReport& report) {
         "millimetres, millimetres per second. Left: sigma with what was found in the model.");
     report.table(table);
   }
-  if (modelledEffects(d).empty()) return;
+  if (d.effects.empty()) return;
   report.paragraph("The same, with what was found in the model:");
   report.table(heatTable(d.remaining, story.false_alarm));
 }
 
 void addResiduals(const DiagnosisStory& story, const BeforeAndAfter& residuals, HtmlReport& report) {
-  const bool changed = !modelledEffects(story.diagnosis).empty();
+  const bool changed = !story.diagnosis.effects.empty();
   report.heading(changed ? "Residuals before and after" : "Residuals");
   for (const Mismatch* mismatch : worthPlotting(story))
     report.plot(covariatePlot(*mismatch, changed ? find(story.diagnosis.remaining, *mismatch) : nullptr),

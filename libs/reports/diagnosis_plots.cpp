@@ -143,7 +143,7 @@ Series modelSeries(const Linearization& linear, const BatchData& data, ImagePatc
 BeforeAndAfter::BeforeAndAfter(const DiagnosisStory& story) {
   const Diagnosis& d = story.diagnosis;
   before = residualsOf(story.read.input.data, d.before, d.before_options);
-  if (!modelledEffects(d).empty()) after = residualsOf(story.read.input.data, d.after, d.after_options);
+  if (!d.effects.empty()) after = residualsOf(story.read.input.data, d.after, d.after_options);
 }
 
 std::vector<Plot> brightnessPlots(const DiagnosisStory& story, const BeforeAndAfter& residuals) {

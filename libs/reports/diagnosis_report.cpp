@@ -19,21 +19,47 @@ namespace {
 // ---- what: effects, candidates, alternatives
 
 void addEffects(const DiagnosisStory& story, HtmlReport& report) {
-  const std::vector<FoundEffect>& effects = modelledEffects(story.diagnosis);
+  const std::vector<FoundEffect>& effects = story.diagnosis.effects;
   if (effects.empty()) return;
-  report.heading(story.diagnosis.effects.empty() ? "What comes nearest" : "What is missing");
+  report.heading("What is missing");
   for (const FoundEffect& effect : effects)
     report.paragraph(nameOf(effect.candidate) + ": " +
                      std::string(allEffects()[effect.candidate.effect].text.title) + ".");
   report.table(effectTable(story));
-  Table evidence{{"effect", "support", "log likelihood", "on held-out stretches", "BIC"}, {}};
+  Table evidence{{"effect", "ln odds", "log likelihood", "on held-out stretches", "BIC"}, {}};
   for (const FoundEffect& effect : effects)
-    evidence.rows.push_back({nameOf(effect.candidate), fixed(effect.support, 1),
+    evidence.rows.push_back({nameOf(effect.candidate), fixed(effect.log_odds, 1),
                              fixed(effect.log_likelihood_gain, 1),
                              fixed(effect.heldout_log_likelihood_gain, 1), fixed(effect.bic_gain, 1)});
   report.table(evidence, "Gained over the model without it, all else estimated again.");
   report.paragraph(
       "± is one sigma. Sqrt lambda: an effect's size in units of what this recording could resolve at best.");
+}
+
+/// What the mismatch is made of.
+void addShares(const Diagnosis& d, HtmlReport& report) {
+  if (d.effects.empty()) return;
+  report.subheading("What the mismatch is made of");
+  std::vector<std::pair<std::string, double>> parts;
+  for (const FoundEffect& effect : d.effects) parts.emplace_back(nameOf(effect.candidate), effect.share);
+  parts.emplace_back("not explained", d.remainder.share);
+  report.shares(parts,
+                "Shares of the log likelihood that can be taken away, on stretches that were not fitted.");
+  if (d.remainder.share > 0) report.paragraph("What is left: " + d.remainder.where + ".");
+}
+
+void addPosterior(const Diagnosis& d, HtmlReport& report) {
+  constexpr double kLeast = 0.001;
+  Table table{{"hypothesis", "mass"}, {}};
+  for (const Hypothesis& hypothesis : d.posterior) {
+    std::string name = hypothesis.is_something_else ? "something else, besides or instead"
+                       : hypothesis.effects.empty() ? "nothing is missing"
+                                                    : "";
+    for (const Candidate& effect : hypothesis.effects) name += (name.empty() ? "" : " + ") + nameOf(effect);
+    if (hypothesis.mass >= kLeast) table.rows.push_back({name, shareText(hypothesis.mass)});
+  }
+  report.subheading("How likely each hypothesis is");
+  report.table(table, "Of those that were looked at, priors included.");
 }
 
 /// The most improbable first.
@@ -47,7 +73,7 @@ std::vector<InteractionTest> worstOf(std::vector<InteractionTest> tests, std::si
 void addInteractions(const DiagnosisStory& story, HtmlReport& report) {
   constexpr std::size_t kMost = 4;
   Table table{{"effect", "against", "chi-square of 1", "p", "change [%]", "passed"}, {}};
-  for (const FoundEffect& effect : modelledEffects(story.diagnosis))
+  for (const FoundEffect& effect : story.diagnosis.effects)
     for (const InteractionTest& test : worstOf(effect.interactions, kMost))
       table.rows.push_back({nameOf(effect.candidate), test.against, fixed(test.statistic, 1),
                             probabilityText(test.log_p), fixed(100 * test.relative_change, 1),
@@ -67,15 +93,17 @@ void addCandidates(const DiagnosisStory& story, HtmlReport& report) {
   const Diagnosis& d = story.diagnosis;
   if (d.tested.empty()) return;
   report.heading("What else was tried");
-  Table table{{"candidate", "support", "chi-square", "dof", "p", "kept [%]"}, {}};
+  Table table{{"candidate", "ln odds", "chi-square", "dof", "p", "kept [%]"}, {}};
   for (const TestedCandidate& t : d.tested) {
     if (table.rows.size() == kMostRows) break;
-    table.rows.push_back({nameOf(t.candidate), fixed(t.support, 1), fixed(t.statistic, 1),
+    table.rows.push_back({nameOf(t.candidate), fixed(t.log_evidence, 1), fixed(t.statistic, 1),
                           std::to_string(t.dof), probabilityText(t.log_p), fixed(100 * t.kept, 1)});
   }
   std::string caption =
-      "Each alone against the nominal model, best supported first. p: for this candidate alone. Support: -ln "
-      "p, what was expected before and having looked elsewhere accounted for. Kept: what of it the path, "
+      "Each alone against the nominal model, the likeliest first. p: for this candidate alone. Ln odds: that "
+      "it "
+      "is there, what was expected before and having looked elsewhere accounted for. Kept: what of it the "
+      "path, "
       "biases and offsets that are estimated anyway cannot imitate.";
   if (d.tested.size() > table.rows.size())
     caption += print(" %zu more are in result.json.", d.tested.size() - table.rows.size());
@@ -88,13 +116,13 @@ void addAlternatives(const DiagnosisStory& story, HtmlReport& report) {
   if (story.diagnosis.alternatives.empty()) return;
   report.heading("What this recording cannot tell apart");
   for (const Alternatives& set : story.diagnosis.alternatives) {
-    Table table{{"effect", "support", "alignment", "what tells it apart"}, {}};
+    Table table{{"effect", "ln odds", "alignment", "what tells it apart"}, {}};
     for (std::size_t i = 0; i < set.candidates.size(); ++i)
       table.rows.push_back({nameOf(set.candidates[i]),
-                            i < set.support.size() ? fixed(set.support[i], 1) : "-",
+                            i < set.log_odds.size() ? fixed(set.log_odds[i], 1) : "-",
                             i < set.alignment.size() ? fixed(set.alignment[i], 3) : "-",
                             std::string(allEffects()[set.candidates[i].effect].text.told_apart)});
-    report.table(table, "Support: against the first's. Alignment: 1 is the same to this recording.");
+    report.table(table, "Ln odds: against the first's. Alignment: 1 is the same to this recording.");
     if (set.advice.separation == 0) continue;  // nothing could be driven
     if (set.advice.manoeuvre.empty())
       report.paragraph(print(
@@ -185,6 +213,19 @@ void addElsewhere(const DiagnosisStory& story, HtmlReport& report) {
   report.table(elsewhereTable(story));
 }
 
+void addBudget(const Diagnosis& d, HtmlReport& report) {
+  Table table{{"component", "declared", "in this recording", "unit", "bursts", "source"}, {}};
+  for (const BudgetEntry& entry : d.budget)
+    table.rows.push_back({entry.component, print("%.3g", entry.prior),
+                          print("%.2g ± %.1g", entry.estimate, entry.estimate * entry.log_sd), entry.unit,
+                          entry.bursts ? "yes" : "no", entry.source});
+  report.subheading("The error budget");
+  report.table(
+      table,
+      "What readings may differ by for no reason that has a name: declared (one sigma), and as large as "
+      "it is in this recording. A component that would have to be beyond what 99 % of such are bursts.");
+}
+
 void addNoise(const DiagnosisStory& story, HtmlReport& report) {
   const NoiseModel& noise = story.diagnosis.noise;
   Table table{{"channel", "readings' coordinates", "sigma / stated", "correlation of neighbours"}, {}};
@@ -195,24 +236,12 @@ void addNoise(const DiagnosisStory& story, HtmlReport& report) {
   if (table.rows.empty()) return;
   report.heading("The noise that the recording shows");
   report.table(table);
-  if (noise.markers.largest_m() > 0)
-    report.paragraph(
-        print("Markers are taken to lie within %.2g mm of where the map has them, out of the panel's "
-              "plane within %.2g mm.",
-              1e3 * noise.markers.in_face_m, 1e3 * noise.markers.off_face_m));
+  addBudget(story.diagnosis, report);
   if (noise.light_scatter > 0)
     report.paragraph(print("Light scatters by %.2g %% of itself besides.", 100 * noise.light_scatter));
-  if (noise.print.white > 0 || noise.print.black > 0 || noise.print.body > 0)
-    report.paragraph(print(
-        "The markers' white is taken to be printed evenly to %.2g %%, their black to %.2g %%, the panel's "
-        "body to %.2g %%.",
-        100 * noise.print.white, 100 * noise.print.black, 100 * noise.print.body));
-  if (noise.print.edges_px2 > 0)
-    report.paragraph(print("Each marker's edges are taken to be as soft as rendered within %.2g px².",
-                           noise.print.edges_px2));
-  if (noise.print.parts > 0)
+  if (noise.parts > 0)
     report.paragraph(print("Half of a place is taken to differ from all of it by %.2g %% of its light.",
-                           100 * noise.print.parts));
+                           100 * noise.parts));
 }
 
 // ---- with it
@@ -284,6 +313,8 @@ HtmlReport reportOf(const DiagnosisStory& story) {
   HtmlReport report("Diagnosis of " + story.recording.filename().string());
   addHeadline(story, report);
   addEffects(story, report);
+  addShares(story.diagnosis, report);
+  addPosterior(story.diagnosis, report);
   addInteractions(story, report);
   addAlternatives(story, report);
   addImages(story, report);

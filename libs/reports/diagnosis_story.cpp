@@ -5,6 +5,7 @@
 
 #include "core/text.h"
 #include "effects/catalogue.h"
+#include "effects/sensor_kinds.h"
 
 namespace fathom {
 namespace {
@@ -56,6 +57,8 @@ std::vector<FoundParameter> parametersOf(const FoundEffect& effect, const Diagno
   for (const Parameter& p : info.parameters) {
     parameters.push_back({std::string(p.name), std::string(p.unit), valuesOf(effect, p, scalar, calibration),
                           sigmasOf(effect, scalar, p.size)});
+    if (p.kind == ParameterKind::sensor)
+      parameters.back().word = kSensorKinds.at(static_cast<std::size_t>(parameters.back().value[0]));
     scalar += static_cast<std::size_t>(p.size);
   }
   if (info.derived != nullptr) {
@@ -67,6 +70,7 @@ std::vector<FoundParameter> parametersOf(const FoundEffect& effect, const Diagno
 }
 
 std::string textOf(const FoundParameter& parameter) {
+  if (!parameter.word.empty()) return parameter.word;
   std::vector<std::string> numbers;
   for (std::size_t i = 0; i < parameter.value.size(); ++i)
     numbers.push_back(plusMinusText(parameter.value[i], i < parameter.sigma.size() ? parameter.sigma[i] : 0));
@@ -84,11 +88,16 @@ std::optional<Interval> activeIn(const Candidate& candidate, const BatchData& da
 
 std::optional<Interval> within(const Interval& interval, const BatchData& data) {
   if (interval == Interval{}) return {};
-  return Interval{std::max(interval.from_s, data.first_s), std::min(interval.to_s, data.last_s)};
+  return Interval{std::max(interval.from_s, data.first_s), std::min(interval.to_s, data.last_s),
+                  interval.pauses};
 }
 
 std::string textOf(const std::optional<Interval>& interval) {
-  return interval ? print("%.1f to %.1f s", interval->from_s, interval->to_s) : "always";
+  if (!interval) return "always";
+  std::string text;
+  for (const auto& [from_s, to_s] : interval->parts())
+    text += (text.empty() ? "" : ", ") + print("%.1f to %.1f", from_s, to_s);
+  return text + " s";
 }
 
 std::string probabilityText(double log_p) {
@@ -107,13 +116,12 @@ std::string sensorOf(const Mismatch& mismatch) {
   return channel + (mismatch.channel == kChannel<Markers> ? ", " : " ") + mismatch.direction;
 }
 
-const std::vector<FoundEffect>& modelledEffects(const Diagnosis& diagnosis) {
-  return diagnosis.effects.empty() ? diagnosis.nearest : diagnosis.effects;
-}
+std::string shareText(double share) { return print("%.*f %%", share < 0.1 ? 1 : 0, 100 * share); }
 
 Table effectTable(const DiagnosisStory& story) {
-  Table table{{"effect", "parameter", "value ± sigma", "when", "size [sqrt lambda]", "confidence"}, {}};
-  for (const FoundEffect& effect : modelledEffects(story.diagnosis)) {
+  Table table{{"effect", "parameter", "value ± sigma", "when", "size [sqrt lambda]", "confidence", "share"},
+              {}};
+  for (const FoundEffect& effect : story.diagnosis.effects) {
     bool first = true;
     for (const FoundParameter& parameter : parametersOf(effect, story.diagnosis)) {
       table.rows.push_back({first ? nameOf(effect.candidate) : "", parameter.name, textOf(parameter)});
@@ -121,7 +129,8 @@ Table effectTable(const DiagnosisStory& story) {
         table.rows.back().insert(
             table.rows.back().end(),
             {textOf(activeIn(effect.candidate, story.read.input.data)), fixed(effect.sqrt_lambda, 1),
-             effect.confidence > 0.99 ? "> 99 %" : print("%.0f %%", 100 * effect.confidence)});
+             effect.confidence > 0.99 ? "> 99 %" : print("%.0f %%", 100 * effect.confidence),
+             shareText(effect.share)});
       first = false;
     }
   }

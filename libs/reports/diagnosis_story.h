@@ -43,6 +43,7 @@ struct FoundParameter {
   std::string name, unit;
   std::vector<double> value;
   std::vector<double> sigma;  ///< as many; empty where it was chosen, not estimated
+  std::string word{};         ///< what the value stands for, where that is not a number: a sensor
 };
 /// All that the effect has, by the names in the registry, derived ones with the water of the final estimate.
 std::vector<FoundParameter> parametersOf(const FoundEffect& effect, const Diagnosis& diagnosis);
@@ -64,8 +65,8 @@ bool isSignificant(const Mismatch& mismatch, double false_alarm);
 /// "markers, right", "dvl y", "depth".
 std::string sensorOf(const Mismatch& mismatch);
 
-/// Effects in the final model: those found, or those that come nearest to what is unexplained.
-const std::vector<FoundEffect>& modelledEffects(const Diagnosis& diagnosis);
+/// "97 %", "0.4 %".
+std::string shareText(double share);
 /// A row for each parameter of each of them.
 Table effectTable(const DiagnosisStory& story);
 /// Root mean squares on held-out stretches, a row for each channel.

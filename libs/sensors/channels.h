@@ -139,6 +139,26 @@ constexpr std::size_t indexOf(Channel channel) { return static_cast<std::size_t>
 inline constexpr auto kChannelTexts = detail::channelTexts(static_cast<AllChannels*>(nullptr));
 constexpr const ChannelText& textOf(Channel channel) { return kChannelTexts[indexOf(channel)]; }
 
+namespace detail {
+template <class... Channels>
+constexpr auto sensorKinds(std::tuple<Channels...>*) {
+  const auto kindOf = []<class C>() {
+    if constexpr (requires { C::Instrument::label; })
+      return sensorKind(C::Instrument::label);
+    else
+      return sensorKind(Camera::label);
+  };
+  return std::array{kindOf.template operator()<Channels>()...};
+}
+}  // namespace detail
+
+/// Whose clock stamps it: the instrument's place in kSensorKinds, of what is not an instrument's the
+/// camera's.
+inline int sensorKindOf(Channel channel) {
+  static constexpr auto kinds = detail::sensorKinds(static_cast<AllChannels*>(nullptr));
+  return kinds[indexOf(channel)];
+}
+
 /// The name in configs, results and plots, e.g. "gyro".
 inline std::string nameOf(Channel channel) { return std::string(textOf(channel).id); }
 

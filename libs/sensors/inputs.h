@@ -2,8 +2,22 @@
 
 #include "core/kinematics.h"
 #include "effects/registry.h"
+#include "effects/sensor_kinds.h"
 
 namespace fathom {
+
+/// The camera, as effects name it (Mounting, ValidityOffset).
+struct Camera {
+  static constexpr const char* label = "CAMERA";
+};
+
+/// Before any effect, of a measurement stamped t_s after the recording's first entry.
+template <class Instrument, class T>
+ValidityOffset<T, Instrument> validAtStamp(double t_s) {
+  constexpr int kSensor = sensorKind(Instrument::label);
+  static_assert(kSensor >= 0, "name the instrument in effects/sensor_kinds.h");
+  return {{T(0), t_s, kSensor}};
+}
 
 /// All that a sensor's equation may look at: the vehicle's motion at the time of validity, the world, the
 /// effects that are on. SI units.
@@ -31,7 +45,7 @@ struct Inputs {
   /// motion at that time.
   template <class Instrument>
   T validityOffset() const {
-    return at(ValidityOffset<T, Instrument>{}).seconds;
+    return at(validAtStamp<Instrument, T>(t_s)).seconds;
   }
 };
 
@@ -47,7 +61,7 @@ T rangeToFloor(const Inputs<T>& in, const Vector3<T>& from_robot, const Vector3<
 /// When a measurement was valid, and where its instrument sits, where there is nothing but effects.
 template <class Instrument, class T>
 T validityOffset(const EffectParameters<T>& effects, double t_s) {
-  ValidityOffset<T, Instrument> offset;
+  auto offset = validAtStamp<Instrument, T>(t_s);
   applyEffects(effects, t_s, offset);
   return offset.seconds;
 }

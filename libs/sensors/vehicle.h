@@ -16,9 +16,6 @@ namespace fathom {
 
 class YamlMap;
 
-/// The camera, as effects name it (Mounting, ValidityOffset).
-struct Camera;
-
 struct CameraSheet {
   double rate_hz = 1;
   CameraModel model;

@@ -110,10 +110,43 @@ const EffectParameters<double>& CameraStudio::effectsOn(const CameraShot& shot) 
   return shot.effects ? *shot.effects : effects_;
 }
 
-SceneLight<double> CameraStudio::sceneLight(const CameraShot& shot) const {
-  SceneLight<double> light;
+SceneLight<double> CameraStudio::sceneLight(const CameraShot& shot, const Eigen::Vector2d& at_panel_m) const {
+  SceneLight<double> light{at_panel_m};
   applyEffects(effectsOn(shot), shot.t_s, light);
   return light;
+}
+
+/// Whether daylight is another at each place of a panel.
+bool CameraStudio::isUneven(const CameraShot& shot) const {
+  return effectsOn(shot).isActive(kEffectIndex<IlluminationGradient>, shot.t_s) && !world_.panels.empty();
+}
+
+/// Multiplies by how much daylight there is at each pixel's place over that at the middle of the nearest
+/// panel's face; beside the face, as at its edge.
+void CameraStudio::shedUnevenly(const CameraShot& shot, View& under_daylight) const {
+  const double at_middle = sceneLight(shot).daylight;
+  std::vector<Pose> T_panel_camera;
+  for (const PanelMap& panel : world_.panels)
+    T_panel_camera.push_back(truePanelPose(panel, effects_, shot.t_s).inverse() * shot.T_odom_camera());
+  const cv::Mat& rays = eyeOf(shot.camera.lens).model.rays();
+  for (int v = 0; v < rays.rows; ++v)
+    for (int u = 0; u < rays.cols; ++u) {
+      const double range_m = under_daylight.range_m.at<float>(v, u);
+      if (!std::isfinite(range_m)) continue;
+      const cv::Vec3f& ray = rays.at<cv::Vec3f>(v, u);
+      const Vector3d point_camera = range_m * Vector3d(ray[0], ray[1], ray[2]);
+      double nearest_m = std::numeric_limits<double>::infinity();
+      Eigen::Vector2d at_panel_m = Eigen::Vector2d::Zero();
+      for (std::size_t i = 0; i < T_panel_camera.size(); ++i) {
+        const Vector3d point_panel = T_panel_camera[i] * point_camera;
+        if (point_panel.norm() >= nearest_m) continue;
+        nearest_m = point_panel.norm();
+        const Eigen::Vector2d& half_m = world_.panels[i].half_extent_m;
+        at_panel_m = point_panel.head<2>().cwiseMax(-half_m).cwiseMin(half_m);
+      }
+      under_daylight.radiance.at<cv::Vec3f>(v, u) *=
+          static_cast<float>(sceneLight(shot, at_panel_m).daylight / at_middle);
+    }
 }
 
 Lighting CameraStudio::lighting(const Pose& T_odom_robot, double daylight) const {
@@ -155,7 +188,13 @@ cv::Mat CameraStudio::underLamp(const CameraShot& shot, const LampSheet& lamp, c
 
 View CameraStudio::render(const CameraShot& shot) const {
   const SceneLight<double> light = sceneLight(shot);
-  View view = render(shot, lighting(shot.T_odom_robot, light.daylight));
+  const Lighting shining = lighting(shot.T_odom_robot, light.daylight);
+  View view = render(shot, isUneven(shot) ? Lighting{shining.ambient, {}} : shining);
+  if (isUneven(shot)) {
+    shedUnevenly(shot, view);
+    if (!shining.spots.empty())
+      view.radiance += render(shot, Lighting{Eigen::Vector3f::Zero(), shining.spots}).radiance;
+  }
   for (const LampSheet& lamp : lamps_)
     if (light.lamps > 0) view.radiance += light.lamps * underLamp(shot, lamp, world_.environment.water);
   return view;
@@ -225,6 +264,7 @@ cv::Mat CameraStudio::lightIn(const Environment& environment, const CameraShot& 
   const Vector3d daylight = light.daylight * environment.ambient;
   // Matt surfaces: each colour's radiance goes with its daylight.
   View view{albedo.radiance.mul(cv::Scalar(daylight[0], daylight[1], daylight[2])), albedo.range_m};
+  if (isUneven(shot)) shedUnevenly(shot, view);
   for (const LampSheet& lamp : lamps_)
     if (light.lamps > 0) view.radiance += light.lamps * underLamp(shot, lamp, environment.water);
   return throughWater(environment, shot, view);

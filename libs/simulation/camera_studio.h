@@ -78,7 +78,9 @@ class CameraStudio {
   const EffectParameters<double>& effectsOn(const CameraShot& shot) const;
   void addSnow(const Environment& environment, const CameraShot& shot, const View& view,
                cv::Mat& light) const;
-  SceneLight<double> sceneLight(const CameraShot& shot) const;
+  SceneLight<double> sceneLight(const CameraShot& shot, const Eigen::Vector2d& at_panel_m = {0, 0}) const;
+  bool isUneven(const CameraShot& shot) const;
+  void shedUnevenly(const CameraShot& shot, View& under_daylight) const;
   View render(const CameraShot& shot, const Lighting& lighting) const;
   Lighting lighting(const Pose& T_odom_robot, double daylight) const;
   cv::Mat underLamp(const CameraShot& shot, const LampSheet& lamp, const Water& water) const;

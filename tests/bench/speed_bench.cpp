@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/median.h"
+#include "diagnosis/budget_file.h"
 #include "diagnosis/diagnosis.h"
 #include "diagnosis/nominal.h"
 #include "environment/water_scores.h"
@@ -275,7 +276,7 @@ void waterPath() {
 
 void diagnosisPath() {
   const BatchInput input = plainNull(richRun(1, 40.0), 1).input();
-  const NominalFit nominal = nominalFit(input.data, input.start, {}, 1);
+  const NominalFit nominal = nominalFit(input.data, input.start, {}, fieldBudget(), 1);
   const Candidate lasting{.effect = findEffect("dvl-scale")->index};
   print({"diagnosis",
          "40 s, nothing hidden",

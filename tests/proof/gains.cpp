@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "diagnosis/budget_file.h"
 #include "diagnosis/nominal.h"
 #include "effects/drawn.h"
 #include "imaging/exposure_time.h"
@@ -46,13 +47,13 @@ double gainOn(const BatchInput& judge, const NominalFit& nominal,
   BatchOptions options = nominal.options;
   options.calibration = calibration;
   const Refit with = refit(judge.data, nominal.fit.estimate, options, {}, nominal.noise);
-  return with.succeeded ? nominal.fit.cost - with.cost : 0;
+  return with.succeeded ? with.weight.log_evidence - nominal.fit.weight.log_evidence : 0;
 }
 
 /// The effect most like the hidden one, fitted.
 EffectParameters<double> runnerUpOf(const ProofCase& proof_case, const BatchInput& recording) {
   const EffectInfo* effect = findEffect(proof_case.effects.front().runner_up);
-  const NominalFit nominal = nominalFit(recording.data, recording.start, {}, 1);
+  const NominalFit nominal = nominalFit(recording.data, recording.start, {}, fieldBudget(), 1);
   Candidate candidate;
   if (effect == nullptr || !nominal.failure.empty()) return {};
   if (effect->has(ParameterKind::marker_id) || effect->has(ParameterKind::time) || hasPeak(*effect) ||
@@ -71,7 +72,7 @@ std::optional<Gains> gainsOf(const ProofCase& proof_case, const BatchInput& reco
                              const nlohmann::json& answer) {
   const EffectParameters<double> truth = truthOf(proof_case);
   if (!lasts(truth)) return {};
-  const NominalFit nominal = nominalFit(judge.data, judge.start, {}, 1);
+  const NominalFit nominal = nominalFit(judge.data, judge.start, {}, fieldBudget(), 1);
   if (!nominal.failure.empty()) return {};
   const double exposure_s = statedExposure_s(judge.data.vehicle);
   Gains gains;

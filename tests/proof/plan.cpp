@@ -127,7 +127,7 @@ class Planner {
       PlannedDive& dive = nextDive(made % 2 == 1);
       std::vector<Hidden> both;
       for (int k = 0; k < 2; ++k) {
-        const EffectInfo& effect = allEffects()[random.bits() % allEffects().size()];
+        const EffectInfo& effect = effectsOfGenerator()[random.bits() % effectsOfGenerator().size()];
         const bool again = !both.empty() && both[0].candidate.effect == effect.index;
         if (again || !canHide(effect, dive)) break;
         const double size = std::exp(random.uniform(std::log(10.0), std::log(32.0)));

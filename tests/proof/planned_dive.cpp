@@ -1,8 +1,10 @@
 #include "planned_dive.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "imaging/exposure_time.h"
 #include "inputs/batch_recording.h"
@@ -69,9 +71,23 @@ BatchInput sealedInput(const nlohmann::json& generator_case, const Programs& pro
   return readBatchRecording(options, {}).input;
 }
 
+const std::vector<EffectInfo>& effectsOfGenerator() {
+  static const std::vector<EffectInfo> known = [] {
+    const std::set<std::string_view> unknown{"clock-drift", "edge-bias", "panel-shape",
+                                             "illumination-gradient"};
+    std::vector<EffectInfo> effects = allEffects();
+    std::erase_if(effects, [&](const EffectInfo& effect) { return unknown.contains(effect.id); });
+    return effects;
+  }();
+  return known;
+}
+
 bool canHide(const EffectInfo& effect, const PlannedDive& dive) {
+  const std::vector<EffectInfo>& known = effectsOfGenerator();
+  const bool is_known = std::any_of(known.begin(), known.end(),
+                                    [&](const EffectInfo& one) { return one.index == effect.index; });
   const bool is_light = effect.text.channel == EffectChannel::image;
-  return effect.id != "earth-rotation" && (dive.images || !is_light) &&
+  return is_known && effect.id != "earth-rotation" && (dive.images || !is_light) &&
          dive.resolution->canShow(effect.index);
 }
 
@@ -92,7 +108,7 @@ std::optional<Hidden> ofSize(const Hidden& hidden, const PlannedDive& dive, doub
 }
 
 nlohmann::json generatorEffect(const Hidden& hidden, const PlannedDive& dive) {
-  const auto& [from_s, to_s] = hidden.candidate.active_s;
+  const double from_s = hidden.candidate.active_s.from_s, to_s = hidden.candidate.active_s.to_s;
   nlohmann::json active = nullptr;
   if (!(hidden.candidate.active_s == Interval{})) active = {from_s, to_s};
   return {{"id", allEffects()[hidden.candidate.effect].id},

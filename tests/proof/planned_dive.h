@@ -33,6 +33,8 @@ nlohmann::json generatorCase(const std::string& name, const PlannedDive& dive, s
 BatchInput sealedInput(const nlohmann::json& generator_case, const Programs& programs,
                        const std::filesystem::path& folder);
 
+/// The catalogue without what the sealed generator cannot make.
+const std::vector<EffectInfo>& effectsOfGenerator();
 /// Whether an effect can be hidden on the dive, in any size: the Earth's rotation has just one, light takes
 /// images, and something has to depend on it.
 bool canHide(const EffectInfo& effect, const PlannedDive& dive);

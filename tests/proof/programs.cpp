@@ -5,6 +5,7 @@
 #include "core/child_process.h"
 #include "core/error.h"
 #include "core/files.h"
+#include "core/shipped_file.h"
 
 namespace fathom::proof {
 namespace fs = std::filesystem;
@@ -45,6 +46,9 @@ void diagnoseBlind(const Programs& programs, const fs::path& recording, const st
   sandbox.insert(sandbox.end(), system.begin(), system.end());
   sandbox.insert(sandbox.end(), {"--ro-bind", programs.fathom, "/program/fathom", "--bind", recording,
                                  "/recording", "--bind", answer, "/answer"});
+  // What the program reads wherever it is installed: a program in /program looks in /share.
+  const fs::path budget = "config/error_budget.yaml";
+  sandbox.insert(sandbox.end(), {"--ro-bind", shippedFile(budget), "/share/fathom" / budget});
   std::vector<std::string> command{"/program/fathom", "diagnose", "/recording/recording.rawlog", "--out",
                                    "/answer"};
   for (std::size_t i = 0; i < judges.size(); ++i) {

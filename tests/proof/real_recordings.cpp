@@ -54,9 +54,9 @@ std::string described(const nlohmann::json& effect) {
   return effect.at("name").get<std::string>() + text;
 }
 
-std::string described(const nlohmann::json& effects, const char* before) {
+std::string allDescribed(const nlohmann::json& effects) {
   std::string text;
-  for (const nlohmann::json& effect : effects) text += (text.empty() ? before : "; ") + described(effect);
+  for (const nlohmann::json& effect : effects) text += (text.empty() ? "" : "; ") + described(effect);
   return text;
 }
 
@@ -85,7 +85,7 @@ nlohmann::ordered_json answerTo(const RealRecording& recording, const Programs& 
     runProgram(import, folder / "import.log");
     runProgram(diagnose, folder / "diagnose.log");
     const auto result = nlohmann::json::parse(readTextFile(folder / "result.json"));
-    for (const char* part : {"verdict", "why", "effects", "nearest", "alternatives", "heldout"})
+    for (const char* part : {"verdict", "why", "effects", "remainder", "alternatives", "heldout"})
       answer[part] = result.at("diagnosis").at(part);
   } catch (const Error& error) {
     answer["failure"] = error.what();
@@ -105,9 +105,7 @@ Table realTable(const std::vector<nlohmann::json>& answers) {
     }
     const nlohmann::json& heldout = answer.at("heldout");
     const auto number = [&](const char* key) { return numbersIn(heldout.at(key)); };
-    const auto stated = described(answer.at("effects"), ""),
-               nearest = described(answer.at("nearest"), "nearest ");
-    table.rows.push_back({title, answer.at("verdict"), stated.empty() ? nearest : stated,
+    table.rows.push_back({title, answer.at("verdict"), allDescribed(answer.at("effects")),
                           heldout.at("metric").is_null() ? "-" : heldout.at("metric").get<std::string>(),
                           number("before"), number("after"), number("after_ci95"), number("black_box"),
                           number("noise_floor")});

@@ -19,8 +19,8 @@ struct RealRecording {
 /// Those whose data is in `data`, none where it is not there. `quick`: only those that take seconds.
 std::vector<RealRecording> realRecordings(const std::filesystem::path& data, bool quick);
 
-/// Imports the recording into `folder` and diagnoses it; what the program says: verdict, effects, the
-/// nearest where there are none, held out; or the failure.
+/// Imports the recording into `folder` and diagnoses it; what the program says: verdict, effects,
+/// remainder, held out; or the failure.
 nlohmann::ordered_json answerTo(const RealRecording& recording, const Programs& programs,
                                 const std::filesystem::path& folder);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "diagnosis/budget_file.h"
 #include "diagnosis/nominal.h"
 #include "diagnosis/screening.h"
 #include "effects/drawn.h"
@@ -44,7 +45,7 @@ std::vector<Candidate> rivalsAmong(const std::vector<Candidate>& candidates, con
 }  // namespace
 
 Resolution::Resolution(const BatchInput& null) {
-  const NominalFit nominal = nominalFit(null.data, null.start, {}, 1);
+  const NominalFit nominal = nominalFit(null.data, null.start, {}, fieldBudget(), 1);
   if (!nominal.failure.empty()) throw Error("a dive that hides nothing", "", nominal.failure);
   noise_ = nominal.noise;
   options_ = nominal.options;
@@ -98,7 +99,7 @@ Resolution::Shown Resolution::shownBy(const BatchInput& without_noise) const {
   const BatchEstimate estimate = estimateBatch(without_noise.data, without_noise.start, options_);
   if (!estimate.succeeded) throw Error("a dive without noise", "", estimate.failure);
   Linearization linear = linearize(without_noise.data, *problemAt(without_noise.data, estimate, options_));
-  const WhitenedModel model(std::move(linear), noise_, without_noise.data);
+  const WhitenedModel model(std::move(linear), noise_);
   Shown shown;
   shown.lambda = model.nuisances().project(model.residual()).squaredNorm();
   double imitated = 0;

@@ -57,11 +57,19 @@ Error errorOf(const std::string& text) {
   return {"", "", ""};
 }
 
+/// So many zeros, but for the last, as a file has them; of a sensor, one that there is.
+std::string valueText(const Parameter& p, const std::string& last = "0") {
+  if (p.kind == ParameterKind::sensor) return "INS";
+  std::string text;
+  for (int i = 1; i < p.size; ++i) text += "0, ";
+  return p.size == 1 ? last : "[" + text + last + "]";
+}
+
 /// An entry with every parameter zero but, where given, one spoilt.
 std::string entry(const EffectInfo& effect, const std::string& spoilt = "", const std::string& value = "") {
   std::string text = "\n  - {id: " + std::string(effect.id);
   for (const Parameter& p : effect.parameters)
-    text += ", " + std::string(p.name) + ": " + (p.name == spoilt ? value : p.size == 1 ? "0" : "[0, 0, 0]");
+    text += ", " + std::string(p.name) + ": " + (p.name == spoilt ? value : valueText(p));
   return text + "}";
 }
 
@@ -72,10 +80,15 @@ TEST(CalibrationFile, BadCalibrationIsRefused) {
     EXPECT_EQ(errorOf("effects:\n  - {id: " + std::string(effect.id) + "s}").where, "effects[0].id (line 2)");
     for (const Parameter& p : effect.parameters) {
       const std::string name(p.name), where = "effects[0]." + name + " (line 2)";
+      EXPECT_EQ(errorOf("effects:" + entry(effect, name, "[0, 0, 0, 0]")).where, where);
+      EXPECT_EQ(errorOf("effects:" + entry(effect, name, p.size == 1 ? "[0, 0, 0]" : "0")).where, where);
+      if (p.kind == ParameterKind::sensor) {
+        EXPECT_EQ(errorOf("effects:" + entry(effect, name, "SONAR")).where, where);
+        EXPECT_EQ(errorOf("effects:" + entry(effect, name, "1")).where, where);
+        continue;
+      }
       const std::string beyond = std::to_string(1.001 * p.limit), within = std::to_string(0.999 * p.limit);
-      const auto list = [&](const std::string& last) {
-        return p.size == 1 ? last : std::string("[0, 0, ").append(last).append("]");
-      };
+      const auto list = [&](const std::string& last) { return valueText(p, last); };
       EXPECT_EQ(errorOf("effects:" + entry(effect, name, list(beyond))).where, where);
       EXPECT_EQ(errorOf("effects:" + entry(effect, name, list(std::to_string(-1.001 * p.limit)))).where,
                 where);
@@ -84,8 +97,6 @@ TEST(CalibrationFile, BadCalibrationIsRefused) {
       }
       EXPECT_EQ(errorOf("effects:" + entry(effect, name, list(".nan"))).where, where);
       EXPECT_EQ(errorOf("effects:" + entry(effect, name, list("1x"))).where, where);
-      EXPECT_EQ(errorOf("effects:" + entry(effect, name, "[0, 0]")).where, where);
-      EXPECT_EQ(errorOf("effects:" + entry(effect, name, p.size == 1 ? "[0, 0, 0]" : "0")).where, where);
       const auto file = test::scratchFolder() / "good.yaml";
       writeTextFile(file, "effects:" + entry(effect, name, list(within)));
       EXPECT_NO_THROW(readCalibration(file)) << effect.id;

@@ -10,7 +10,7 @@
 #include "core/files.h"
 #include "effects/calibration.h"
 #include "effects/catalogue.h"
-#include "imaging/camera_geometry.h"
+#include "imaging/detected_corners.h"
 #include "imaging/image_patch.h"
 #include "imaging/marine_snow.h"
 #include "imaging/marker_blur.h"
@@ -44,9 +44,10 @@ void addPixels(const KinematicState<double>& where, const KinematicState<T>& sta
   for (const int id : kMarkersThere) {
     Marker marker{"tag36h11", id, 0.1, {}};
     marker.T_panel_marker = {rotationFromYawPitchRoll(0.03 * id, 0, 0), {0.05 * id - 0.2, 0.2, 0.01}};
+    marker.panel_half_m = {0.7, 0.4};
     for (const Pose& eye : {Pose{}, T_left_right})
       for (const Vector2<T>& pixel :
-           predictCorners(state, panel, marker, camera, T_robot_camera, effects, t_s, eye))
+           predictDetectedCorners(state, panel, marker, camera, T_robot_camera, {}, effects, t_s, eye))
         add(pixel);
   }
 }
@@ -72,6 +73,7 @@ void addPatches(const KinematicState<double>& where, const KinematicState<T>& st
       patch.albedo_around << Vector3d(0.4, 0.3, 0.2), Vector3d(0.3, 0.3, 0.3), Vector3d(0.25, 0.3, 0.35);
       patch.image_radius = radius;
       patch.point_panel = {radius, 0.2, 0.01};
+      patch.at_panel_m = patch.point_panel.head<2>();
       patch.around_panel.fill(patch.point_panel + Vector3d(0.02, 0.01, 0));
       add(predictPatch(state, nominalPlacement<T>(T_odom_panel, t_s), patch, lamps, water, effects, t_s));
     }
@@ -273,7 +275,7 @@ TEST(EffectRegistry, IdsAreUniqueAndEntriesWhole) {
     std::set<std::string_view> names;
     for (const Parameter& p : effect.parameters) {
       EXPECT_TRUE(names.insert(p.name).second) << effect.id << " " << p.name;
-      EXPECT_TRUE(p.size == 1 || p.size == 3) << p.name;
+      EXPECT_TRUE(p.size >= 1 && p.size <= 3) << p.name;
       EXPECT_EQ(p.prior_sigma > 0, isDifferentiated(p.kind)) << p.name;
       EXPECT_GT(p.limit, p.prior_sigma) << p.name;
       EXPECT_FALSE(p.unit.empty() || p.usual.empty()) << effect.id << " " << p.name;

@@ -154,7 +154,7 @@ void expectFound(const Case& effect, const auto& found, double rms_px = 0.1, dou
 }
 
 TEST_F(EffectImages, MarkersAreWhereTheForwardModelSays) {
-  const std::array<Case, 10> cases{Case{"nominal", 0, 0, {}},
+  const std::array<Case, 11> cases{Case{"nominal", 0, 0, {}},
                                    only<FlatPortRefraction>(1, 0.005, {0.08, 0.01, 2, -1, 0}),
                                    only<FocalScale>(3, 0.02, {0.03}),
                                    only<LensDistortion>(1, 0.002, {0.1, 0.05, 0.002, -0.002}),
@@ -163,6 +163,7 @@ TEST_F(EffectImages, MarkersAreWhereTheForwardModelSays) {
                                    only<RollingShutter>(2, 0.005, {0.06}),
                                    only<MarkerMoved>(0.5, 0, {618, 0.02, -0.01, 0, 5}),
                                    only<MarkerSize>(0.5, 0, {0.05}),
+                                   only<PanelShape>(0.5, 0, {0.01, -0.005, 0.005, 1, 0.005, -0.01}),
                                    only<PanelMoved>(8, 0.05, {-1, 0.1, 0.02, -0.05, 0, 5, 0})};
   for (const Case& effect : cases) expectFound(effect, simulated(effect.effects));
 }
@@ -181,6 +182,17 @@ TEST_F(EffectImages, AnotherResponseShiftsMarkersEdges) {
   EXPECT_GE(found.corners, 16);
   EXPECT_GT(found.without_px, 0.1);
   EXPECT_LT(found.rms_px, 0.05);
+}
+
+/// Either way, to a fifth of how far corners move.
+TEST_F(EffectImages, WhiteThatGrowsShiftsMarkersEdges) {
+  for (const double offset_px : {0.3, -0.3}) {
+    const Found found = simulated(only<EdgeBias>(0, 0, {offset_px}).effects);
+    EXPECT_GE(found.corners, 16) << offset_px;
+    EXPECT_GT(found.without_px, 0.35) << offset_px;
+    EXPECT_LT(found.rms_px, 0.08) << offset_px;
+    EXPECT_LT(found.joint_m, 0.003) << offset_px;
+  }
 }
 
 TEST_F(EffectImages, APairSeesAllEffectsAtOnce) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "diagnosis/budget_file.h"
 #include "diagnosis/nominal.h"
 #include "support/flawed_runs.h"
 
@@ -20,7 +21,7 @@ test::BatchRun navigationRun() {
 class FitsOf {
  public:
   explicit FitsOf(const test::BatchRun& run) : input_(run.input()), fits_(input_.data, kSegments) {
-    NominalFit nominal = nominalFit(input_.data, input_.start, {}, 1);
+    NominalFit nominal = nominalFit(input_.data, input_.start, {}, fieldBudget(), 1);
     fits_.beginWith(std::move(nominal.fit), std::move(nominal.options), nominal.noise);
   }
 
@@ -52,7 +53,7 @@ TEST(Fits, LetAPartLastWhereThatFitsBetter) {
   const Refit lasting = fits->lastingWhereBetter(parts);
   EXPECT_EQ(lasting.effects, std::vector<Candidate>{during<DvlLatency>({})});
   EXPECT_NEAR(lasting.estimates.at(0).value, -0.5, 4 * lasting.estimates.at(0).sigma);
-  EXPECT_GT(fits->worth(lasting), fits->worth(parts));
+  EXPECT_GT(fits->logOdds(lasting), fits->logOdds(parts));
 }
 
 TEST(Fits, LeaveAPartThatIsOne) {

@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <stdexcept>
+#include <string>
 
+#include "diagnosis/budget_file.h"
 #include "diagnosis/nominal.h"
 #include "support/diagnosis_runs.h"
 
@@ -10,11 +13,19 @@ namespace fathom {
 namespace {
 
 NoiseModel noiseOf(const BatchInput& input) {
-  const NominalFit nominal = nominalFit(input.data, input.start, {}, 1);
+  const NominalFit nominal = nominalFit(input.data, input.start, {}, fieldBudget(), 1);
   EXPECT_TRUE(nominal.failure.empty()) << nominal.failure;
-  return nominal.noise;
+  return nominal.fit.model->noise();
 }
 NoiseModel noiseOf(const test::DiagnosisRun& run) { return noiseOf(run.input()); }
+
+/// What a component of the budget turned out to be.
+double shown(const NoiseModel& noise, const std::string& component) {
+  for (std::size_t k = 0; k < noise.budget.components.size(); ++k)
+    if (noise.budget.components[k].name == component) return noise.sigmaOf(k);
+  throw std::out_of_range(component);
+}
+double declared(const std::string& component) { return shown({.budget = fieldBudget()}, component); }
 
 /// What of a patch's light comes from its surface: with a share t that arrives, it reads J t + b (1 - t).
 Vector3d reflected(const ImagePatch& patch) {
@@ -26,9 +37,10 @@ Vector3d reflected(const ImagePatch& patch) {
 TEST(ShownNoise, NoneBeyondWhatIsStated) {
   const NoiseModel noise = noiseOf(test::plainNull(test::lightDive(), 1));
   EXPECT_EQ(noise.light_scatter, 0);
-  EXPECT_FALSE(noise.print.isSeen());
-  EXPECT_EQ(noise.print.parts, 0);
-  EXPECT_LT(noise.markers.largest_m(), 0.0001);
+  EXPECT_EQ(noise.parts, 0);
+  // Of some hundred values each that are all zero; a sixth of what is declared.
+  for (const char* component : {"print-placement", "panel-flatness", "print-albedo"})
+    EXPECT_LT(shown(noise, component), declared(component) / 3) << component;
 }
 
 TEST(ShownNoise, OfLightThatScattersWithItsStrength) {
@@ -41,7 +53,7 @@ TEST(ShownNoise, OfLightThatScattersWithItsStrength) {
   const NoiseModel noise = noiseOf(run);
   // Some two thousand readings: a sigma is known to 2 %, and less where what is stated weighs as much.
   EXPECT_NEAR(noise.light_scatter, kShare, 0.1 * kShare);
-  EXPECT_FALSE(noise.print.isSeen());
+  EXPECT_LT(shown(noise, "print-albedo"), declared("print-albedo") / 3);
   EXPECT_NEAR(noise.of(kChannel<Pixels>).scale, 1, 0.1);
 }
 
@@ -73,9 +85,9 @@ TEST(ShownNoise, OfPrintThatIsUneven) {
     }
   };
   const NoiseModel noise = noiseOf(run);
-  // By the median of some thirty places and colours of a kind: 20 % are one sigma.
-  EXPECT_NEAR(noise.print.black, kShare, 0.6 * kShare);
-  EXPECT_NEAR(noise.print.white, kShare, 0.6 * kShare);
+  // Of some hundred places and colours, a sixth of which the water and the field of light make up for: 10 %
+  // are one sigma.
+  EXPECT_NEAR(shown(noise, "print-albedo"), kShare, 0.3 * kShare);
   EXPECT_NEAR(noise.of(kChannel<Pixels>).scale, 1, 0.1);
 }
 
@@ -92,7 +104,8 @@ TEST(ShownNoise, OfEdgesThatAreSofterMarkerByMarker) {
     blur.variance_px2 += own->second * Vector3d(1, 0, 1);
   }
   const NoiseModel noise = noiseOf(input);
-  EXPECT_NEAR(noise.print.edges_px2, kScatter_px2, 0.6 * kScatter_px2);
+  // Of two dozen values.
+  EXPECT_NEAR(shown(noise, "edge-softness"), kScatter_px2, 0.5 * kScatter_px2);
   EXPECT_NEAR(noise.of(kChannel<Edges>).scale, 1, 0.1);
   EXPECT_NEAR(noise.of(kChannel<Edges>).correlation, 0, 0.1);
 }
@@ -111,7 +124,7 @@ TEST(ShownNoise, OfPlacesThatAreSeenInPart) {
   };
   const NoiseModel noise = noiseOf(run);
   // Some eight hundred prints, half of whose variance counts: a sigma is known to 5 %.
-  EXPECT_NEAR(noise.print.parts, kShare, 0.15 * kShare);
+  EXPECT_NEAR(noise.parts, kShare, 0.15 * kShare);
   EXPECT_NEAR(noise.of(kChannel<Pixels>).scale, 1, 0.1);
 }
 
@@ -129,9 +142,11 @@ TEST(ShownNoise, OfMarkersThatAreNotInOnePlane) {
   }
   run.run.true_panel = panel;
   const NoiseModel noise = noiseOf(run);
-  // Up to the three that are the panel's own pose, and the one that is most off.
-  EXPECT_NEAR(noise.markers.off_face_m, std::sqrt(square), 0.4 * std::sqrt(square));
-  EXPECT_LT(noise.markers.in_face_m, 0.2 * noise.markers.off_face_m);
+  // Up to the three that are the panel's own pose, and what a fold, a twist and a bend of it make up for.
+  // Each marker by itself, or with its neighbours: so few tell little of which.
+  EXPECT_NEAR(std::hypot(shown(noise, "panel-flatness"), shown(noise, "marker-height")), std::sqrt(square),
+              0.5 * std::sqrt(square));
+  EXPECT_LT(shown(noise, "print-placement"), declared("print-placement"));
 }
 
 }  // namespace

@@ -154,6 +154,7 @@ std::vector<ImagePatch> BatchRun::patchesOfMarkers() const {
         (Pose{state.R_odom_robot, state.position_odom} * sheet.T_robot_camera).inverse() * panel.T_odom_panel;
     for (const Marker& marker : panel.markers) {
       patch.point_panel = marker.T_panel_marker.position;
+      patch.at_panel_m = patch.point_panel.head<2>();
       patch.around_panel.fill(patch.point_panel);
       const Vector3d point = T_camera_panel * patch.point_panel;
       if (point.z() < 0.1 || !sheet.model.contains(sheet.model.project<double>(point))) continue;

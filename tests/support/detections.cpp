@@ -11,6 +11,7 @@ PanelMap gridPanel(int columns, int rows, int first_id) {
       map.markers.push_back(markerAt("DICT_ARUCO_ORIGINAL", first_id + k, 0.18,
                                      0.45 * (column - 0.5 * (columns - 1)), 0.36 * (row - 0.5 * (rows - 1)),
                                      radians(90) * (k % 4)));
+  map.setExtent();
   return map;
 }
 

@@ -5,7 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "diagnosis/budget_file.h"
+#include "diagnosis/noise.h"
 #include "effects/drawn.h"
+#include "estimation/sparse.h"
 
 namespace fathom::test {
 
@@ -47,8 +50,15 @@ Excitation::Excitation(BatchRun run) {
   estimate_ = estimateBatch(input_.data, input_.start, {});
   const auto problem = problemAt(input_.data, estimate_, {});
   linear_ = linearize(input_.data, *problem);
-  nuisances_.emplace(linear_.J);
+  const HeldColumns budget = budgetColumns(linear_, {.budget = fieldBudget()});
+  nuisances_.emplace(withHeldColumns(linear_.J, budget.columns, budget.sigma), budget.sigma.size());
   nominal_ = residualsWith({}, 0);
+}
+
+Eigen::MatrixXd Excitation::project(const Eigen::MatrixXd& C) const {
+  Eigen::MatrixXd held = Eigen::MatrixXd::Zero(nuisances_->J().rows(), C.cols());
+  held.topRows(C.rows()) = C;
+  return nuisances_->project(held);
 }
 
 Eigen::VectorXd Excitation::signal(const EffectParameters<double>& effects, std::uint64_t seed) const {
@@ -116,6 +126,7 @@ Eigen::MatrixXd Excitation::columns(const Candidate& candidate) const {
     const RowInfo& row = linear_.rows[i];
     const bool acts = candidate.active_s.contains(row.t_s) &&
                       (!candidate.marker_id || *candidate.marker_id == row.marker_id) &&
+                      (!candidate.sensor || *candidate.sensor == sensorKindOf(row.channel)) &&
                       (!candidate.time_s || row.t_s >= *candidate.time_s);
     const auto at = static_cast<Eigen::Index>(i);
     if (!acts) C.row(at).setZero();
@@ -192,20 +203,26 @@ PanelMap rippled(PanelMap panel, double largest_m, Random& random) {
   const double angle = random.uniform(0, std::numbers::pi), phase = random.uniform(0, 2 * std::numbers::pi);
   const Vector2d wave = 2 * std::numbers::pi / 1.6 * Vector2d(std::cos(angle), std::sin(angle));
   const auto count = std::ssize(panel.markers);
-  Eigen::MatrixXd plane(count, 3);
+  const Vector2d curvature = panel.half_extent_m.cwiseAbs2().cwiseInverse();
+  Eigen::MatrixXd shape(count, 6);
   Eigen::VectorXd height(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Vector3d& position = panel.markers[static_cast<std::size_t>(i)].T_panel_marker.position;
-    plane.row(i) << position.x(), position.y(), 1;
+    shape.row(i) << position.x(), position.y(), 1, position.x() * position.y(), std::abs(position.x()),
+        curvature.dot(position.head<2>().cwiseAbs2());
     height[i] = std::sin(wave.dot(position.head<2>()) + phase);
   }
-  const Vector3d fitted = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(plane).solve(height);
-  height -= plane * fitted;
-  const double scale_m = largest_m / height.cwiseAbs().maxCoeff();
+  const Eigen::VectorXd fitted = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(shape).solve(height);
+  height -= shape * fitted;
+  // A wave that is nearly one of these shapes is not made steep by what is left of it.
+  const double scale_m = std::min(3 * largest_m, largest_m / height.cwiseAbs().maxCoeff());
   for (Eigen::Index i = 0; i < count; ++i) {
     Pose& T = panel.markers[static_cast<std::size_t>(i)].T_panel_marker;
-    const Vector2d slope =
-        scale_m * (std::cos(wave.dot(T.position.head<2>()) + phase) * wave - fitted.head<2>());
+    const Vector2d at = T.position.head<2>();
+    const Vector2d fitted_slope = fitted.head<2>() + fitted[3] * Vector2d(at.y(), at.x()) +
+                                  Vector2d(at.x() < 0 ? -fitted[4] : fitted[4], 0) +
+                                  2 * fitted[5] * curvature.cwiseProduct(at);
+    const Vector2d slope = scale_m * (std::cos(wave.dot(at) + phase) * wave - fitted_slope);
     T.position.z() += scale_m * height[i];
     T.rotation = expSO3<double>(Vector3d(slope.y(), -slope.x(), 0)) * T.rotation;
   }

@@ -45,7 +45,8 @@ struct DiagnosisRun {
   }
 };
 
-/// What a path lets its recording resolve: residuals and derivatives where nothing is missing, without noise.
+/// What a path lets its recording resolve, against the declared error budget: residuals and derivatives where
+/// nothing is missing, without noise.
 class Excitation {
  public:
   explicit Excitation(BatchRun run);
@@ -76,7 +77,7 @@ class Excitation {
   std::vector<Candidate> candidates() const;
 
  private:
-  Eigen::MatrixXd project(const Eigen::MatrixXd& C) const { return nuisances_->project(C); }
+  Eigen::MatrixXd project(const Eigen::MatrixXd& C) const;
 
   Eigen::VectorXd residualsWith(const EffectParameters<double>& effects, std::uint64_t seed) const;
 
@@ -100,7 +101,8 @@ DiagnosisRun effectOfSize(const BatchRun& nominal, const Excitation& excitation,
 DiagnosisRun plainNull(const BatchRun& nominal, std::uint64_t seed);
 
 /// The map's markers moved out of its plane by a wave, about a period across the panel, at most by so much.
-/// What of it is a plane is taken out: that would be a panel which is elsewhere than the map says.
+/// What of it is a plane is taken out, for that would be a panel which is elsewhere than the map says, and
+/// what of it is folded, twisted or bent, for that is an effect.
 PanelMap rippled(PanelMap panel, double largest_m, Random& random);
 
 /// The DVL's noise as a first-order autoregression of the same variance.

@@ -20,7 +20,7 @@ namespace {
 
 /// A moved panel's onset and a current's interval are its parameters, not its name.
 bool sameName(const Candidate& a, const Candidate& b) {
-  return a.effect == b.effect && a.marker_id == b.marker_id;
+  return a.effect == b.effect && a.marker_id == b.marker_id && a.sensor == b.sensor;
 }
 
 const Alternatives* setOf(const Diagnosis& diagnosis, const Candidate& stated) {
@@ -92,7 +92,7 @@ Answer score(const Diagnosis& diagnosis, const DiagnosisRun& run, const Excitati
     for (const InteractionTest& test : found.interactions)
       answer.interaction_failed = answer.interaction_failed || test.failed;
   }
-  for (const FoundEffect& found : diagnosis.nearest) answer.nearest.push_back(described(diagnosis, found));
+  if (diagnosis.verdict == Verdict::unexplained) answer.nearest.swap(answer.named);
   if (!diagnosis.tested.empty()) {
     const TestedCandidate& best = diagnosis.tested.front();
     answer.best_tested =

@@ -12,6 +12,12 @@ PanelMap folded(PanelMap panel, double angle_rad) {
   return panel;
 }
 
+PanelMap slipped(PanelMap panel, double along_m) {
+  for (Marker& marker : panel.markers)
+    if (marker.T_panel_marker.position.x() > 0) marker.T_panel_marker.position.y() += along_m;
+  return panel;
+}
+
 void makeDvlQuadratic(std::vector<Sample>& samples, double k_s_m) {
   for (Sample& sample : samples)
     if (auto* dvl = std::get_if<DvlSample>(&sample.reading); dvl != nullptr && dvl->velocity_dvl)
@@ -38,9 +44,9 @@ DiagnosisRun outsideCatalogue(const BatchRun& nominal, std::size_t number, std::
     named("camera mount shakes", angle_deg, "deg");
     run.run.camera_shake_rad = radians(angle_deg);
   } else if (number % 4 == 1) {
-    const double angle_deg = std::array{0.5, 1.0, 2.0}[size];
-    named("panel folded", angle_deg, "deg");
-    run.run.true_panel = folded(nominal.panel, radians(angle_deg));
+    const double along_m = std::array{0.002, 0.005, 0.02}[size];
+    named("panel's halves slipped", along_m, "m");
+    run.run.true_panel = slipped(nominal.panel, along_m);
   } else if (number % 4 == 2) {
     const double k_s_m = std::array{0.1, 0.2, 0.4}[size];
     named("DVL quadratic", k_s_m, "s/m");

@@ -5,10 +5,13 @@
 /// Recordings that hide something outside the catalogue, or cannot be recordings.
 namespace fathom::test {
 
-// Outside the catalogue.
-
 /// A crease along the panel's y axis, and all beyond it turned about it.
 PanelMap folded(PanelMap panel, double angle_rad);
+
+// Outside the catalogue.
+
+/// A panel of two halves, the right one slipped upward along the seam.
+PanelMap slipped(PanelMap panel, double along_m);
 
 /// DVL that reads v (1 + k |v|).
 void makeDvlQuadratic(std::vector<Sample>& samples, double k_s_m);

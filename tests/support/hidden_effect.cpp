@@ -1,10 +1,16 @@
 #include "support/hidden_effect.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "effects/sensor_kinds.h"
 
 namespace fathom::test {
 namespace {
+
+/// Whose clock may drift: of what every dive has.
+constexpr std::array kClocks{sensorKind("INS"), sensorKind("DVL"), sensorKind("CAMERA")};
 
 /// Nothing is less than nothing, the intrinsics are those of a calibration under water, and there is water
 /// all the way.
@@ -36,6 +42,8 @@ Hidden randomEffect(const EffectInfo& effect, const std::vector<int>& marker_ids
         value = std::log(duration_s * random.uniform(0.05, 0.15) / parameter.usual_width_s);
       if (parameter.kind == ParameterKind::marker_id)
         value = *(hidden.candidate.marker_id = marker_ids[random.bits() % marker_ids.size()]);
+      if (parameter.kind == ParameterKind::sensor)
+        value = *(hidden.candidate.sensor = kClocks[random.bits() % kClocks.size()]);
       if (parameter.kind == ParameterKind::time)
         value = *(hidden.candidate.time_s = duration_s * random.uniform(0.25, 0.75));
     }
@@ -82,6 +90,11 @@ std::vector<Candidate> candidatesOf(const EffectInfo& effect, const std::vector<
   if (effect.has(ParameterKind::marker_id))
     for (const int id : marker_ids) {
       candidate.marker_id = id;
+      all.push_back(candidate);
+    }
+  else if (effect.has(ParameterKind::sensor))
+    for (const int sensor : kClocks) {
+      candidate.sensor = sensor;
       all.push_back(candidate);
     }
   else if (hasPeak(effect))

@@ -19,6 +19,7 @@ inline void switchOn(const EffectInfo& effect, EffectParameters<double>& paramet
   for (const Parameter& p : effect.parameters)
     for (int k = 0; k < p.size; ++k)
       parameters.values[i++] = p.kind == ParameterKind::marker_id   ? kMarkersThere[0]
+                               : p.kind == ParameterKind::sensor    ? 1
                                : p.kind == ParameterKind::time      ? kNow_s / 2
                                : p.kind == ParameterKind::peak_time ? kNow_s - 5
                                                                     : p.prior_sigma;

@@ -129,7 +129,7 @@ DiagnosisStory explainedStory() {
   d.remaining = {dvlAgainstSpeed(1.1, 0.7)};
   d.heldout.channels = {heldOutDvl()};
   d.alternatives = {{.candidates = {d.effects[0].candidate, {kEffectIndex<MarkerSize>, {}, {}, {}, {}}},
-                     .support = {0, -1},
+                     .log_odds = {0, -1},
                      .alignment = {1, 0.99},
                      .advice = {"turn on the spot", 3, 31, 7, 0.5}}};
   TestedCandidate tested;
@@ -137,7 +137,7 @@ DiagnosisStory explainedStory() {
   tested.statistic = 620;
   tested.dof = 4;
   tested.log_p = -300;
-  tested.support = 290;
+  tested.log_evidence = 290;
   tested.one_step = d.effects[0].estimates;
   d.tested = {tested};
   d.noise.channels[indexOf(kChannel<Dvl>)].rows = 300;
@@ -231,7 +231,7 @@ TEST(DiagnosisReport, SetsThatCannotBeToldApart) {
   const auto sets = written(explainedStory())["alternatives"];
   ASSERT_EQ(sets.size(), 1u);
   EXPECT_EQ(sets[0]["effects"], nlohmann::json({"marker-moved", "marker-size"}));
-  EXPECT_EQ(sets[0]["support"], nlohmann::json({0.0, -1.0}));
+  EXPECT_EQ(sets[0]["log_odds"], nlohmann::json({0.0, -1.0}));
   EXPECT_EQ(sets[0]["alignment"], nlohmann::json({1.0, 0.99}));
   EXPECT_EQ(sets[0]["advice"]["manoeuvre"], "turn on the spot");
   EXPECT_EQ(sets[0]["advice"]["minutes"], 3);
@@ -265,17 +265,6 @@ TEST(DiagnosisReport, WhatIsNotANumberIsNull) {
   EXPECT_TRUE(json["heldout"]["black_box"].is_null());
   EXPECT_TRUE(json["effects"][0]["sqrt_lambda"].is_null());
   EXPECT_TRUE(json["effects"][0]["sigma"]["offset_m"][0].is_null());
-}
-
-TEST(DiagnosisReport, WhatComesNearestIsNotAnEffectFound) {
-  DiagnosisStory story = storyOf(Verdict::unexplained, {panelMoved()});
-  story.diagnosis.nearest = std::move(story.diagnosis.effects);
-  story.diagnosis.effects.clear();
-  story.diagnosis.calibration = {};
-  const auto json = written(story);
-  EXPECT_TRUE(json["effects"].empty());
-  EXPECT_EQ(json["nearest"][0]["id"], "panel-moved");
-  EXPECT_EQ(json["nearest"][0]["parameters"]["offset_m"], nlohmann::json({0.05, 0.05, 0.05}));
 }
 
 TEST(DiagnosisReport, DigitsAsSigmaDeservesThem) {

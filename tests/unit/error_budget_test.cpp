@@ -1,19 +1,18 @@
 // The error budget's file, and what its components do to readings.
-#include "diagnosis/error_budget.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/error.h"
 #include "diagnosis/budget_columns.h"
+#include "diagnosis/budget_file.h"
 #include "support/shipped.h"
 
 namespace fathom {
 namespace {
 
 const std::string kComponent =
-    "name: mine\noutlier_share: 0.01\ncomponents:\n"
+    "name: mine\noutlier_share: 0.01\nnoise_factor: 3\ncomponents:\n"
     "  response: {by: [pixels.level], smooth: {over: [brightness], length: [60]}, sigma: 0.005, factor: 3, "
     "unit: '1', source: a sheet}\n";
 
@@ -22,7 +21,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 }
 
 TEST(ErrorBudget, IsRead) {
-  const ErrorBudget budget = ErrorBudget::parse(kComponent, "budget.yaml");
+  const ErrorBudget budget = parseErrorBudget(kComponent, "budget.yaml");
   ASSERT_EQ(budget.components.size(), 1u);
   const VarianceComponent& response = budget.components.front();
   EXPECT_EQ(response.name, "response");
@@ -32,7 +31,7 @@ TEST(ErrorBudget, IsRead) {
 }
 
 TEST(ErrorBudget, TheShippedOneIsRead) {
-  const ErrorBudget budget = ErrorBudget::read(test::kSource / "config/error_budget.yaml");
+  const ErrorBudget budget = readErrorBudget(test::kSource / "config/error_budget.yaml");
   EXPECT_EQ(budget.name, "field");
   EXPECT_GE(budget.components.size(), 10u);
 }
@@ -44,10 +43,14 @@ TEST(ErrorBudget, WrongValuesAreNamed) {
                                                         {"length: [60]", "length: [60, 60]"},
                                                         {"length: [60]", "length: [-1]"},
                                                         {"by: [pixels.level]", "by: []"},
+                                                        {"by: [pixels.level]", "by: [pixels.shade]"},
+                                                        {"by: [pixels.level]", "by: [gamma.exponent]"},
+                                                        {"over: [brightness]", "over: [blackness]"},
+                                                        {"noise_factor: 3", "noise_factor: 0.5"},
                                                         {"outlier_share: 0.01", "outlier_share: 0.6"},
                                                         {"source: a sheet", "sauce: a sheet"},
                                                         {"smooth: {over", "each: face, smooth: {over"}})
-    EXPECT_THROW(ErrorBudget::parse(replaced(kComponent, what, by), "budget.yaml"), Error) << by;
+    EXPECT_THROW(parseErrorBudget(replaced(kComponent, what, by), "budget.yaml"), Error) << by;
 }
 
 /// Readings of light, at levels that go up evenly; three to an image.

@@ -67,6 +67,41 @@ TEST(Evidence, ValuesAreAsGoodAsTheySay) {
   EXPECT_NEAR(square, 1, 5 * std::sqrt(2.0 / (6 * kDraws)));
 }
 
+// Of one effect by itself: the best of its sizes, by the same density.
+TEST(EffectEvidence, IsTheBestOfItsSizes) {
+  Random random(5);
+  Readings readings(40, 3, random);
+  const Eigen::VectorXd sigma = (Eigen::VectorXd(3) << 0.5, 1, 2).finished();
+  readings.r = -0.05 * readings.C.col(0) + random.normals(40, 1).col(0);
+  const EffectEvidence evidence(readings.gram(), sigma);
+  double most = -1e300, shares = 0;
+  for (const double t : EffectEvidence::kSizes) shares += std::min(1.0, 1 / t);
+  for (const double t : EffectEvidence::kSizes)
+    most = std::max(most, logBayesFactor(readings.gram(), readings.score(), t * sigma) +
+                              std::log(std::min(1.0, 1 / t) / shares));
+  const EffectEvidence::Best best = evidence.best(readings.score());
+  EXPECT_NEAR(best.log_bayes_factor, most, 1e-9);
+  const SizedSet set = bestSizes(readings.gram(), readings.score(), sigma, {3});
+  EXPECT_NEAR(set.log_bayes_factor, most, 1e-9);
+  EXPECT_EQ(set.size, std::vector<double>{best.size});
+  EXPECT_LT((evidence.valueAt(readings.score(), best.size) - set.evidence.value).norm(), 1e-9);
+}
+
+// Odds of e^x are seen by chance e^-x as often (Markov): of 4000 draws of noise alone 4 sigmas of their
+// number more at most.
+TEST(EffectEvidence, SaysNoMoreByChanceThanItMay) {
+  Random random(6);
+  Readings readings(40, 3, random);
+  const EffectEvidence evidence(readings.gram(), Eigen::VectorXd::Constant(3, 0.3));
+  constexpr int kDraws = 4000;
+  int beyond = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    readings.r = random.normals(40, 1);
+    beyond += evidence.best(readings.score()).log_bayes_factor > std::log(20.0);
+  }
+  EXPECT_LT(beyond, kDraws / 20 + 4 * std::sqrt(kDraws / 20.0));
+}
+
 constexpr Eigen::Index kGroup = 40;  // columns
 
 /// Two groups of columns and one that is of none.
@@ -122,6 +157,15 @@ TEST(LikeliestScales, OfWhatNothingShowsAreThePriors) {
       likeliestScales(gram, Eigen::VectorXd::Zero(4), Eigen::VectorXd::Zero(4), {{0, 4, 0.7, 0.5}});
   EXPECT_NEAR(scales[0].scale, 0.7, 1e-9);
   EXPECT_NEAR(scales[0].log_sd, 0.5, 1e-9);
+}
+
+// What is left of readings that weigh 1e20 is rounding, which may be less than nothing: said, not looked for
+// without end.
+TEST(Evidence, WhereRoundingIsAllThatIsLeftIsSaid) {
+  const Eigen::MatrixXd gram = -1e4 * Eigen::MatrixXd::Identity(2, 2);
+  const Eigen::VectorXd score = Eigen::VectorXd::Constant(2, 3), sigma = Eigen::VectorXd::Ones(2);
+  EXPECT_THROW(bestSizes(gram, score, sigma, {1, 1}), std::runtime_error);
+  EXPECT_EQ(logBayesFactor(gram, score, sigma), -std::numeric_limits<double>::infinity());
 }
 
 }  // namespace

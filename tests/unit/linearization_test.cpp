@@ -131,6 +131,7 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
   for (std::size_t c = 0; c < linear.columns.size(); ++c) {
     const EffectColumn& column = linear.columns[c];
     const bool of_marker = column.effect == kEffectIndex<MarkerMoved>;
+    const bool of_sensor = allEffects()[column.effect].has(ParameterKind::sensor);  // the first, neutral
     const bool of_light = allEffects()[column.effect].text.channel == EffectChannel::image;
     const bool comes_and_goes = column.effect == kEffectIndex<TurbidityPlume>;
     const bool is_drawn = isDrawn(column.effect);
@@ -156,6 +157,7 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
       // Of one that comes and goes every row is taken for at the peak.
       if (comes_and_goes) expected[at] *= std::exp(-0.5 * std::pow((linear.rows[i].t_s - kPeak_s) / 10, 2));
       if (of_marker && linear.rows[i].marker_id != marker_id) expected[at] = 0;
+      if (of_sensor && sensorKindOf(linear.rows[i].channel) != 0) expected[at] = 0;
       if (linear.rows[i].channel == kChannel<Prior>) found[at] = 0;  // its own prior, where estimated
       // Light tells of water and camera, not of where things are.
       if (linear.rows[i].channel == kChannel<Pixels> && !of_light) found[at] = 0;

@@ -32,7 +32,7 @@ TEST(MismatchMaps, ReadEachDirectionFromItsOwnCoordinate) {
   for (RowInfo& row : linear.rows)
     if (row.channel == kChannel<Markers>) row.raw = row.component % 2 == 0 ? 1.0 : 0.0;
   int sideways = 0, up_and_down = 0;
-  for (const Mismatch& map : mismatchMaps(WhitenedModel(linear, {}, run.input.data), 1)) {
+  for (const Mismatch& map : mismatchMaps(WhitenedModel(linear, {}), 1)) {
     if (map.direction == "sideways" && ++sideways > 0) EXPECT_NEAR(meanOf(map), 1.0, 1e-12) << map.against;
     if (map.direction == "up and down" && ++up_and_down > 0)
       EXPECT_NEAR(meanOf(map), 0.0, 1e-12) << map.against;
@@ -44,7 +44,7 @@ TEST(MismatchMaps, ReadEachDirectionFromItsOwnCoordinate) {
 TEST(MismatchMaps, SayWhereWithTheUnitUnlessThereIsNone) {
   const WhitenedRun run;
   bool any = false;
-  for (const Mismatch& map : mismatchMaps(WhitenedModel(run.linear(), {}, run.input.data), 1)) {
+  for (const Mismatch& map : mismatchMaps(WhitenedModel(run.linear(), {}), 1)) {
     if (map.against == "range") EXPECT_TRUE(map.where.ends_with(" m")) << map.where;
     if (map.against != "image radius") continue;
     any = true;

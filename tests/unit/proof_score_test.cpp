@@ -266,17 +266,16 @@ TEST(ProofReport, CountsWhatDecoysTempted) {
 TEST(ProofReport, RealRecordingsAreShownAndNotJudged) {
   const Json heldout{{"metric", "reprojection_rms_px"}, {"before", 4.46},    {"after", 0.24},
                      {"after_ci95", {0.2, 0.3}},        {"black_box", 4.04}, {"noise_floor", 0.11}};
-  const Json nearest = found("flat-port-refraction", {{"slab_m", 0.243}}, {{"slab_m", 0.007}});
+  const Json effect = found("flat-port-refraction", {{"slab_m", 0.243}}, {{"slab_m", 0.007}});
   const Table table = realTable({{{"name", "tank"},
                                   {"what", "boards"},
                                   {"failure", ""},
                                   {"verdict", "unexplained"},
-                                  {"effects", Json::array()},
-                                  {"nearest", {nearest}},
+                                  {"effects", {effect}},
                                   {"heldout", heldout}},
                                  {{"name", "dome"}, {"what", "boards"}, {"failure", "no such file"}}});
   ASSERT_EQ(table.rows.size(), 2u);
-  EXPECT_EQ(table.rows[0][2], "nearest flat-port-refraction: slab_m 0.243 ± 0.007");
+  EXPECT_EQ(table.rows[0][2], "flat-port-refraction: slab_m 0.243 ± 0.007");
   EXPECT_EQ(table.rows[0][6], "(0.2, 0.3)");
   EXPECT_EQ(table.rows[1][2], "no such file");
 }

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "batch/batch_plan.h"
-#include "diagnosis/error_budget.h"
+#include "diagnosis/budget_file.h"
 #include "effects/calibration.h"
 #include "evaluation/fiducial_grid.h"
 #include "imaging/water.h"
@@ -47,7 +47,8 @@ const std::map<std::string, std::function<void(const fs::path&)>> kReaders{
     {"navigation.yaml", kLocalization},
     {"sea_trial.yaml", kLocalization},
     {"sea_trial_earth.yaml", [](const fs::path& file) { readCalibration(file); }},
-    {"error_budget.yaml", [](const fs::path& file) { ErrorBudget::read(file); }},
+    {"error_budget.yaml", [](const fs::path& file) { readErrorBudget(file); }},
+    {"laboratory_budget.yaml", [](const fs::path& file) { readErrorBudget(file); }},
     {"husky.yaml", kLocalization},
     {"degrade_bottom_lock.yaml", [](const fs::path& file) { readDegradation(file); }},
     {"degrade_dvl_outage.yaml", [](const fs::path& file) { readDegradation(file); }},

@@ -1,0 +1,188 @@
+#include "diagnosis/weight.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "core/linear_algebra.h"
+#include "diagnosis/bare.h"
+#include "diagnosis/whitened_model.h"
+#include "estimation/nuisances.h"
+#include "estimation/sparse.h"
+
+namespace fathom {
+namespace {
+
+constexpr int kRounds = 2;     // of scales and sizes
+constexpr int kReweighed = 4;  // robust weights, at most
+
+/// Of the scalars that say how large an effect is: as large as one expects; of the others: as they are held.
+Eigen::VectorXd usualSizes(const Linearization& linear, const std::vector<Candidate>& effects) {
+  std::vector<double> sigmas;
+  for (const Candidate& effect : effects)
+    for (const CandidateColumn& c : columnsOf(linear, effect.effect)) {
+      const EffectColumn& column = linear.columns[c.column];
+      const Parameter& parameter = parameterOf(column.scalar);
+      sigmas.push_back(isSize(parameter.kind) ? parameter.prior_sigma : column.prior_sigma);
+    }
+  return Eigen::Map<Eigen::VectorXd>(sigmas.data(), std::ssize(sigmas));
+}
+
+std::vector<ScaledColumns> groupsOf(const NoiseModel& noise, const HeldColumns& budget) {
+  std::vector<ScaledColumns> groups;
+  Eigen::Index first = 0;
+  for (std::size_t k = 0; k < budget.sizes.size(); ++k) {
+    const VarianceComponent& component = noise.budget.components[k];
+    groups.push_back({first, budget.sizes[k], component.sigma, component.logSd()});
+    first += budget.sizes[k];
+  }
+  return groups;
+}
+
+/// ln of the probability that what cannot be less than nothing is more, over one half.
+double logOfPositive(const Linearization& linear, const std::vector<Candidate>& effects,
+                     const Evidence& evidence) {
+  double sum = 0;
+  Eigen::Index k = 0;
+  for (const Candidate& effect : effects)
+    for (const CandidateColumn& c : columnsOf(linear, effect.effect)) {
+      const Parameter& parameter = parameterOf(linear.columns[c.column].scalar);
+      if (parameter.positive && parameter.kind != ParameterKind::spread)
+        sum +=
+            std::log(std::max(1e-300, std::erfc(-evidence.value[k] /
+                                                std::sqrt(2 * std::max(1e-300, evidence.covariance(k, k))))));
+      ++k;
+    }
+  return sum;
+}
+
+/// What is explained by the budget, then by the effects in what it leaves of them.
+struct Split {
+  double of_budget = 0;  ///< ln of its Bayes factor
+  SizedSet effects;
+  Eigen::VectorXd budget;  ///< its values, beside those of the effects
+};
+Split splitOf(const Reduced& all, const Eigen::VectorXd& scatter, const Eigen::VectorXd& usual,
+              const std::vector<Eigen::Index>& widths) {
+  const Eigen::Index q = scatter.size(), p = usual.size();
+  const PositiveFactors M(Eigen::MatrixXd::Identity(q, q) +
+                          scatter.asDiagonal() * all.gram.topLeftCorner(q, q) * scatter.asDiagonal());
+  if (!M.succeeded()) throw std::runtime_error("readings weigh more than rounding");
+  const Eigen::VectorXd g = scatter.cwiseProduct(all.score.head(q));
+  const Eigen::MatrixXd B = scatter.asDiagonal() * all.gram.topRightCorner(q, p);
+  const Eigen::MatrixXd MB = M.solve(B);
+  Split split;
+  split.of_budget = 0.5 * (g.dot(M.solve(g)) - M.logDeterminant());
+  split.effects = bestSizes(all.gram.bottomRightCorner(p, p) - B.transpose() * MB,
+                            all.score.tail(p) - MB.transpose() * g, usual, widths);
+  const Eigen::VectorXd beside = g + B * split.effects.evidence.value;
+  split.budget = -scatter.cwiseProduct(M.solve(beside));
+  return split;
+}
+
+/// The readings at a fit, reduced to what budget and effects can see of them.
+struct ReducedFit {
+  Bare bare;
+  HeldColumns budget;
+  Eigen::SparseMatrix<double> W;
+  Nuisances nuisances;
+  Eigen::VectorXd residual;  // whitened
+  Reduced all;               // of the budget's columns, then the effects'
+
+  ReducedFit(const Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state,
+             const NoiseModel& noise)
+      : bare(withoutEffects(linear, effects, state)),
+        budget(budgetColumns(linear, noise)),
+        W(whitenerOf(linear, noise)),
+        nuisances(W * bare.linear.J),
+        residual(W * bare.linear.residual),
+        all(nuisances.reduce(W * sideBySide(budget.columns, bare.columns), residual)) {}
+
+  /// What budget and effects of these values change.
+  Eigen::VectorXd changeBy(const Split& split) const {
+    return budget.columns * split.budget + bare.columns * split.effects.evidence.value;
+  }
+  /// What is left then, all that is unknown being as well as it can: over the linearization's rows.
+  Eigen::VectorXd leftBy(const Split& split) const {
+    const Eigen::VectorXd change = changeBy(split);
+    return bare.linear.residual + change + bare.linear.J * nuisances.step(residual + W * change);
+  }
+};
+
+/// Readings that what is taken into account explains are no outliers.
+bool reweigh(Linearization& linear, const Eigen::VectorXd& left) {
+  bool changed = false;
+  for (const Channel channel : kEveryChannel)
+    if (textOf(channel).has_outliers) changed = applyOtherRobustWeights(linear, channel, left) || changed;
+  return changed;
+}
+
+/// The likeliest scales and sizes, by turns: what the budget has to make up for depends on how large the
+/// effects may be.
+Split likeliest(const ReducedFit& hypothesis, const Linearization& linear,
+                const std::vector<Candidate>& effects, std::vector<ScaledColumns>& groups,
+                std::vector<EstimatedScale>& scales) {
+  const Eigen::VectorXd usual = usualSizes(linear, effects);
+  std::vector<Eigen::Index> widths;
+  for (const Candidate& effect : effects) widths.push_back(std::ssize(columnsOf(linear, effect.effect)));
+  const Eigen::Index q = hypothesis.budget.sigma.size();
+  Eigen::VectorXd sigma(q + usual.size());
+  // What effects of any size can explain is not the budget's, to begin with.
+  sigma << hypothesis.budget.sigma, EffectEvidence::kSizes.back() * usual;
+  Split split;
+  for (int round = 0; round < (effects.empty() ? 1 : kRounds); ++round) {
+    scales = likeliestScales(hypothesis.all.gram, hypothesis.all.score, sigma, groups);
+    for (std::size_t k = 0; k < groups.size(); ++k) {
+      groups[k].start = scales[k].scale;
+      sigma.segment(groups[k].first, groups[k].size).setConstant(scales[k].scale);
+    }
+    split = splitOf(hypothesis.all, sigma.head(q), usual, widths);
+    Eigen::Index first = q;
+    for (std::size_t e = 0; e < effects.size(); first += widths[e++])
+      sigma.segment(first, widths[e]) = split.effects.size[e] * usual.segment(first - q, widths[e]);
+  }
+  return split;
+}
+
+/// ln of how likely the scales are beforehand, beside the declared ones.
+double logPriorOf(const std::vector<EstimatedScale>& scales, const std::vector<ScaledColumns>& groups) {
+  double sum = 0;
+  for (std::size_t k = 0; k < groups.size(); ++k)
+    sum -= 0.5 * std::pow(std::log(scales[k].scale / groups[k].scale) / groups[k].log_sd, 2);
+  return sum;
+}
+
+/// By how much a robust loss exceeds half the square of what is left of the readings that it makes light of.
+double robustShare(const Linearization& linear, const Eigen::VectorXd& left) {
+  double sum = 0;
+  for (std::size_t i = 0; i < linear.rows.size(); ++i)
+    if (linear.rows[i].channel != kChannel<Prior>)
+      sum += 0.5 * (1 - linear.rows[i].robust_weight) * std::pow(left[static_cast<Eigen::Index>(i)], 2);
+  return sum;
+}
+
+}  // namespace
+
+Weight weigh(Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state,
+             const NoiseModel& noise) {
+  Weight weight;
+  for (int round = 0;; ++round) {
+    const ReducedFit hypothesis(linear, effects, state, noise);
+    std::vector<ScaledColumns> groups = groupsOf(noise, hypothesis.budget);
+    // From where the round before ended.
+    for (std::size_t k = 0; k < weight.scales.size(); ++k) groups[k].start = weight.scales[k].scale;
+    const Split split = likeliest(hypothesis, linear, effects, groups, weight.scales);
+    const Eigen::VectorXd left = hypothesis.leftBy(split);
+    Linearization other = linear;
+    if (round + 1 < kReweighed && reweigh(other, left)) {
+      linear = std::move(other);
+      continue;
+    }
+    weight.log_evidence = -0.5 * hypothesis.nuisances.project(hypothesis.residual).squaredNorm() -
+                          robustShare(linear, hypothesis.W * left) + logPriorOf(weight.scales, groups) +
+                          split.of_budget + split.effects.log_bayes_factor +
+                          logOfPositive(linear, effects, split.effects.evidence);
+    return weight;
+  }
+}
+
+}  // namespace fathom

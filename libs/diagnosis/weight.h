@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/candidate.h"
+#include "diagnosis/noise.h"
+#include "estimation/batch_state.h"
+
+namespace fathom {
+
+/// What a hypothesis is worth at a fit of it: Laplace's approximation of ln p(readings | effects, budget),
+/// but for what all hypotheses about the same readings have in common.
+struct Weight {
+  double log_evidence = 0;
+  std::vector<EstimatedScale> scales;  ///< of the budget's components, the likeliest beside these effects
+};
+
+/// `linear`: at the state, with the effects among its unknowns, weighted (applyRobustWeights()); it is
+/// weighted otherwise by then: what effects and budget explain is no outlier. The budget's components are
+/// marginalized over their values at the likeliest scales, the effects over theirs with the priors of
+/// EffectEvidence, everything else with flat ones. Throws std::runtime_error where readings weigh so much
+/// that rounding is all that is left of them.
+Weight weigh(Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state,
+             const NoiseModel& noise);
+
+}  // namespace fathom

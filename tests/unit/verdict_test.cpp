@@ -1,0 +1,124 @@
+// The verdict by what was found and what is left beside it.
+#include "diagnosis/verdict.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "diagnosis/budget_file.h"
+#include "effects/registry.h"
+
+namespace fathom {
+namespace {
+
+/// An effect that takes 1000 of log likelihood away, and a map by which so much is left besides.
+Diagnosis found(double left) {
+  Diagnosis diagnosis;
+  FoundEffect effect;
+  effect.candidate.effect = kEffectIndex<DvlScale>;
+  effect.heldout_log_likelihood_gain = 1000;
+  effect.sqrt_lambda = 45;
+  diagnosis.effects.push_back(effect);
+  diagnosis.heldout.gain.physics = 1000;
+  diagnosis.log_odds = 990;
+  Mismatch map;
+  map.channel = kChannel<Dvl>;
+  map.statistic = "mean residual";
+  map.against = "speed";
+  map.dof = 6;
+  map.statistic_value = 6 + 2 * left;
+  map.log_p = -left;
+  map.material = true;
+  diagnosis.remaining.push_back(map);
+  diagnosis.noise.budget = fieldBudget();
+  for (const VarianceComponent& component : diagnosis.noise.budget.components)
+    diagnosis.noise.scales.push_back({component.sigma, 0.1});
+  return diagnosis;
+}
+
+Diagnosis judged(Diagnosis diagnosis) {
+  judge(diagnosis, {});
+  return diagnosis;
+}
+
+TEST(Verdict, IsExplainedWhereLittleIsLeft) {
+  const Diagnosis diagnosis = judged(found(30));
+  EXPECT_EQ(diagnosis.verdict, Verdict::explained);
+  EXPECT_NEAR(diagnosis.remainder.share, 30.0 / 1030, 1e-9);
+  EXPECT_NEAR(diagnosis.effects[0].share, 1000.0 / 1030, 1e-9);
+  ASSERT_FALSE(diagnosis.remarks.empty());
+  EXPECT_NE(diagnosis.remarks.back().find("remains"), std::string::npos) << diagnosis.remarks.back();
+}
+
+TEST(Verdict, IsUnexplainedWhereMoreIsLeftAndStillSaysWhatWasFound) {
+  const Diagnosis diagnosis = judged(found(80));
+  EXPECT_EQ(diagnosis.verdict, Verdict::unexplained);
+  ASSERT_EQ(diagnosis.effects.size(), 1u);
+  EXPECT_NEAR(diagnosis.effects[0].share, 1000.0 / 1080, 1e-9);
+  EXPECT_NE(diagnosis.why.find("dvl-scale"), std::string::npos) << diagnosis.why;
+  EXPECT_NE(diagnosis.why.find("against speed"), std::string::npos) << diagnosis.why;
+}
+
+TEST(Verdict, WhatIsImmaterialIsNoRemainder) {
+  Diagnosis diagnosis = found(80);
+  diagnosis.remaining[0].material = false;
+  diagnosis = judged(std::move(diagnosis));
+  EXPECT_EQ(diagnosis.verdict, Verdict::explained);
+  EXPECT_EQ(diagnosis.remainder.share, 0);
+}
+
+/// The first component is beyond what is ordinary, which makes the readings so much likelier.
+Diagnosis burst(double beyond) {
+  Diagnosis diagnosis = found(0);
+  const VarianceComponent& component = diagnosis.noise.budget.components[0];
+  diagnosis.noise.scales[0] = {1.5 * component.factor * component.sigma, 0.1, beyond};
+  return judged(std::move(diagnosis));
+}
+
+TEST(Verdict, ABudgetThatBurstsIsAMismatchWithAPlace) {
+  const Diagnosis diagnosis = burst(80);
+  EXPECT_EQ(diagnosis.verdict, Verdict::unexplained);
+  EXPECT_TRUE(diagnosis.budget[0].bursts);
+  EXPECT_NEAR(diagnosis.remainder.share, 80.0 / 1080, 1e-9);
+  EXPECT_NE(diagnosis.why.find(diagnosis.budget[0].component), std::string::npos) << diagnosis.why;
+}
+
+TEST(Verdict, ABudgetThatBurstsByLittleIsARemark) {
+  const Diagnosis diagnosis = burst(30);
+  EXPECT_EQ(diagnosis.verdict, Verdict::explained);
+  EXPECT_TRUE(diagnosis.budget[0].bursts);
+  ASSERT_FALSE(diagnosis.remarks.empty());
+  EXPECT_NE(diagnosis.remarks.back().find(diagnosis.budget[0].component), std::string::npos);
+  // What chance does is no burst at all.
+  EXPECT_FALSE(burst(2).budget[0].bursts);
+}
+
+TEST(Verdict, WithoutAnEffectABurstIsAllThatIsLeft) {
+  Diagnosis diagnosis = found(0);
+  diagnosis.effects.clear();
+  diagnosis.heldout.gain.physics = 0;
+  diagnosis.noise.channels[indexOf(kChannel<Dvl>)].rows = 200;
+  diagnosis.noise.channels[indexOf(kChannel<Dvl>)].scale = 1.3 * diagnosis.noise.budget.noise_factor;
+  diagnosis = judged(std::move(diagnosis));
+  EXPECT_EQ(diagnosis.verdict, Verdict::unexplained);
+  EXPECT_EQ(diagnosis.remainder.share, 1);
+  EXPECT_NE(diagnosis.why.find("noise of dvl"), std::string::npos) << diagnosis.why;
+}
+
+TEST(Verdict, TheHypothesesMassIsOne) {
+  Diagnosis diagnosis = found(30);
+  Candidate other;
+  other.effect = kEffectIndex<DvlLatency>;
+  diagnosis.alternatives.push_back(
+      {{diagnosis.effects[0].candidate, other}, {0, std::log(0.5)}, {1, 0.99}, {}});
+  diagnosis = judged(std::move(diagnosis));
+  double sum = 0;
+  for (const Hypothesis& hypothesis : diagnosis.posterior) sum += hypothesis.mass;
+  EXPECT_NEAR(sum, 1, 1e-12);
+  // 30 of log likelihood beyond chance, of six parameters, are something else by far.
+  EXPECT_TRUE(diagnosis.posterior[0].is_something_else);
+  EXPECT_NEAR(diagnosis.posterior[1].mass, 2 * diagnosis.posterior[2].mass, 1e-12);
+}
+
+}  // namespace
+}  // namespace fathom
