@@ -1,6 +1,7 @@
 // Diagnosis with images: black and white of the markers beside navigation and corners.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <map>
 #include <set>
 
