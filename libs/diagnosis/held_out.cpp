@@ -21,7 +21,8 @@ constexpr int kStretches = 3;  // of a fold, between those of others: an effect 
 constexpr int kParts = 2;      // of a stretch, that are drawn anew by the bootstrap
 constexpr int kResamples = 1000;
 constexpr int kFloorDraws = 8;
-/// Columns of what is left of a fold's rows; after the draws of noise, one without each effect.
+/// Columns of what is left of a fold's rows; after the draws of noise, one without each effect, and what each
+/// changes by itself.
 constexpr Eigen::Index kBefore = 0, kAfter = 1, kBlackBox = 2, kFirstDraw = 3;
 
 /// Sums over a piece of a held-out stretch.
@@ -85,15 +86,19 @@ class HoldOut {
 
  private:
   void holdOutFold(int fold);
-  /// The model's residual with columns at the values that are best where the reduction is from.
-  Eigen::VectorXd residualWith(const Fitted& what, const Reduced& trained) const;
+  /// What is best where the reduction is from.
+  Eigen::VectorXd valuesOf(const Fitted& what, const Reduced& trained) const {
+    return fitted(trained.gram(what.columns, what.columns), trained.score(what.columns), what.sigma);
+  }
   /// The same, but what is drawn for each image is found in the held-out images themselves.
-  Eigen::VectorXd residualWithDraws(const Fitted& what, const Reduced& trained, const RowsAlone& test) const;
+  Eigen::VectorXd valuesWithDraws(const Fitted& what, const Reduced& trained, const RowsAlone& test) const;
+  Eigen::VectorXd changeBy(const std::vector<Eigen::Index>& columns, const Eigen::VectorXd& values) const;
   void add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& left);
   bool isPrior(Eigen::Index row) const {
     return row >= std::ssize(bare_.rows) ||
            bare_.rows[static_cast<std::size_t>(row)].channel == kChannel<Prior>;
   }
+  std::vector<Eigen::Index> columnsOf(std::size_t effect) const;
   /// Columns of all effects, or of all but one.
   Fitted physics(std::optional<std::size_t> but) const;
   void resample(HeldOutResult& result, std::map<Channel, std::vector<double>>& rms);
@@ -110,8 +115,9 @@ class HoldOut {
   std::vector<Channel> channels_;  // that the effects act on, those they change most first
   Stretches stretches_;
   Random random_;
-  Eigen::SparseMatrix<double> columns_;  // physics, black box
-  std::vector<bool> is_draw_;            // of those of physics
+  Eigen::SparseMatrix<double> columns_;        // physics, black box
+  std::vector<bool> is_draw_;                  // of those of physics
+  std::vector<Eigen::Index> first_column_{0};  // of each effect, and the one behind the last
   Fitted box_;
   Eigen::MatrixXd simulated_;
   std::optional<Placebo> placebo_;
@@ -151,9 +157,11 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
   sigma_ = trainedSigmas(bare_, effects, found);
   gain_.by_effect.assign(effects.size(), 0);
   gain_.expected_by_effect.assign(effects.size(), 0);
-  columns_ = model_.whitened(columnsOf(bare_, effects));
-  for (const Candidate& effect : effects)
-    for (const CandidateColumn& c : columnsOf(bare_, effect.effect)) is_draw_.push_back(c.image >= 0);
+  columns_ = model_.whitened(fathom::columnsOf(bare_, effects));
+  for (const Candidate& effect : effects) {
+    for (const CandidateColumn& c : fathom::columnsOf(bare_, effect.effect)) is_draw_.push_back(c.image >= 0);
+    first_column_.push_back(std::ssize(is_draw_));
+  }
   simulated_ = random_.normals(model_.residual().size(), options.yardsticks ? kPlacebos : 0);
   if (!options.yardsticks) return;
   placebo_.emplace(model_, simulated_);
@@ -165,12 +173,17 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
   columns_ = sideBySide(columns_, box);
 }
 
+std::vector<Eigen::Index> HoldOut::columnsOf(std::size_t effect) const {
+  std::vector<Eigen::Index> columns;
+  for (Eigen::Index c = first_column_[effect]; c < first_column_[effect + 1]; ++c) columns.push_back(c);
+  return columns;
+}
+
 Fitted HoldOut::physics(std::optional<std::size_t> but) const {
   Fitted what;
-  Eigen::Index column = 0;
   for (std::size_t e = 0; e < effects_.size(); ++e)
-    for (std::size_t k = 0; k < columnsOf(bare_, effects_[e].effect).size(); ++k, ++column)
-      if (e != but) what.columns.push_back(column);
+    if (const std::vector<Eigen::Index> own = columnsOf(e); e != but)
+      what.columns.insert(what.columns.end(), own.begin(), own.end());
   what.sigma = sigma_(what.columns);
   return what;
 }
@@ -185,35 +198,43 @@ void HoldOut::holdOutFold(int fold) {
   const RowsAlone train(model_, std::move(in_train)), test(model_, std::move(in_test));
   if (placebo_) placebo_->add(train, test);
   const Reduced trained = train.reduce(columns_);
-  const Eigen::Index floor_draws = placebo_ ? kFloorDraws : 0;
-  Eigen::MatrixXd with(model_.residual().size(), kFirstDraw + floor_draws + std::ssize(effects_));
+  const Fitted all = physics({});
+  const Eigen::VectorXd all_values = valuesWithDraws(all, trained, test);
+  const Eigen::Index floor_draws = placebo_ ? kFloorDraws : 0, count = std::ssize(effects_),
+                     first_without = kFirstDraw + floor_draws, first_alone = first_without + count;
+  Eigen::MatrixXd with(model_.residual().size(), first_alone + count);
   with.col(kBefore) = model_.residual();
-  with.col(kAfter) = residualWithDraws(physics({}), trained, test);
-  with.col(kBlackBox) = residualWith(box_, trained);
+  with.col(kAfter) = model_.residual() + changeBy(all.columns, all_values);
+  with.col(kBlackBox) = model_.residual() + changeBy(box_.columns, valuesOf(box_, trained));
   with.middleCols(kFirstDraw, floor_draws) = simulated_.leftCols(floor_draws);
-  for (std::size_t e = 0; e < effects_.size(); ++e)
-    with.col(kFirstDraw + floor_draws + static_cast<Eigen::Index>(e)) =
-        residualWithDraws(physics(e), trained, test);
+  for (Eigen::Index e = 0; e < count; ++e) {
+    const Fitted rest = physics(static_cast<std::size_t>(e));
+    with.col(first_without + e) =
+        model_.residual() + changeBy(rest.columns, valuesWithDraws(rest, trained, test));
+    const std::vector<Eigen::Index> own = columnsOf(static_cast<std::size_t>(e));
+    with.col(first_alone + e) = changeBy(own, all_values(own));
+  }
   const Eigen::MatrixXd left = test.project(with);
   for (std::size_t e = 0; e < effects_.size(); ++e) {
-    const auto without = left.col(kFirstDraw + floor_draws + static_cast<Eigen::Index>(e));
+    const auto k = static_cast<Eigen::Index>(e);
+    const auto without = left.col(first_without + k);
     gain_.by_effect[e] += 0.5 * (without.squaredNorm() - left.col(kAfter).squaredNorm());
-    gain_.expected_by_effect[e] += 0.5 * (without - left.col(kAfter)).squaredNorm();
+    gain_.expected_by_effect[e] +=
+        0.5 * std::min((without - left.col(kAfter)).squaredNorm(), left.col(first_alone + k).squaredNorm());
   }
   add(test.rows(), left);
 }
 
-Eigen::VectorXd HoldOut::residualWith(const Fitted& what, const Reduced& trained) const {
-  Eigen::VectorXd residual = model_.residual();
-  const Eigen::VectorXd value =
-      fitted(trained.gram(what.columns, what.columns), trained.score(what.columns), what.sigma);
-  for (std::size_t k = 0; k < what.columns.size(); ++k)
-    residual += columns_.col(what.columns[k]) * value[static_cast<Eigen::Index>(k)];
-  return residual;
+Eigen::VectorXd HoldOut::changeBy(const std::vector<Eigen::Index>& columns,
+                                  const Eigen::VectorXd& values) const {
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(model_.residual().size());
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    change += columns_.col(columns[k]) * values[static_cast<Eigen::Index>(k)];
+  return change;
 }
 
-Eigen::VectorXd HoldOut::residualWithDraws(const Fitted& what, const Reduced& trained,
-                                           const RowsAlone& test) const {
+Eigen::VectorXd HoldOut::valuesWithDraws(const Fitted& what, const Reduced& trained,
+                                         const RowsAlone& test) const {
   struct Part {
     std::vector<Eigen::Index> places, columns;  // in `what`, and of all
   } drawn, lasting;
@@ -222,21 +243,14 @@ Eigen::VectorXd HoldOut::residualWithDraws(const Fitted& what, const Reduced& tr
     part.places.push_back(static_cast<Eigen::Index>(k));
     part.columns.push_back(what.columns[k]);
   }
-  if (drawn.places.empty()) return residualWith(what, trained);
   // Trained with the draws of the images there, of which the held-out ones know nothing.
-  const Eigen::VectorXd value =
-      fitted(trained.gram(what.columns, what.columns), trained.score(what.columns), what.sigma);
-  const Eigen::VectorXd kept = value(lasting.places);
+  Eigen::VectorXd values = valuesOf(what, trained);
+  if (drawn.places.empty()) return values;
+  const Eigen::VectorXd kept = values(lasting.places);
   const Reduced own = test.reduce(columns_);
   const Eigen::VectorXd score = own.score(drawn.columns) + own.gram(drawn.columns, lasting.columns) * kept;
-  const Eigen::VectorXd again =
-      fitted(own.gram(drawn.columns, drawn.columns), score, what.sigma(drawn.places));
-  Eigen::VectorXd residual = model_.residual();
-  for (Eigen::Index k = 0; k < kept.size(); ++k)
-    residual += columns_.col(lasting.columns[static_cast<std::size_t>(k)]) * kept[k];
-  for (Eigen::Index k = 0; k < again.size(); ++k)
-    residual += columns_.col(drawn.columns[static_cast<std::size_t>(k)]) * again[k];
-  return residual;
+  values(drawn.places) = fitted(own.gram(drawn.columns, drawn.columns), score, what.sigma(drawn.places));
+  return values;
 }
 
 void HoldOut::add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& left) {

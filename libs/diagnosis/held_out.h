@@ -31,7 +31,8 @@ struct HeldOutGain {
   double physics = 0, black_box = 0;
   std::vector<double> by_effect;  ///< what each adds to all the others
   /// What each would add on average, were it as it was trained: where poses that are estimated anew follow an
-  /// effect, held-out stretches show less of it than the whole recording does.
+  /// effect, held-out stretches show less of it than the whole recording does. At most what it changes there
+  /// by itself: one that takes an outlier away makes the others' values better everywhere, and is none.
   std::vector<double> expected_by_effect;
   std::array<double, 2> physics_ci95{};  ///< by block bootstrap
   std::array<double, 2> over_black_box_ci95{};
