@@ -9,3 +9,4 @@ if(BLIS_FOUND AND NOT TARGET BLIS::BLIS)
   set_target_properties(BLIS::BLIS PROPERTIES IMPORTED_LOCATION ${BLIS_LIBRARY}
                                               INTERFACE_INCLUDE_DIRECTORIES ${BLIS_INCLUDE_DIR})
 endif()
+mark_as_advanced(BLIS_LIBRARY BLIS_INCLUDE_DIR)

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 
 /// Factorizations, compiled once, for matrices of any size: a file that has Eigen make one for a size of its
 /// own compiles a second or more longer. Where a small one is in an innermost loop, Eigen's own are faster;
@@ -10,6 +11,11 @@
 namespace fathom {
 
 using MatrixView = Eigen::Ref<const Eigen::MatrixXd>;
+
+/// Readings cannot tell unknowns apart, or weigh so much that rounding is all that they tell.
+struct Singular : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 /// A symmetric, positive semi-definite A as L D L^T, with pivoting: what A knows nothing of is solved by
 /// zero.

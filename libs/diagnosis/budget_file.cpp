@@ -1,7 +1,6 @@
 #include "diagnosis/budget_file.h"
 
 #include <array>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 namespace fathom {
+
 double VarianceComponent::logSd() const { return std::log(factor) / kSigmasOf99; }
 
 }  // namespace fathom

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <stdexcept>
 
 #include "core/linear_algebra.h"
 #include "diagnosis/error_budget.h"
@@ -250,7 +249,7 @@ SizedSet bestSizes(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score, co
       first += columns[e];
     }
   }
-  if (!columns.empty() && !std::isfinite(best)) throw std::runtime_error("readings weigh more than rounding");
+  if (!columns.empty() && !std::isfinite(best)) throw Singular("readings weigh more than rounding");
   set.evidence = evidenceOf(gram, score, own);
   set.log_bayes_factor = columns.empty() ? 0 : best;
   return set;

@@ -59,8 +59,8 @@ struct SizedSet {
   std::vector<double> size;     ///< t of each
   Evidence evidence;            ///< at these; its Bayes factor without the sizes' shares
 };
-/// `columns`: so many has each effect, one behind the other. Throws std::runtime_error where rounding is all
-/// that the readings tell.
+/// `columns`: so many has each effect, one behind the other. Throws Singular where rounding is all that the
+/// readings tell.
 SizedSet bestSizes(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score, const Eigen::VectorXd& sigma,
                    const std::vector<Eigen::Index>& columns);
 

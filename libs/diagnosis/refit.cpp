@@ -5,10 +5,8 @@
 #include <map>
 #include <stdexcept>
 
-#include "core/chi_square.h"
 #include "core/linear_algebra.h"
 #include "effects/catalogue.h"
-#include "estimation/wide_prior.h"
 
 namespace fathom {
 namespace {

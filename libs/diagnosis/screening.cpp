@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <numeric>
 
 #include "core/chi_square.h"
 #include "core/linear_algebra.h"

@@ -1,7 +1,6 @@
 #include "diagnosis/weight.h"
 
 #include <cmath>
-#include <stdexcept>
 
 #include "core/linear_algebra.h"
 #include "diagnosis/bare.h"
@@ -66,7 +65,7 @@ Split splitOf(const Reduced& all, const Eigen::VectorXd& scatter, const Eigen::V
   const Eigen::Index q = scatter.size(), p = usual.size();
   const PositiveFactors M(Eigen::MatrixXd::Identity(q, q) +
                           scatter.asDiagonal() * all.gram.topLeftCorner(q, q) * scatter.asDiagonal());
-  if (!M.succeeded()) throw std::runtime_error("readings weigh more than rounding");
+  if (!M.succeeded()) throw Singular("readings weigh more than rounding");
   const Eigen::VectorXd g = scatter.cwiseProduct(all.score.head(q));
   const Eigen::MatrixXd B = scatter.asDiagonal() * all.gram.topRightCorner(q, p);
   const Eigen::MatrixXd MB = M.solve(B);

@@ -18,7 +18,7 @@ struct Weight {
 /// `linear`: at the state, with the effects among its unknowns, weighted (applyRobustWeights()); it is
 /// weighted otherwise by then: what effects and budget explain is no outlier. The budget's components are
 /// marginalized over their values at the likeliest scales, the effects over theirs with the priors of
-/// EffectEvidence, everything else with flat ones. Throws std::runtime_error where readings weigh so much
+/// EffectEvidence, everything else with flat ones. Throws Singular where readings weigh so much
 /// that rounding is all that is left of them.
 Weight weigh(Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state,
              const NoiseModel& noise);

@@ -51,28 +51,6 @@ Eigen::SparseMatrix<double> whitenerOf(const Linearization& linear, const NoiseM
   return W;
 }
 
-Eigen::VectorXd WhitenedModel::remaining(const Eigen::VectorXd& changes) const {
-  Eigen::VectorXd whitened = Eigen::VectorXd::Zero(nuisances_.J().rows());
-  whitened.head(W_.rows()) = W_ * changes;
-  // W of a row has its own column and, at most, that of the reading before it in its track.
-  Eigen::VectorXd left = nuisances_.project(whitened).col(0).head(W_.rows());
-  const Eigen::SparseMatrix<double, Eigen::RowMajor> W = W_;
-  const auto solveRow = [&](std::size_t i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    double own = 1;
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator entry(W, row); entry; ++entry)
-      if (entry.col() == row)
-        own = entry.value();
-      else
-        left[row] -= entry.value() * left[entry.col()];
-    left[row] /= own;
-  };
-  for (std::size_t i = 0; i < linear_.rows.size(); ++i)
-    if (linear_.rows[i].track < 0) solveRow(i);
-  for (const auto& track : linear_.tracks) std::for_each(track.begin(), track.end(), solveRow);
-  return left;
-}
-
 Nuisances WhitenedModel::nuisancesOf() const {
   const HeldColumns held = budgetColumns(linear_, noise_);
   return Nuisances(withHeldColumns(W_ * linear_.J, W_ * held.columns, held.sigma), held.sigma.size());

@@ -27,9 +27,6 @@ class WhitenedModel {
   const Eigen::VectorXd& residual() const { return residual_; }
   /// Columns over the linearization's rows.
   Eigen::SparseMatrix<double> whitened(const Eigen::SparseMatrix<double>& columns) const;
-  /// What is left of changes of the readings where the unknowns make up for them as well as they can: over
-  /// the linearization's rows, in units of each reading's own sigma, as the changes are.
-  Eigen::VectorXd remaining(const Eigen::VectorXd& changes) const;
   /// What each reading's derivative by anything is multiplied by in that one's score.
   Eigen::VectorXd scoreShares() const;
   Reduced reduce(const std::vector<Candidate>& candidates) const;

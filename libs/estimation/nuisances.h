@@ -2,7 +2,6 @@
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
-#include <stdexcept>
 #include <vector>
 
 #include "core/linear_algebra.h"
@@ -14,11 +13,6 @@ struct Reduced {
   Eigen::MatrixXd gram;   ///< C^T P C, information
   Eigen::VectorXd score;  ///< C^T P r
   Eigen::VectorXd norms;  ///< |C| of each column as it was
-};
-
-/// Readings cannot tell unknowns apart, or weigh so much that rounding is all that they tell.
-struct Singular : std::runtime_error {
-  using std::runtime_error::runtime_error;
 };
 
 /// What is estimated in any case, factorized once: everything tested is tested with it projected off.

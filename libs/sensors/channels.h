@@ -31,7 +31,6 @@ struct Markers {
                                        .unit = "px",
                                        .metric = "reprojection_rms_px",
                                        .material = 0.03,
-                                       .systematic = 0.003,  // what the pixels' lattice leaves
                                        .components = {"x", "y", ""},
                                        .component_count = 2,
                                        .is_of_images = true,
@@ -72,8 +71,7 @@ struct Edges {
       .label = "CAMERA",
       .unit = "px²",
       .metric = "blur_rms_px2",
-      .material = 0.15,     // a blur of 0.4 px. Another renderer's pixels differed by 0.05, marker by marker
-      .systematic = 0.001,  // what renderers differ by
+      .material = 0.15,  // a blur of 0.4 px. Another renderer's pixels differed by 0.05, marker by marker
       .components = {"across", "aslant", "upright"},
       .is_of_images = true,
       .has_outliers = true,

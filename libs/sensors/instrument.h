@@ -28,8 +28,6 @@ struct ChannelText {
   std::string_view metric{};  ///< of its residuals' root mean square, in results
   /// A misfit below this root mean square matters to nobody; own unit.
   double material = 0;
-  /// What measurements can be off by for no reason of their own however often they are taken; own unit.
-  double systematic = 0;
   std::array<std::string_view, 3> components{"x", "y", "z"};
   int component_count = 3;
   bool is_of_images = false;

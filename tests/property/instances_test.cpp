@@ -6,6 +6,7 @@
 #include "estimation/batch_estimate.h"
 #include "localization/localizer.h"
 #include "support/batch_runs.h"
+#include "support/effects_from.h"
 #include "support/observed.h"
 #include "support/random_effects.h"
 #include "support/simulated.h"
@@ -101,10 +102,7 @@ TEST(Instances, AnEffectOfOneLeavesTheOthersAlone) {
 }
 
 TEST(Instances, ACalibrationNamesThem) {
-  const auto parsed = [](const std::string& text) {
-    return parseCalibration(YamlFile::parse("effects: [" + text + "]", "test").root());
-  };
-  const auto effects = parsed(
+  const auto effects = test::effectsFrom(
       "{id: dvl-scale, scale_error: 0.01, instance: 2},"
       "{id: gyro-scale, scale_error: 0.01, instance: first},"
       "{id: camera-latency, latency_s: 0.1}");
@@ -113,7 +111,7 @@ TEST(Instances, ACalibrationNamesThem) {
   EXPECT_FALSE(effects.only[kEffectIndex<CameraLatency>].has_value());
   const std::string text = formatCalibration(effects);
   EXPECT_EQ(formatCalibration(parseCalibration(YamlFile::parse(text, "again").root())), text);
-  const auto both = parsed(
+  const auto both = test::effectsFrom(
       "{id: dvl-scale, scale_error: 0.01, instance: first},"
       "{id: dvl-scale, scale_error: -0.02, instance: 2, active_s: [3, 5]}");
   EXPECT_EQ(*both.of({}).of<DvlScale>(), 0.01);
@@ -127,7 +125,7 @@ TEST(Instances, ACalibrationNamesThem) {
         "{id: water-current, current_m_s: [0, 0, 1], instance: 2}",
         "{id: dvl-scale, scale_error: 0.01}, {id: dvl-scale, scale_error: 0.02, instance: 2}",
         "{id: dvl-scale, scale_error: 0.01, instance: \"two words\"}"})
-    EXPECT_THROW(parsed(wrong), Error) << wrong;
+    EXPECT_THROW(test::effectsFrom(wrong), Error) << wrong;
 }
 
 // Each by its own amount: simulated, and taken off again by filter and batch estimate.

@@ -8,24 +8,10 @@
 #include "effects/catalogue.h"
 #include "estimation/linearization.h"
 #include "support/batch_runs.h"
+#include "support/effects_from.h"
 
 namespace fathom {
 namespace {
-
-EffectParameters<double> calibration(const std::string& text) {
-  return parseCalibration(YamlFile::parse("effects: [" + text + "]", "test").root());
-}
-
-/// What is to be estimated: the same effects, discrete parameters as given, continuous ones neutral.
-BatchOptions estimating(const EffectParameters<double>& truth) {
-  BatchOptions options;
-  options.calibration = truth;
-  options.problem.estimate = truth.on;
-  for (const EffectInfo& effect : allEffects())
-    if (truth.on[effect.index])
-      for (const std::size_t scalar : continuousScalars(effect.index)) options.calibration.values[scalar] = 0;
-  return options;
-}
 
 double largestRaw(const Linearization& linear, Channel channel) {
   double largest = 0;
@@ -52,7 +38,7 @@ const char* const kMany =
 TEST(BatchEstimate, LeavesNothingOfReadingsWithoutNoise) {
   test::BatchRun run(12.0);
   run.noise = false;
-  run.effects = calibration(kMany);
+  run.effects = test::effectsFrom(kMany);
   const BatchInput input = run.input(run.effects);
   BatchOptions options;
   options.calibration = run.effects;
@@ -74,10 +60,10 @@ class BatchRecovery : public testing::TestWithParam<const char*> {};
 
 TEST_P(BatchRecovery, FindsEffectsWithinTheirSigma) {
   test::BatchRun run(25.0);
-  run.effects = calibration(GetParam());
+  run.effects = test::effectsFrom(GetParam());
   run.seed = 7;
   const BatchInput input = run.input();
-  const BatchEstimate estimate = estimateBatch(input.data, input.start, estimating(run.effects));
+  const BatchEstimate estimate = estimateBatch(input.data, input.start, test::estimating(run.effects));
   ASSERT_TRUE(estimate.succeeded) << estimate.failure;
   double smallest_share = 1.0;
   for (const EffectEstimate& e : estimate.effects) {
@@ -115,13 +101,13 @@ TEST(BatchEstimate, DoesNotTellOneShiftOfTimeFromTheSame) {
   for (const int seed : {1, 2, 3}) {
     test::BatchRun run(25.0);
     run.seed = static_cast<std::uint64_t>(seed);
-    run.effects = calibration("{id: ins-latency, latency_s: 0.03}");
+    run.effects = test::effectsFrom("{id: ins-latency, latency_s: 0.03}");
     BatchInput input = run.input();
     input.data.of<Depth>().clear();  // no effect has it late
     BatchOptions late, early;
     late.calibration = run.effects;
     early.calibration =
-        calibration("{id: camera-latency, latency_s: -0.03}, {id: dvl-latency, latency_s: -0.03}");
+        test::effectsFrom("{id: camera-latency, latency_s: -0.03}, {id: dvl-latency, latency_s: -0.03}");
     const BatchEstimate a = estimateBatch(input.data, input.start, late),
                         b = estimateBatch(input.data, input.start, early);
     ASSERT_TRUE(a.succeeded && b.succeeded) << a.failure << b.failure;
@@ -134,10 +120,11 @@ TEST(BatchEstimate, NeedsNoNavigation) {
   run.vehicle.ins.reset();
   run.vehicle.dvl.reset();
   run.vehicle.depth.reset();
-  run.effects = calibration("{id: marker-moved, marker_id: 6, offset_m: [0.01, 0, 0], rotation_deg: 0}");
+  run.effects =
+      test::effectsFrom("{id: marker-moved, marker_id: 6, offset_m: [0.01, 0, 0], rotation_deg: 0}");
   const BatchInput input = run.input();
   ASSERT_FALSE(input.data.hasMotion());
-  const BatchEstimate estimate = estimateBatch(input.data, input.start, estimating(run.effects));
+  const BatchEstimate estimate = estimateBatch(input.data, input.start, test::estimating(run.effects));
   ASSERT_TRUE(estimate.succeeded) << estimate.failure;
   ASSERT_EQ(estimate.path.size(), 31u);
   double nees = 0;

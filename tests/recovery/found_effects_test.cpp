@@ -3,36 +3,19 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/diagnosis.h"
-#include "effects/calibration.h"
-#include "effects/catalogue.h"
 #include "effects/sensor_kinds.h"
-#include "estimation/batch_estimate.h"
+#include "support/effects_from.h"
 #include "support/flawed_runs.h"
 #include "support/sanitized.h"
 
 namespace fathom {
 namespace {
 
-EffectParameters<double> effectsFrom(const std::string& text) {
-  return parseCalibration(YamlFile::parse("effects: [" + text + "]", "test").root());
-}
-
-/// The same effects, discrete parameters as given, continuous ones neutral: to be estimated.
-BatchOptions estimatingAll(const EffectParameters<double>& truth) {
-  BatchOptions options;
-  options.calibration = truth;
-  options.problem.estimate = truth.on;
-  for (const EffectInfo& effect : allEffects())
-    if (truth.on[effect.index])
-      for (const std::size_t scalar : continuousScalars(effect.index)) options.calibration.values[scalar] = 0;
-  return options;
-}
-
 /// Each parameter within 3.5 sigma, and large beside that.
 void expectEstimated(test::BatchRun run, const std::string& effects, double least_sigmas) {
-  run.effects = effectsFrom(effects);
+  run.effects = test::effectsFrom(effects);
   const BatchInput input = run.input();
-  const BatchEstimate estimate = estimateBatch(input.data, input.start, estimatingAll(run.effects));
+  const BatchEstimate estimate = estimateBatch(input.data, input.start, test::estimating(run.effects));
   ASSERT_TRUE(estimate.succeeded) << estimate.failure;
   ASSERT_FALSE(estimate.effects.empty());
   for (const EffectEstimate& e : estimate.effects) {
@@ -86,7 +69,7 @@ double sigmasOff(const FoundEffect& found, std::size_t scalar, double truth) {
 TEST(FoundEffects, DiagnosisNamesWhoseClockDrifts) {
   if (test::kSanitized) GTEST_SKIP() << "takes minutes under sanitizers";
   test::BatchRun run = richDive(36);
-  run.effects = effectsFrom("{id: clock-drift, sensor: CAMERA, rate_ppm: 600}");
+  run.effects = test::effectsFrom("{id: clock-drift, sensor: CAMERA, rate_ppm: 600}");
   const FoundEffect found = onlyFound(run);
   EXPECT_EQ(nameOf(found.candidate), "clock-drift CAMERA");
   EXPECT_LT(sigmasOff(found, 1, 600), 4);
