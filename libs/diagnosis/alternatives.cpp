@@ -54,7 +54,8 @@ InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, con
   const Refit rest = fits.without(fit, effect);
   if (!rest.succeeded) return found;
   const Candidate& stated = fit.effects[effect];
-  const Screening screening(*rest.model, fits.segments(), left_out);
+  const auto without = modelOf(fits.data(), rest);
+  const Screening screening(*without, fits.segments(), left_out);
   const auto& candidates = screening.candidates();
   const std::optional<std::size_t> own = nearestOf(stated, candidates);
   if (!own) return found;
@@ -67,7 +68,7 @@ InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, con
       break;
     Candidate other = candidates[m].candidate;
     if (isListed(other, set)) continue;
-    if (!other.isForGood()) other = refinedInterval(*rest.model, other, fits.segment_s());
+    if (!other.isForGood()) other = refinedInterval(*without, other, fits.segment_s());
     std::vector<Candidate> effects = rest.effects;
     effects.push_back(other);
     Refit rival = fits.of(rest, effects);
@@ -91,7 +92,7 @@ InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, con
   }
   if (!like) return found;
   try {
-    set.advice = adviseManoeuvre(fits.data(), *rest.model, fit.estimate.state, rest.estimate.state.effects,
+    set.advice = adviseManoeuvre(fits.data(), *without, fit.estimate.state, rest.estimate.state.effects,
                                  sized(fit, stated), *like, fits.noise());
   } catch (const std::runtime_error&) {
     // A manoeuvre in which nothing holds the path tells nothing apart.

@@ -87,8 +87,10 @@ class Course {
   std::optional<Refit> bestOf(const Refit& from, const Screening& screening, std::size_t size);
   std::vector<Candidate> farContenders(const Screening& screening) const;
   void noteScreening(const Screening& screening);
-  bool leaveOutUnconfirmed(const Refit& fit);
+  std::set<std::size_t> unconfirmedOf(const Refit& fit);
+  Refit confirmed(Refit fit);
   void accept(Refit better);
+  bool addsTo(const Refit& present, const Refit& better) const;
   bool lastsLong(const Candidate& effect) const;
   bool takeNoise(const NoiseModel& shown);
   bool takeLeastNoise();
@@ -150,16 +152,17 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
     add(members);
   }
   for (const Candidate& alone : farContenders(screening)) add({alone});
-  std::optional<Refit> best;
   std::vector<Refit> all = fits_.of(from, contenders);
   double highest = -1e300;
   for (const Refit& refitted : all) highest = std::max(highest, fits_.logOdds(refitted));
-  for (Refit& refitted : all) {
-    if (!refitted.succeeded || fits_.logOdds(refitted) < leastOfContenders(highest)) continue;
-    Refit own = fits_.settled(std::move(refitted));
-    if (!best || fits_.logOdds(own) > fits_.logOdds(*best)) best = std::move(own);
-  }
-  return best;
+  std::erase_if(all, [&](const Refit& refitted) {
+    return !refitted.succeeded || fits_.logOdds(refitted) < leastOfContenders(highest);
+  });
+  all = fits_.settled(std::move(all));
+  const auto best = std::max_element(all.begin(), all.end(), [&](const Refit& a, const Refit& b) {
+    return fits_.logOdds(a) < fits_.logOdds(b);
+  });
+  return best == all.end() ? std::nullopt : std::optional(std::move(*best));
 }
 
 /// What the first order tells little of, to be tried by itself: of a camera alone, whole pixels off perhaps,
@@ -192,6 +195,11 @@ std::vector<Candidate> Course::farContenders(const Screening& screening) const {
   return contenders;
 }
 
+bool Course::addsTo(const Refit& present, const Refit& better) const {
+  return better.effects != present.effects &&
+         fits_.logOdds(better) >= fits_.logOdds(present) + fits_.threshold();
+}
+
 void Course::attribute() {
   Progress progress("trying effects");
   for (int round = 0; final_.effects.size() < options_.max_effects; ++round) {
@@ -205,10 +213,13 @@ void Course::attribute() {
     if (takeLeastNoise()) continue;
     if (fits_.logOdds(*best) < fits_.logOdds(final_)) break;
     Refit better = fits_.lastingWhereBetter(fits_.onlyNeeded(std::move(*best)));
-    if (better.effects == final_.effects || fits_.logOdds(better) < fits_.logOdds(final_) + fits_.threshold())
+    if (!addsTo(final_, better)) break;
+    const std::size_t left_out = left_out_.count();
+    better = confirmed(std::move(better));
+    if (addsTo(final_, better))
+      accept(std::move(better));
+    else if (left_out_.count() == left_out)
       break;
-    if (leaveOutUnconfirmed(better)) continue;
-    accept(std::move(better));
   }
   lookForAlternatives();
 }
@@ -235,6 +246,7 @@ void Course::lookForAlternatives() {
     InItsPlace others = othersInPlaceOf(i, final_, fits_, left_out_);
     if (others.better) {
       final_ = std::move(*others.better);
+      final_.model = modelOf(data_, final_);
       continue;
     }
     confidence_[i] /= others.odds;
@@ -253,11 +265,11 @@ bool Course::lastsLong(const Candidate& effect) const {
   return on_s > least_s;
 }
 
-/// An effect has to show on stretches that it was not fitted to. One that does not is not tried again: where
-/// it was for a part, for a part.
-bool Course::leaveOutUnconfirmed(const Refit& fit) {
+/// Those effects that do not show on stretches that they were not fitted to. None of them is tried again:
+/// where it was for a part, for a part.
+std::set<std::size_t> Course::unconfirmedOf(const Refit& fit) {
   const HeldOutResult held = heldOut(fit, false);
-  bool any = false;
+  std::set<std::size_t> unconfirmed;
   for (std::size_t i = 0; i < fit.effects.size(); ++i) {
     const Candidate& effect = fit.effects[i];
     const Refit rest = fits_.without(fit, i);
@@ -267,11 +279,24 @@ bool Course::leaveOutUnconfirmed(const Refit& fit) {
                            ? held.gain.by_effect[i] > kConfirmed * std::min(gain, expected)
                            : gain > kUnseen && lastsLong(effect);
     if (shown) continue;
-    std::set<std::size_t>& left_out = effect.isForGood() ? left_out_.all : left_out_.parts;
-    any = left_out.insert(effect.effect).second || any;
+    unconfirmed.insert(i);
+    (effect.isForGood() ? left_out_.all : left_out_.parts).insert(effect.effect);
     diagnosis_.remarks.push_back(nameOf(effect) + " would fit, but not stretches that it was not fitted to");
   }
-  return any;
+  return unconfirmed;
+}
+
+/// What is left of a fit when effects that are not confirmed have gone, and what was there beside them only.
+Refit Course::confirmed(Refit fit) {
+  while (fit.succeeded && !fit.effects.empty()) {
+    const std::set<std::size_t> unconfirmed = unconfirmedOf(fit);
+    if (unconfirmed.empty()) break;
+    std::vector<Candidate> kept;
+    for (std::size_t i = 0; i < fit.effects.size(); ++i)
+      if (!unconfirmed.contains(i)) kept.push_back(fit.effects[i]);
+    fit = fits_.onlyNeeded(fits_.of(fit, kept));
+  }
+  return fit;
 }
 
 /// What a large effect does beyond the first order was taken for noise as long as it was not in the model:
@@ -279,6 +304,7 @@ bool Course::leaveOutUnconfirmed(const Refit& fit) {
 /// goes.
 void Course::accept(Refit better) {
   final_ = std::move(better);
+  final_.model = modelOf(data_, final_);
   const NoiseModel shown = shownNoise(final_.model->linear(), fits_.noise(), options_.seed);
   if (isQuieter(shown, fits_.noise())) takeNoise(shown);
 }
@@ -296,6 +322,7 @@ bool Course::takeNoise(const NoiseModel& shown) {
   fits_.beginWith(std::move(nominal), std::move(base), shown);
   final_ = fits_.onlyNeeded(std::move(present));
   if (fits_.logOdds(final_) < fits_.threshold()) final_ = fits_.nominal();
+  final_.model = modelOf(data_, final_);
   locate();
   return true;
 }
@@ -306,8 +333,7 @@ bool Course::takeLeastNoise() {
   if (!isCameraAlone()) return false;
   NoiseModel least = fits_.noise();
   fits_.forEach([&](const Refit& fit) {
-    if (!fit.succeeded) return;
-    const NoiseModel shown = shownNoise(fit.model->linear(), fits_.noise(), options_.seed);
+    const NoiseModel shown = shownNoise(modelOf(data_, fit)->linear(), fits_.noise(), options_.seed);
     if (cameraNoise(shown) < cameraNoise(least)) least = shown;
   });
   return cameraNoise(least) < kLessNoise * cameraNoise(fits_.noise()) && takeNoise(least);
@@ -322,7 +348,7 @@ HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {
 }
 
 void Course::report() {
-  diagnosis_.noise = final_.model->noise();
+  diagnosis_.noise = final_.noise;
   diagnosis_.log_odds = fits_.logOdds(final_);
   diagnosis_.before = described(data_, fits_.nominal().estimate, fits_.nominal().options);
   diagnosis_.before_options = fits_.nominal().options;

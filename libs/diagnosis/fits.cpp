@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kContenderMargin = 8;  // ln odds to first order, plus a share of the largest:
 constexpr double kContenderShare = 0.25;
-constexpr std::size_t kKept = 8;  // models
+constexpr std::size_t kKept = 2;  // models of fits, each as large as all readings' derivatives
 
 /// The same for the same effects, in whatever order.
 std::string keyOf(const std::vector<Candidate>& effects) {
@@ -54,29 +54,37 @@ double Fits::logOdds(const Refit& fit) const {
 }
 
 std::vector<Refit> Fits::of(const Refit& from, const std::vector<std::vector<Candidate>>& sets) {
-  const std::size_t before = asked_;
-  std::vector<Refit*> all;
-  std::vector<std::size_t> left;
-  for (const std::vector<Candidate>& effects : sets) {
-    const auto [it, is_new] = fitted_.try_emplace(keyOf(effects));
-    Cached& cached = it->second;
-    // Once for each set, should it be among these twice.
-    if (is_new || (cached.asked <= before && cached.fit.succeeded && !cached.fit.model))
-      left.push_back(all.size());
-    cached.asked = ++asked_;
-    all.push_back(&cached.fit);
-  }
-  parallelFor(left.size(), [&](std::size_t i) {
-    *all[left[i]] = refit(data_, from.estimate, base_, sets[left[i]], from.model->noise());
-  });
-  std::vector<Refit> fits;
-  for (const Refit* fit : all) fits.push_back(*fit);
-  forgetModels();
-  return fits;
+  std::vector<Asked> all;
+  for (const std::vector<Candidate>& effects : sets) all.push_back({&from, effects});
+  return of(all);
 }
 
-void Fits::forgetModels() {
-  if (!data_.hasMotion()) return;  // forEach() is to see them
+std::vector<Refit> Fits::of(const std::vector<Asked>& all) {
+  std::vector<Refit*> fits;
+  std::vector<std::size_t> left;
+  for (const Asked& one : all) {
+    if (one.effects.empty()) {
+      fits.push_back(&nominal_);
+      continue;
+    }
+    const auto [it, is_new] = fitted_.try_emplace(keyOf(one.effects));
+    if (is_new) left.push_back(fits.size());
+    it->second.asked = ++asked_;
+    fits.push_back(&it->second.fit);
+  }
+  parallelFor(left.size(), [&](std::size_t i) {
+    const Asked& one = all[left[i]];
+    Refit& fit = *fits[left[i]];
+    fit = refit(data_, one.from->estimate, base_, one.effects, one.from->noise);
+    if (left.size() > kKept) fit.model.reset();
+  });
+  letModelsGo();
+  std::vector<Refit> copies;
+  for (const Refit* fit : fits) copies.push_back(*fit);
+  return copies;
+}
+
+void Fits::letModelsGo() {
   std::vector<Cached*> kept;
   for (auto& [name, cached] : fitted_)
     if (cached.fit.model) kept.push_back(&cached);
@@ -86,26 +94,46 @@ void Fits::forgetModels() {
 
 Refit Fits::without(const Refit& from, std::vector<Candidate> effects, std::size_t one) {
   effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(one));
-  return effects.empty() ? nominal_ : of(from, effects);
+  return of(from, effects);
 }
 
-Refit Fits::settled(Refit fit) {
-  std::vector<Candidate> effects = fit.effects;
-  bool changed = false;
-  for (std::size_t i = 0; i < effects.size(); ++i) {
-    const bool lasting = effects[i].isForGood();
-    if (lasting && !effects[i].marker_id) continue;  // screened with intervals already
-    const Refit rest = without(fit, effects, i);
-    if (!rest.succeeded) continue;
-    const Candidate better =
-        lasting ? bestInterval(*rest.model, effects[i], segments_ / 3)
-                : refinedInterval(*rest.model, withPauses(*rest.model, effects[i], segments_), segment_s());
-    changed = changed || !(better == effects[i]);
-    effects[i] = better;
+Candidate Fits::settledOf(const Refit& rest, const Candidate& effect) const {
+  const auto model = modelOf(data_, rest);
+  return effect.isForGood() ? bestInterval(*model, effect, segments_ / 3)
+                            : refinedInterval(*model, withPauses(*model, effect, segments_), segment_s());
+}
+
+std::vector<Refit> Fits::settled(std::vector<Refit> all) {
+  std::vector<std::vector<Candidate>> effects;
+  std::size_t most = 0;
+  for (const Refit& fit : all) {
+    effects.push_back(fit.effects);
+    most = std::max(most, fit.effects.size());
   }
-  if (!changed) return fit;
-  Refit again = of(fit, effects);
-  return logOdds(again) > logOdds(fit) ? again : fit;
+  // One effect of each after the other, beside the others as they have become.
+  for (std::size_t e = 0; e < most; ++e) {
+    std::vector<std::size_t> whose;
+    std::vector<Asked> rests;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (e >= effects[i].size()) continue;
+      // What lasts was screened with intervals already, but for what is of one marker.
+      if (effects[i][e].isForGood() && !effects[i][e].marker_id) continue;
+      whose.push_back(i);
+      rests.push_back({&all[i], effects[i]});
+      rests.back().effects.erase(rests.back().effects.begin() + static_cast<std::ptrdiff_t>(e));
+    }
+    const std::vector<Refit> fitted = of(rests);
+    parallelFor(whose.size(), [&](std::size_t k) {
+      Candidate& effect = effects[whose[k]][e];
+      if (fitted[k].succeeded) effect = settledOf(fitted[k], effect);
+    });
+  }
+  std::vector<Asked> asked;
+  for (std::size_t i = 0; i < all.size(); ++i) asked.push_back({&all[i], effects[i]});
+  std::vector<Refit> again = of(asked);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (logOdds(again[i]) > logOdds(all[i])) all[i] = std::move(again[i]);
+  return all;
 }
 
 Refit Fits::lastingWhereBetter(Refit fit) {

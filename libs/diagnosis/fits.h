@@ -27,7 +27,8 @@ class Fits {
   int segments() const { return segments_; }
   double segment_s() const;
 
-  /// In the order of the sets; those that are new are made at once, from where `from` ended.
+  /// In the order of the sets; those that are new are made at once, from where `from` ended. But the last few
+  /// that were asked for, fits are without their models (modelOf()).
   std::vector<Refit> of(const Refit& from, const std::vector<std::vector<Candidate>>& sets);
   Refit of(const Refit& from, const std::vector<Candidate>& effects) {
     return of(from, std::vector<std::vector<Candidate>>{effects}).front();
@@ -40,8 +41,9 @@ class Fits {
   double logOdds(const Refit& fit) const;
   /// What an effect has to add to the log odds to be named.
   double threshold() const { return threshold_; }
-  /// Intervals and times to a fraction of a segment, and whether what seems lasting was on for a part only.
-  Refit settled(Refit fit);
+  /// Of each: intervals and times to a fraction of a segment, and whether what seems lasting was on for a
+  /// part only.
+  std::vector<Refit> settled(std::vector<Refit> all);
   /// With those for good that were on for a part where that fits better: of an effect that is far from linear
   /// a part can seem better to first order, and others then stand for the rest of it.
   Refit lastingWhereBetter(Refit fit);
@@ -51,7 +53,8 @@ class Fits {
   /// Each that was made until now, of a camera by itself.
   template <class Look>
   void forEach(Look&& look) const {
-    for (const auto& [name, cached] : fitted_) look(cached.fit);
+    for (const auto& [name, cached] : fitted_)
+      if (cached.fit.succeeded) look(cached.fit);
   }
 
  private:
@@ -62,14 +65,18 @@ class Fits {
   Refit nominal_;
   PriorOdds prior_;
   double threshold_ = 0;
+  struct Asked {
+    const Refit* from;  // where to begin
+    std::vector<Candidate> effects;
+  };
+  std::vector<Refit> of(const std::vector<Asked>& all);
+  Candidate settledOf(const Refit& rest, const Candidate& effect) const;
+  void letModelsGo();
+
   struct Cached {
     Refit fit;
     std::size_t asked = 0;  // when, last
   };
-  /// The readings' derivatives are most of what a fit takes: those of the last few are kept, others are made
-  /// anew when asked for.
-  void forgetModels();
-
   std::map<std::string, Cached> fitted_;  // by the effects' names
   std::size_t asked_ = 0;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -11,15 +12,6 @@
 namespace fathom {
 namespace {
 
-/// Prior sigmas of a fit's effect parameters, in the order of its estimates.
-Eigen::VectorXd priorsOf(const Refit& fit) {
-  Eigen::VectorXd sigma(std::ssize(fit.estimates));
-  for (std::size_t i = 0; i < fit.estimates.size(); ++i)
-    for (const EffectColumn& column : fit.model->linear().columns)
-      if (column.scalar == fit.estimates[i].scalar) sigma[static_cast<Eigen::Index>(i)] = column.prior_sigma;
-  return sigma;
-}
-
 /// One least-squares step with the noise as it is: readings of a sensor have some of it in common, which the
 /// estimate did not know.
 void finish(Refit& fit) {
@@ -27,6 +19,11 @@ void finish(Refit& fit) {
   std::vector<Eigen::Index> columns;
   const Linearization& linear = fit.model->linear();
   BatchState& state = fit.estimate.state;
+  const auto priorOf = [&](std::size_t scalar) {
+    for (const EffectColumn& column : linear.columns)
+      if (column.scalar == scalar) return column.prior_sigma;
+    return std::numeric_limits<double>::infinity();
+  };
   for (const UnknownBlock& block : linear.blocks) {
     if (block.kind == UnknownBlock::Kind::draw) {
       const Draw& draw = linear.draws[block.index];
@@ -46,9 +43,11 @@ void finish(Refit& fit) {
   }
   if (columns.empty()) return;
   fit.covariance = fit.model->nuisances().covariance(columns);
+  fit.prior_sigma.resize(std::ssize(columns));
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     fit.estimates[i].sigma = std::sqrt(fit.covariance(k, k));
+    fit.prior_sigma[k] = priorOf(fit.estimates[i].scalar);
     const EffectEstimate& found = fit.estimates[i];
     if (found.image < 0)
       state.effects.values[found.scalar] = found.value;
@@ -103,9 +102,11 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
     Linearization linear = linearize(data, *problemAt(data, fit.estimate, fit.options));
     applyRobustWeights(linear);
     fit.weight = weigh(linear, effects, fit.estimate.state, noise);
-    NoiseModel shown = noise;
-    shown.scales = fit.weight.scales;
-    fit.model = std::make_shared<WhitenedModel>(WhitenedModel::Weighted{}, std::move(linear), shown);
+    fit.noise = noise;
+    fit.noise.scales = fit.weight.scales;
+    fit.linearized_at = fit.estimate.state;
+    for (const RowInfo& row : linear.rows) fit.robust_weights.push_back(row.robust_weight);
+    fit.model = std::make_shared<WhitenedModel>(WhitenedModel::Weighted{}, std::move(linear), fit.noise);
   } catch (const std::runtime_error& e) {
     fit.estimate.failure = e.what();
     return fit;
@@ -114,6 +115,16 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
   fit.succeeded = areAllPossible(fit);
   if (!fit.succeeded) fit.estimate.failure = "less than nothing of an effect would have to be there";
   return fit;
+}
+
+std::shared_ptr<const WhitenedModel> modelOf(const BatchData& data, const Refit& fit) {
+  if (fit.model) return fit.model;
+  BatchEstimate estimate = fit.estimate;
+  estimate.state = fit.linearized_at;
+  Linearization linear = linearize(data, *problemAt(data, estimate, fit.options));
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) linear.rows[i].robust_weight = fit.robust_weights[i];
+  applyRobustWeights(linear);
+  return std::make_shared<WhitenedModel>(WhitenedModel::Weighted{}, std::move(linear), fit.noise);
 }
 
 namespace {
@@ -164,13 +175,12 @@ double sqrtLambda(const Refit& fit, std::size_t effect) {
   const auto size = std::ssize(own);
   Eigen::MatrixXd covariance(size, size);
   Eigen::VectorXd value(size);
-  const Eigen::VectorXd prior = priorsOf(fit);
   Eigen::VectorXd precision(size);
   for (Eigen::Index a = 0; a < size; ++a) {
     const Eigen::Index i = own[static_cast<std::size_t>(a)];
     const EffectEstimate& estimate = fit.estimates[static_cast<std::size_t>(i)];
     value[a] = sizeOf(estimate.scalar, estimate.value);
-    precision[a] = 1 / (prior[i] * prior[i]);
+    precision[a] = 1 / (fit.prior_sigma[i] * fit.prior_sigma[i]);
     for (Eigen::Index b = 0; b < size; ++b)
       covariance(a, b) = fit.covariance(i, own[static_cast<std::size_t>(b)]);
   }

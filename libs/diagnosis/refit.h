@@ -15,11 +15,21 @@ struct Refit {
   bool succeeded = false;
   BatchOptions options;
   BatchEstimate estimate;
-  std::shared_ptr<const WhitenedModel> model;  ///< at the estimate
-  std::vector<EffectEstimate> estimates;       ///< of the effects, for the noise as it is
-  Eigen::MatrixXd covariance;                  ///< of `estimates`
-  Weight weight;  ///< what it is worth, with the scales of the budget that the model has
+  Weight weight;                          ///< what it is worth
+  NoiseModel noise;                       ///< with the scales of the budget that it was weighed with
+  std::vector<EffectEstimate> estimates;  ///< of the effects, for the noise as it is
+  Eigen::VectorXd prior_sigma;            ///< of `estimates`
+  Eigen::MatrixXd covariance;             ///< of `estimates`
+
+  /// The readings' derivatives, which are most of what a fit holds: empty where they were let go.
+  std::shared_ptr<const WhitenedModel> model;
+  /// What it takes to make them again: where they were taken, and what each reading counts there.
+  BatchState linearized_at;
+  std::vector<double> robust_weights;
 };
+
+/// A fit's model: its own, or made again where that was let go.
+std::shared_ptr<const WhitenedModel> modelOf(const BatchData& data, const Refit& fit);
 
 /// Everything estimated from where another fit ended; `base`: with the effects known already.
 Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions& base,

@@ -55,6 +55,8 @@ class PriorOdds {
 struct LeftOut {
   std::set<std::size_t> parts;  ///< tried for good only
   std::set<std::size_t> all;    ///< not at all
+
+  std::size_t count() const { return parts.size() + all.size(); }
 };
 
 /// Candidates that are on together.
