@@ -87,6 +87,7 @@ class Course {
   std::optional<Refit> bestOf(const Refit& from, const Screening& screening, std::size_t size);
   std::vector<Candidate> farContenders(const Screening& screening) const;
   void noteScreening(const Screening& screening);
+  bool isConfirmed(const Refit& fit, std::size_t effect, const HeldOutGain& held);
   std::set<std::size_t> unconfirmedOf(const Refit& fit);
   Refit confirmed(Refit fit);
   void accept(Refit better);
@@ -141,6 +142,7 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
   std::vector<std::vector<std::size_t>> tried;
   for (const TestedSet& set : sets) {
     if (set.log_evidence < leastOfContenders(sets.front().log_evidence) || tried.size() == kContenders) break;
+    if (!isCameraAlone() && set.log_evidence < fits_.threshold() - kUnderestimated) break;
     // What adds nothing to one that was tried is looked for again once that one is in the model.
     if (std::any_of(tried.begin(), tried.end(), [&](const std::vector<std::size_t>& smaller) {
           return std::includes(set.members.begin(), set.members.end(), smaller.begin(), smaller.end());
@@ -265,6 +267,15 @@ bool Course::lastsLong(const Candidate& effect) const {
   return on_s > least_s;
 }
 
+bool Course::isConfirmed(const Refit& fit, std::size_t effect, const HeldOutGain& held) {
+  const double seen = held.by_effect[effect], expected = held.expected_by_effect[effect];
+  if (seen > std::max(kUnseen, kConfirmed * expected)) return true;
+  const Refit rest = fits_.without(fit, effect);
+  const double gain = rest.succeeded ? fit.weight.log_evidence - rest.weight.log_evidence : 0;
+  return expected >= kShownAtAll * gain ? seen > kConfirmed * std::min(gain, expected)
+                                        : gain > kUnseen && lastsLong(fit.effects[effect]);
+}
+
 /// Those effects that do not show on stretches that they were not fitted to. None of them is tried again:
 /// where it was for a part, for a part.
 std::set<std::size_t> Course::unconfirmedOf(const Refit& fit) {
@@ -272,13 +283,7 @@ std::set<std::size_t> Course::unconfirmedOf(const Refit& fit) {
   std::set<std::size_t> unconfirmed;
   for (std::size_t i = 0; i < fit.effects.size(); ++i) {
     const Candidate& effect = fit.effects[i];
-    const Refit rest = fits_.without(fit, i);
-    const double gain = rest.succeeded ? fit.weight.log_evidence - rest.weight.log_evidence : 0;
-    const double expected = held.gain.expected_by_effect[i];
-    const bool shown = expected >= kShownAtAll * gain
-                           ? held.gain.by_effect[i] > kConfirmed * std::min(gain, expected)
-                           : gain > kUnseen && lastsLong(effect);
-    if (shown) continue;
+    if (isConfirmed(fit, i, held.gain)) continue;
     unconfirmed.insert(i);
     (effect.isForGood() ? left_out_.all : left_out_.parts).insert(effect.effect);
     diagnosis_.remarks.push_back(nameOf(effect) + " would fit, but not stretches that it was not fitted to");
@@ -288,7 +293,7 @@ std::set<std::size_t> Course::unconfirmedOf(const Refit& fit) {
 
 /// What is left of a fit when effects that are not confirmed have gone, and what was there beside them only.
 Refit Course::confirmed(Refit fit) {
-  while (fit.succeeded && !fit.effects.empty()) {
+  while (fit.succeeded && fit.effects != final_.effects) {
     const std::set<std::size_t> unconfirmed = unconfirmedOf(fit);
     if (unconfirmed.empty()) break;
     std::vector<Candidate> kept;

@@ -13,7 +13,9 @@ namespace {
 
 constexpr double kContenderMargin = 8;  // ln odds to first order, plus a share of the largest:
 constexpr double kContenderShare = 0.25;
-constexpr std::size_t kKept = 2;  // models of fits, each as large as all readings' derivatives
+constexpr double kMayLast = 0.3;       // of its best part's evidence
+constexpr double kPlainlyNeeded = 30;  // sqrt(lambda): what robust losses leave of it decides all the same
+constexpr std::size_t kKept = 2;       // models of fits, each as large as all readings' derivatives
 
 /// The same for the same effects, in whatever order.
 std::string keyOf(const std::vector<Candidate>& effects) {
@@ -136,14 +138,27 @@ std::vector<Refit> Fits::settled(std::vector<Refit> all) {
   return all;
 }
 
+/// To first order an effect that lasts, and is far from linear, is not far behind its best part.
+bool Fits::mayLast(const Refit& fit, std::size_t effect) {
+  const Refit rest = without(fit, effect);
+  if (!rest.succeeded) return true;
+  Candidate lasting = fit.effects[effect];
+  lasting.active_s = {};
+  const std::vector<double> evidence = evidencesOf(*modelOf(data_, rest), {fit.effects[effect], lasting});
+  return evidence[1] > kMayLast * evidence[0];
+}
+
 Refit Fits::lastingWhereBetter(Refit fit) {
   for (std::size_t i = 0; i < fit.effects.size();) {
     std::vector<Candidate> all = fit.effects, lasting;
     all[i].active_s = {};
+    if (all == fit.effects || !mayLast(fit, i)) {
+      ++i;
+      continue;
+    }
     std::copy_if(all.begin(), all.end(), std::back_inserter(lasting),
                  [](const Candidate& effect) { return effect.isForGood(); });
     ++i;
-    if (all == fit.effects) continue;
     for (Refit& longer : of(fit, {all, lasting}))
       if (logOdds(longer) > logOdds(fit)) {
         fit = onlyNeeded(std::move(longer));
@@ -155,6 +170,10 @@ Refit Fits::lastingWhereBetter(Refit fit) {
 
 Refit Fits::onlyNeeded(Refit fit) {
   for (std::size_t i = 0; fit.effects.size() > 1 && i < fit.effects.size();) {
+    if (sqrtLambda(fit, fit.effects[i].effect) > kPlainlyNeeded) {
+      ++i;
+      continue;
+    }
     Refit less = without(fit, i);
     if (!less.succeeded || logOdds(fit) >= logOdds(less) + threshold_) {
       ++i;

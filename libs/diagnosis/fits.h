@@ -71,6 +71,7 @@ class Fits {
   };
   std::vector<Refit> of(const std::vector<Asked>& all);
   Candidate settledOf(const Refit& rest, const Candidate& effect) const;
+  bool mayLast(const Refit& fit, std::size_t effect);
   void letModelsGo();
 
   struct Cached {

@@ -11,17 +11,6 @@ namespace {
 
 constexpr double kFinest_s = 0.1;
 
-/// ln of each one's Bayes factor.
-std::vector<double> evidences(const WhitenedModel& model, const std::vector<Candidate>& candidates) {
-  const std::vector<Reduced> reduced = model.reduceEach(candidates);
-  std::vector<double> evidences;
-  for (std::size_t i = 0; i < candidates.size(); ++i)
-    evidences.push_back(EffectEvidence(reduced[i].gram, priorSigmas(model.linear(), {candidates[i]}))
-                            .best(reduced[i].score)
-                            .log_bayes_factor);
-  return evidences;
-}
-
 /// The edges of a candidate that are times of the recording.
 std::vector<double*> edgesOf(Candidate& candidate) {
   std::vector<double*> edges;
@@ -56,6 +45,16 @@ std::optional<Interval> withPause(Interval interval, double from_s, double to_s)
 
 }  // namespace
 
+std::vector<double> evidencesOf(const WhitenedModel& model, const std::vector<Candidate>& candidates) {
+  const std::vector<Reduced> reduced = model.reduceEach(candidates);
+  std::vector<double> evidences;
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    evidences.push_back(EffectEvidence(reduced[i].gram, priorSigmas(model.linear(), {candidates[i]}))
+                            .best(reduced[i].score)
+                            .log_bayes_factor);
+  return evidences;
+}
+
 Candidate refinedInterval(const WhitenedModel& model, Candidate candidate, double step_s) {
   const Interval span = readingsSpan(model.linear());
   for (; step_s > kFinest_s; step_s *= 0.5)
@@ -69,7 +68,7 @@ Candidate refinedInterval(const WhitenedModel& model, Candidate candidate, doubl
         if (is_outside || !isInOrder(last.active_s) || (last.peak && last.peak->width_s <= 0))
           tried.pop_back();
       }
-      const std::vector<double> evidence = evidences(model, tried);
+      const std::vector<double> evidence = evidencesOf(model, tried);
       candidate = tried[static_cast<std::size_t>(std::max_element(evidence.begin(), evidence.end()) -
                                                  evidence.begin())];
     }
@@ -88,7 +87,7 @@ Candidate bestInterval(const WhitenedModel& model, const Candidate& lasting, int
       if (from > 0) tried.back().active_s.from_s = first_s + from * step_s;
       if (to < segments) tried.back().active_s.to_s = first_s + to * step_s;
     }
-  const std::vector<double> evidence = evidences(model, tried);
+  const std::vector<double> evidence = evidencesOf(model, tried);
   const auto best = std::max_element(evidence.begin(), evidence.end()) - evidence.begin();
   if (evidence[static_cast<std::size_t>(best)] < evidence[0] + std::log(tried.size())) return lasting;
   return refinedInterval(model, tried[static_cast<std::size_t>(best)], step_s);
@@ -120,7 +119,7 @@ Candidate withPauses(const WhitenedModel& model, const Candidate& part, int segm
         add(withPause(longer, to_s, own.from_s));
       }
     }
-  const std::vector<double> evidence = evidences(model, tried);
+  const std::vector<double> evidence = evidencesOf(model, tried);
   const auto best = std::max_element(evidence.begin(), evidence.end()) - evidence.begin();
   if (evidence[static_cast<std::size_t>(best)] < evidence[0] + std::log(0.5 * segments * (segments + 1)))
     return part;

@@ -4,6 +4,9 @@
 
 namespace fathom {
 
+/// ln of the Bayes factor of each by itself, to first order. `model`: without any of them.
+std::vector<double> evidencesOf(const WhitenedModel& model, const std::vector<Candidate>& candidates);
+
 /// The candidate with the beginning, end or step time that the readings speak for most, to a fraction of
 /// `step_s`: a search from its own times in steps that are halved. `model`: without the effect.
 Candidate refinedInterval(const WhitenedModel& model, Candidate candidate, double step_s);
