@@ -25,6 +25,7 @@ void addSmooth(const RunContext& context);
 void addDiagnose(const RunContext& context);
 void addStress(const RunContext& context);
 void addTune(const RunContext& context);
+void addBudget(const RunContext& context);
 void addDetect(const RunContext& context);
 void addMap(const RunContext& context);
 void addEvaluate(const RunContext& context);
@@ -39,9 +40,10 @@ void addCompletion(const RunContext& context);
 void addMan(const RunContext& context);
 
 inline constexpr AddCommand kCommands[] = {
-    addImport, addExport, addInfo,     addSimulate, addLocalize, addSmooth,           addDiagnose,
-    addStress, addTune,   addDetect,   addMap,      addEvaluate, addCompareFiducials, addEffects,
-    addFsim,   addSil,    addFitWater, addHandles,  addBatch,    addCompletion,       addMan};
+    addImport,  addExport, addInfo,   addSimulate, addLocalize, addSmooth,   addDiagnose,
+    addStress,  addTune,   addBudget, addDetect,   addMap,      addEvaluate, addCompareFiducials,
+    addEffects, addFsim,   addSil,    addFitWater, addHandles,  addBatch,    addCompletion,
+    addMan};
 
 /// Kinds of values. They show in --help, and tell the shell's completion what to offer: "FILE.x" files that
 /// end in .x, "FILE" any file, "FOLDER" folders.

@@ -64,9 +64,7 @@ void addChainOptions(CLI::App& command, ChainOptions& options) {
   addAuditOptions(command, options.audit);
 }
 
-void addBatchRecordingOptions(CLI::App& command, BatchRecordingOptions& options) {
-  command.add_option("RECORDING", options.rawlog, "The recording")->required()->type_name(values::kRawlog);
-  command.add_option("--out", options.folder, "Where the results go")->required()->type_name(values::kFolder);
+void addBatchInputOptions(CLI::App& command, BatchRecordingOptions& options) {
   command.add_option("--vehicle", options.vehicle, "Vehicle file (default: the one the recording names)")
       ->type_name(values::kYaml);
   command.add_option("--map", options.map, "Panel map (default: the one the recording names)")
@@ -74,6 +72,12 @@ void addBatchRecordingOptions(CLI::App& command, BatchRecordingOptions& options)
   command.add_option("--start", options.start, "auto, reference or X,Y,Z,YAW_DEG[,PITCH_DEG,ROLL_DEG]")
       ->capture_default_str();
   addAuditOptions(command, options.audit);
+}
+
+void addBatchRecordingOptions(CLI::App& command, BatchRecordingOptions& options) {
+  command.add_option("RECORDING", options.rawlog, "The recording")->required()->type_name(values::kRawlog);
+  command.add_option("--out", options.folder, "Where the results go")->required()->type_name(values::kFolder);
+  addBatchInputOptions(command, options);
 }
 
 CLI::Option* addCalibrationOption(CLI::App& command, std::string& file, const std::string& help) {

@@ -22,7 +22,9 @@ void addAuditOptions(CLI::App& command, AuditChoice& choice);
 /// All of a chain's options but the rawlog, as options of a command.
 void addChainOptions(CLI::App& command, ChainOptions& options);
 
-/// RECORDING, --out and what goes into the batch estimate.
+/// What goes into the batch estimate besides the recording.
+void addBatchInputOptions(CLI::App& command, BatchRecordingOptions& options);
+/// RECORDING, --out and these.
 void addBatchRecordingOptions(CLI::App& command, BatchRecordingOptions& options);
 
 /// Adds `--calibration FILE`.

@@ -1,5 +1,7 @@
 #include "diagnosis/bare.h"
 
+#include <utility>
+
 #include "effects/catalogue.h"
 
 namespace fathom {
@@ -24,39 +26,51 @@ bool isOfEffect(const Linearization& linear, const UnknownBlock& block) {
 }
 
 /// What holds an effect's unknowns alone says nothing where they are none.
-void clearEmptyPriors(Linearization& bare) {
-  std::vector<bool> is_empty(bare.rows.size(), true);
+void clearEmptyPriors(const Linearization& linear, Bare& bare) {
+  std::vector<bool> is_empty(linear.rows.size(), true);
   for (Eigen::Index c = 0; c < bare.J.outerSize(); ++c)
     for (Eigen::SparseMatrix<double>::InnerIterator e(bare.J, c); e; ++e)
       is_empty[static_cast<std::size_t>(e.row())] = false;
-  for (std::size_t i = 0; i < bare.rows.size(); ++i)
-    if (bare.rows[i].channel == kChannel<Prior> && is_empty[i])
+  for (std::size_t i = 0; i < linear.rows.size(); ++i)
+    if (linear.rows[i].channel == kChannel<Prior> && is_empty[i])
       bare.residual[static_cast<Eigen::Index>(i)] = 0;
 }
 
 }  // namespace
 
-Bare withoutEffects(const Linearization& linear, const std::vector<Candidate>& effects,
-                    const BatchState& state) {
-  Bare bare{linear, columnsOf(linear, effects), valuesOf(linear, effects, state)};
-  bare.linear.residual -= bare.columns * bare.values;
-  std::vector<Eigen::Triplet<double>> entries;
-  int width = 0;
-  bare.linear.blocks.clear();
+Bare bareOf(const Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state) {
+  Bare bare;
+  bare.columns = columnsOf(linear, effects);
+  bare.values = valuesOf(linear, effects, state);
+  bare.residual = linear.residual - bare.columns * bare.values;
+  Eigen::Index width = 0;
+  for (UnknownBlock block : linear.blocks)
+    if (!isOfEffect(linear, block)) width += block.size;
+  bare.J.resize(linear.J.rows(), width);
+  bare.J.reserve(linear.J.nonZeros());
+  width = 0;
   for (UnknownBlock block : linear.blocks) {
     if (isOfEffect(linear, block)) continue;
-    for (int k = 0; k < block.size; ++k)
+    for (int k = 0; k < block.size; ++k) {
+      bare.J.startVec(width + k);
       for (Eigen::SparseMatrix<double>::InnerIterator e(linear.J, block.column + k); e; ++e)
-        entries.emplace_back(static_cast<int>(e.row()), width + k, e.value());
-    block.column = width;
+        bare.J.insertBack(e.row(), width + k) = e.value();
+    }
+    block.column = static_cast<decltype(block.column)>(width);
     width += block.size;
-    bare.linear.blocks.push_back(block);
+    bare.blocks.push_back(block);
   }
-  bare.linear.J.resize(linear.J.rows(), width);
-  bare.linear.J.setFromTriplets(entries.begin(), entries.end());
-  for (EffectColumn& column : bare.linear.columns) column.estimated = false;
-  clearEmptyPriors(bare.linear);
+  bare.J.finalize();
+  clearEmptyPriors(linear, bare);
   return bare;
+}
+
+Linearization withoutEffects(Linearization linear, Bare bare) {
+  linear.residual = std::move(bare.residual);
+  linear.J = std::move(bare.J);
+  linear.blocks = std::move(bare.blocks);
+  for (EffectColumn& column : linear.columns) column.estimated = false;
+  return linear;
 }
 
 }  // namespace fathom

@@ -9,13 +9,18 @@ namespace fathom {
 
 /// A fit's linear model as it would be without its effects, which are columns beside it.
 struct Bare {
-  Linearization linear;  ///< the effects are none of its unknowns, and taken out of its residual
+  Eigen::VectorXd residual;  ///< the effects taken out
+  /// The effects are none of its unknowns.
+  Eigen::SparseMatrix<double> J;
+  std::vector<UnknownBlock> blocks;
   Eigen::SparseMatrix<double> columns;  ///< of the effects, over its rows
   Eigen::VectorXd values;               ///< as the fit found them
 };
 
 /// `linear`: at the state, which has the effects among its unknowns.
-Bare withoutEffects(const Linearization& linear, const std::vector<Candidate>& effects,
-                    const BatchState& state);
+Bare bareOf(const Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state);
+
+/// The whole linearization so.
+Linearization withoutEffects(Linearization linear, Bare bare);
 
 }  // namespace fathom

@@ -259,4 +259,22 @@ Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const Varianc
   return matrix;
 }
 
+HeldColumns localFirst(const HeldColumns& held, const ErrorBudget& budget) {
+  HeldColumns sorted{{held.columns.rows(), held.columns.cols()}, Eigen::VectorXd(held.sigma.size()), {}, 0};
+  std::vector<Eigen::Index> local, others;
+  Eigen::Index first = 0;
+  for (std::size_t k = 0; k < held.sizes.size(); first += held.sizes[k++]) {
+    auto& own = budget.components[k].each == Each::image ? local : others;
+    for (Eigen::Index c = 0; c < held.sizes[k]; ++c) own.push_back(first + c);
+  }
+  sorted.local = std::ssize(local);
+  local.insert(local.end(), others.begin(), others.end());
+  for (Eigen::Index c = 0; c < std::ssize(local); ++c) {
+    const Eigen::Index from = local[static_cast<std::size_t>(c)];
+    sorted.columns.col(c) = held.columns.col(from);
+    sorted.sigma[c] = held.sigma[from];
+  }
+  return sorted;
+}
+
 }  // namespace fathom

@@ -13,7 +13,10 @@ struct HeldColumns {
   Eigen::SparseMatrix<double> columns;
   Eigen::VectorXd sigma;
   std::vector<Eigen::Index> sizes;  ///< of each component's share of them
+  Eigen::Index local = 0;           ///< so many, the first, have readings of one image each
 };
+/// The same with those of one image each before the others; `sizes` are of no use then.
+HeldColumns localFirst(const HeldColumns& held, const ErrorBudget& budget);
 
 /// What a component of the budget can do to a linearization's readings: columns over its rows, of values that
 /// are independent of each other, each of sigma VarianceComponent::sigma (in its unit). No column where no

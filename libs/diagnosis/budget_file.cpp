@@ -1,10 +1,13 @@
 #include "diagnosis/budget_file.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <array>
 #include <stdexcept>
 #include <utility>
 
 #include "core/shipped_file.h"
+#include "core/text.h"
 #include "core/yaml.h"
 #include "diagnosis/budget_columns.h"
 #include "diagnosis/covariate.h"
@@ -21,6 +24,12 @@ constexpr std::array<std::pair<const char*, Each>, 7> kEach{{{"recording", Each:
                                                              {"place", Each::place},
                                                              {"image", Each::image},
                                                              {"reading", Each::reading}}};
+
+std::string nameOf(Each each) {
+  for (const auto& [name, known] : kEach)
+    if (known == each) return name;
+  return {};
+}
 
 Each readEach(const YamlMap& y) {
   if (!y.has("each")) return Each::recording;
@@ -76,7 +85,42 @@ ErrorBudget readBudget(const YamlFile& file) {
   return budget;
 }
 
+template <class Values, class Text>
+void writeList(YAML::Emitter& out, const char* key, const Values& values, Text&& text) {
+  out << YAML::Key << key << YAML::Value << YAML::Flow << YAML::BeginSeq;
+  for (const auto& value : values) out << text(value);
+  out << YAML::EndSeq;
+}
+
+void writeComponent(YAML::Emitter& out, const VarianceComponent& component) {
+  const auto asItIs = [](const std::string& text) { return text; };
+  out << YAML::Key << component.name << YAML::Value << YAML::BeginMap;
+  writeList(out, "by", component.by, asItIs);
+  out << YAML::Key << "each" << YAML::Value << nameOf(component.each);
+  if (component.smooth) {
+    out << YAML::Key << "smooth" << YAML::Value << YAML::Flow << YAML::BeginMap;
+    writeList(out, "over", component.smooth->over, asItIs);
+    writeList(out, "length", component.smooth->length, [](double length) { return shortest(length); });
+    out << YAML::EndMap;
+  }
+  out << YAML::Key << "sigma" << YAML::Value << print("%.3g", component.sigma);
+  out << YAML::Key << "factor" << YAML::Value << print("%.3g", component.factor);
+  out << YAML::Key << "unit" << YAML::Value << YAML::DoubleQuoted << component.unit;
+  out << YAML::Key << "source" << YAML::Value << YAML::DoubleQuoted << component.source << YAML::EndMap;
+}
+
 }  // namespace
+
+std::string formatErrorBudget(const ErrorBudget& budget, const std::string& comment) {
+  YAML::Emitter out;
+  out << YAML::BeginMap << YAML::Key << "name" << YAML::Value << YAML::DoubleQuoted << budget.name;
+  out << YAML::Key << "outlier_share" << YAML::Value << shortest(budget.outlier_share);
+  out << YAML::Key << "noise_factor" << YAML::Value << shortest(budget.noise_factor);
+  out << YAML::Key << "components" << YAML::Value << YAML::BeginMap;
+  for (const VarianceComponent& component : budget.components) writeComponent(out, component);
+  out << YAML::EndMap << YAML::EndMap;
+  return "# " + comment + "\n" + out.c_str() + "\n";
+}
 
 ErrorBudget readErrorBudget(const std::filesystem::path& file) { return readBudget(YamlFile(file)); }
 
@@ -86,6 +130,11 @@ ErrorBudget parseErrorBudget(const std::string& text, const std::string& name) {
 
 const ErrorBudget& fieldBudget() {
   static const ErrorBudget budget = readErrorBudget(shippedFile("config/error_budget.yaml"));
+  return budget;
+}
+
+const ErrorBudget& laboratoryBudget() {
+  static const ErrorBudget budget = readErrorBudget(shippedFile("config/laboratory_budget.yaml"));
   return budget;
 }
 

@@ -99,6 +99,7 @@ class Course {
   bool isCameraAlone() const { return !data_.hasMotion(); }
   HeldOutResult heldOut(const Refit& fit, bool yardsticks) const;
   void lookForAlternatives();
+  void lookUnderTightBudget();
   EffectEstimate whole(EffectEstimate estimate) const;
   FoundEffect describe(std::size_t effect);
 
@@ -224,6 +225,22 @@ void Course::attribute() {
       break;
   }
   lookForAlternatives();
+  lookUnderTightBudget();
+}
+
+/// What would be named were less allowed for: the most telling.
+void Course::lookUnderTightBudget() {
+  if (options_.tight_budget.name == options_.budget.name) return;
+  NoiseModel tight = final_.noise;
+  tight.budget = options_.tight_budget;
+  const Screening screening(final_.model->under(tight.declared()), options_.segments, left_out_);
+  const auto& tested = screening.candidates();
+  const auto most = std::max_element(tested.begin(), tested.end(), [](const auto& a, const auto& b) {
+    return a.log_evidence < b.log_evidence;
+  });
+  if (most == tested.end() || most->log_evidence < fits_.threshold()) return;
+  diagnosis_.allowed = {*most, options_.budget.name, tight.budget.name};
+  for (EffectEstimate& one : diagnosis_.allowed->most.one_step) one = whole(one);
 }
 
 /// What all was tried at the nominal model, and how likely the likeliest is by chance.

@@ -12,6 +12,8 @@ namespace fathom {
 struct DiagnosisOptions {
   EffectParameters<double> calibration;  ///< what is known already
   ErrorBudget budget = fieldBudget();
+  /// What would be named under this one, and is within what the other allows for, is a remark.
+  ErrorBudget tight_budget = laboratoryBudget();
   double false_alarm = 0.01;  ///< of a recording with nothing missing
   std::size_t max_effects = 8;
   int segments = 30;  ///< onsets and ends are looked for at so many places first

@@ -15,7 +15,7 @@ constexpr double kContenderMargin = 8;  // ln odds to first order, plus a share 
 constexpr double kContenderShare = 0.25;
 constexpr double kMayLast = 0.3;       // of its best part's evidence
 constexpr double kPlainlyNeeded = 30;  // sqrt(lambda): what robust losses leave of it decides all the same
-constexpr std::size_t kKept = 2;       // models of fits, each as large as all readings' derivatives
+constexpr std::size_t kKept = 1;       // models: each as large as all readings' derivatives
 
 /// The same for the same effects, in whatever order.
 std::string keyOf(const std::vector<Candidate>& effects) {

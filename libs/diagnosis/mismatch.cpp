@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <map>
+#include <span>
 #include <unsupported/Eigen/FFT>
 
 #include "core/chi_square.h"
@@ -19,19 +21,38 @@ namespace {
 
 constexpr int kSpectrumDraws = 16;
 constexpr std::size_t kShortestSpectrum = 64;
+constexpr std::size_t kImagesTogether = 64;
 
 /// "2.1 to 2.4 m".
 std::string rangeOf(double low, double high, const std::string& unit) {
   return print("%.3g to %.3g", low, high) + (unit == "1" ? "" : " " + unit);
 }
 
-/// A map before it is computed: its bins' columns are side by side.
+/// A map before it is computed.
 struct Plan {
   Mismatch map;
-  std::vector<std::vector<std::size_t>> rows;     // of each bin
-  std::vector<std::vector<std::size_t>> columns;  // of each bin
-  std::optional<int> component;                   // of the direction
+  std::vector<std::vector<std::size_t>> rows;  // of each bin
+  std::vector<Eigen::Index> widths;            // columns of each bin; all side by side
+  std::optional<int> component;                // of the direction
+  /// So many bins are taken together, as what the estimate has taken up of one shows in others. Of images
+  /// those far from each other hardly have anything in common.
+  std::size_t together = std::numeric_limits<std::size_t>::max();
 };
+
+/// Bins that are taken together.
+struct Group {
+  std::size_t first_bin = 0, behind = 0;
+  Eigen::Index columns = 0;
+};
+std::vector<Group> groupsOf(const Plan& plan) {
+  std::vector<Group> groups;
+  for (std::size_t bin = 0; bin < plan.widths.size(); ++bin) {
+    if (groups.empty() || bin - groups.back().first_bin == plan.together) groups.push_back({bin, bin, 0});
+    groups.back().behind = bin + 1;
+    groups.back().columns += plan.widths[bin];
+  }
+  return groups;
+}
 
 class Planner {
  public:
@@ -53,7 +74,7 @@ class Planner {
           if (linear_.rows[i].channel == channel && direction.values[i] != 0)
             if (const auto bin = binOf(limits, covariate.of(linear_.rows[i]))) plan.rows[*bin].push_back(i);
         for (std::size_t bin = 0; bin < plan.rows.size(); ++bin)
-          plan.columns[bin] = {addColumn(plan.rows[bin], direction.values)};
+          addColumn(plan.rows[bin], direction.values, plan.widths[bin]);
         plans.push_back(std::move(plan));
       }
     }
@@ -67,7 +88,7 @@ class Planner {
       for (std::size_t i = 0; i < linear_.rows.size(); ++i)
         if (linear_.rows[i].marker_id == id) plan.rows[bin].push_back(i);
       for (const std::size_t axis : {1u, 2u, 3u})
-        plan.columns[bin].push_back(addColumn(plan.rows[bin], effectColumn(kEffectIndex<MarkerMoved>, axis)));
+        addColumn(plan.rows[bin], effectColumn(kEffectIndex<MarkerMoved>, axis), plan.widths[bin]);
     }
     plans.push_back(std::move(plan));
   }
@@ -79,12 +100,13 @@ class Planner {
       if (linear_.rows[i].image >= 0) images[linear_.rows[i].image].push_back(i);
     if (images.size() < 4) return;
     Plan plan = begin(kChannel<Markers>, "shift of an image", "image", "s");
+    plan.together = kImagesTogether;
     for (const auto& [image, rows] : images) {
       const double t_s = linear_.rows[rows[0]].t_s;
       const std::size_t bin = addBin(plan, t_s, t_s, print("the image at %.1f s", t_s));
       plan.rows[bin] = rows;
       for (const std::size_t axis : {0u, 1u, 2u})
-        plan.columns[bin].push_back(addColumn(rows, effectColumn(kEffectIndex<CameraMisalignment>, axis)));
+        addColumn(rows, effectColumn(kEffectIndex<CameraMisalignment>, axis), plan.widths[bin]);
     }
     plans.push_back(std::move(plan));
   }
@@ -95,15 +117,12 @@ class Planner {
     return all;
   }
 
-  /// How many columns each plan has: they are side by side.
-  std::vector<Eigen::Index> blocks() const {
-    std::vector<Eigen::Index> sizes;
-    for (const Plan& plan : plans) {
-      Eigen::Index size = 0;
-      for (const auto& columns : plan.columns) size += std::ssize(columns);
-      sizes.push_back(size);
-    }
-    return sizes;
+  /// How many columns each group of each plan has: they are side by side.
+  std::vector<Eigen::Index> widths() const {
+    std::vector<Eigen::Index> widths;
+    for (const Plan& plan : plans)
+      for (const Group& group : groupsOf(plan)) widths.push_back(group.columns);
+    return widths;
   }
 
   std::vector<Plan> plans;
@@ -124,17 +143,19 @@ class Planner {
     bin.label = std::move(label);
     plan.map.bins.push_back(std::move(bin));
     plan.rows.emplace_back();
-    plan.columns.emplace_back();
+    plan.widths.push_back(0);
     return plan.rows.size() - 1;
   }
   std::vector<double> effectColumn(std::size_t effect, std::size_t scalar) const {
     const auto column = linear_.C.col(columnOf(linear_, effect, scalar));
     return {column.begin(), column.end()};
   }
-  std::size_t addColumn(const std::vector<std::size_t>& rows, const std::vector<double>& values) {
+  void addColumn(const std::vector<std::size_t>& rows, const std::vector<double>& values,
+                 Eigen::Index& width) {
     for (const std::size_t i : rows)
       if (values[i] != 0) entries_.emplace_back(static_cast<int>(i), static_cast<int>(count_), values[i]);
-    return count_++;
+    ++count_;
+    ++width;
   }
 
   const Linearization& linear_;
@@ -142,29 +163,15 @@ class Planner {
   std::size_t count_ = 0;
 };
 
-Eigen::MatrixXd part(const Eigen::MatrixXd& gram, const std::vector<std::size_t>& columns) {
-  Eigen::MatrixXd own(std::ssize(columns), std::ssize(columns));
-  for (std::size_t a = 0; a < columns.size(); ++a)
-    for (std::size_t b = 0; b < columns.size(); ++b)
-      own(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) =
-          gram(static_cast<Eigen::Index>(columns[a]), static_cast<Eigen::Index>(columns[b]));
-  return own;
-}
-
-Eigen::VectorXd part(const Eigen::VectorXd& vector, const std::vector<std::size_t>& columns) {
-  Eigen::VectorXd own(std::ssize(columns));
-  for (std::size_t a = 0; a < columns.size(); ++a)
-    own[static_cast<Eigen::Index>(a)] = vector[static_cast<Eigen::Index>(columns[a])];
-  return own;
-}
-
 struct Score {
   double statistic = 0;
   int dof = 0;
 };
-Score scoreOf(const Reduced& reduced, const std::vector<std::size_t>& columns) {
-  const Information information(part(reduced.gram, columns), part(reduced.norms, columns));
-  const Eigen::VectorXd g = part(reduced.score, columns);
+/// Of columns one behind the other.
+Score scoreOf(const Reduced& reduced, Eigen::Index first, Eigen::Index count) {
+  const Information information(reduced.gram.block(first, first, count, count),
+                                reduced.norms.segment(first, count));
+  const auto g = reduced.score.segment(first, count);
   return {g.dot(information.inverse * g), information.rank};
 }
 
@@ -198,19 +205,26 @@ void describeBin(const Linearization& linear, const std::vector<std::size_t>& ro
   bin.sigma = scale * std::sqrt(variance);
 }
 
-void finish(Plan& plan, const WhitenedModel& model, const Reduced& reduced) {
+/// `reduced`: of its groups.
+void finish(Plan& plan, const WhitenedModel& model, std::span<const Reduced> reduced) {
   const Linearization& linear = model.linear();
   Mismatch& map = plan.map;
-  std::vector<std::size_t> all;
   std::size_t worst = 0, rows = 0;
-  for (std::size_t bin = 0; bin < map.bins.size(); ++bin) {
-    describeBin(linear, plan.rows[bin], plan.component, map.bins[bin]);
-    map.bins[bin].size_sigma = std::sqrt(std::max(0.0, scoreOf(reduced, plan.columns[bin]).statistic));
-    if (map.bins[bin].size_sigma > map.bins[worst].size_sigma) worst = bin;
-    all.insert(all.end(), plan.columns[bin].begin(), plan.columns[bin].end());
-    rows += plan.rows[bin].size();
+  Score score;
+  for (const Group& group : groupsOf(plan)) {
+    Eigen::Index column = 0;
+    for (std::size_t bin = group.first_bin; bin < group.behind; column += plan.widths[bin++]) {
+      describeBin(linear, plan.rows[bin], plan.component, map.bins[bin]);
+      map.bins[bin].size_sigma =
+          std::sqrt(std::max(0.0, scoreOf(reduced.front(), column, plan.widths[bin]).statistic));
+      if (map.bins[bin].size_sigma > map.bins[worst].size_sigma) worst = bin;
+      rows += plan.rows[bin].size();
+    }
+    const Score own = scoreOf(reduced.front(), 0, group.columns);
+    score.statistic += own.statistic;
+    score.dof += own.dof;
+    reduced = reduced.subspan(1);
   }
-  const Score score = scoreOf(reduced, all);
   map.statistic_value = score.statistic;
   map.dof = score.dof;
   const double noise_freedom = model.noise().of(map.channel).freedom;
@@ -341,11 +355,15 @@ std::vector<Mismatch> mismatchMaps(const WhitenedModel& model, std::uint64_t see
     planner.addMarkers();
     planner.addImages();
   }
-  const Reduced reduced =
-      model.nuisances().reduce(model.whitened(planner.columns()), model.residual(), planner.blocks());
+  const std::vector<Reduced> reduced =
+      model.nuisances().reduceEach(model.whitened(planner.columns()), model.residual(), planner.widths());
+  std::vector<std::size_t> first{0};  // of each plan's groups
+  for (const Plan& plan : planner.plans) first.push_back(first.back() + groupsOf(plan).size());
   std::vector<Mismatch> maps = spectra(model, seed);
   for (Mismatch& map : imageFlaws(model)) maps.push_back(std::move(map));
-  parallelFor(planner.plans.size(), [&](std::size_t i) { finish(planner.plans[i], model, reduced); });
+  parallelFor(planner.plans.size(), [&](std::size_t i) {
+    finish(planner.plans[i], model, std::span(reduced).subspan(first[i], first[i + 1] - first[i]));
+  });
   for (Plan& plan : planner.plans)
     if (plan.map.dof > 0) maps.push_back(std::move(plan.map));
   for (Mismatch& map : maps) {

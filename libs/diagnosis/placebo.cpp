@@ -21,7 +21,7 @@ Placebo::Placebo(const WhitenedModel& model, const Eigen::MatrixXd& noise) : noi
 }
 
 void Placebo::add(const RowsAlone& train, const RowsAlone& test) {
-  folds_.push_back({train.reduce(columns_, size_).gram, test.reduce(columns_, size_).gram,
+  folds_.push_back({train.reduceEach(columns_, size_), test.reduceEach(columns_, size_),
                     train.scores(columns_, noise_), test.scores(columns_, noise_)});
 }
 
@@ -47,7 +47,7 @@ double Placebo::evidenceOf(std::size_t candidate, Eigen::Index draw) const {
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd g = Eigen::VectorXd::Zero(n);
   for (const Fold& fold : folds_) {
-    A += fold.A_test.block(k, k, n, n);
+    A += fold.test[candidate].gram;
     g += fold.g_test.col(draw).segment(k, n);
   }
   return EffectEvidence(A, sigma_.segment(k, n)).best(g).log_bayes_factor;
@@ -57,11 +57,11 @@ double Placebo::gainOf(std::size_t candidate, Eigen::Index draw) const {
   const Eigen::Index k = first_[candidate], n = size_[candidate];
   double gain = 0;
   for (const Fold& fold : folds_) {
-    Eigen::MatrixXd A = fold.A_train.block(k, k, n, n);
+    Eigen::MatrixXd A = fold.train[candidate].gram;
     A.diagonal() += sigma_.segment(k, n).array().square().inverse().matrix();
     const Eigen::VectorXd value = -solveSymmetric(A, fold.g_train.col(draw).segment(k, n));
-    gain -= fold.g_test.col(draw).segment(k, n).dot(value) +
-            0.5 * value.dot(fold.A_test.block(k, k, n, n) * value);
+    gain -=
+        fold.g_test.col(draw).segment(k, n).dot(value) + 0.5 * value.dot(fold.test[candidate].gram * value);
   }
   return gain;
 }

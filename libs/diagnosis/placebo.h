@@ -19,7 +19,8 @@ class Placebo {
 
  private:
   struct Fold {
-    Eigen::MatrixXd A_train, A_test, g_train, g_test;
+    std::vector<Reduced> train, test;  // of each candidate
+    Eigen::MatrixXd g_train, g_test;   // scores of the draws, of all
   };
   double evidenceOf(std::size_t candidate, Eigen::Index draw) const;
   double gainOf(std::size_t candidate, Eigen::Index draw) const;

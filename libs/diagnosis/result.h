@@ -68,6 +68,12 @@ struct Hypothesis {
   double mass = 0;
 };
 
+/// What is within the budget, and would not be within a tighter one.
+struct Allowed {
+  TestedCandidate most;  ///< telling
+  std::string budget, tight_budget;
+};
+
 struct Diagnosis {
   Verdict verdict = Verdict::none;
   std::string why;  ///< a paragraph for a person
@@ -80,6 +86,7 @@ struct Diagnosis {
   std::vector<Mismatch> mismatch;   ///< of the nominal model, worst first
   std::vector<Mismatch> remaining;  ///< of the final one
   std::vector<FoundEffect> effects;
+  std::optional<Allowed> allowed;
   std::vector<Alternatives> alternatives;
   Remainder remainder;
   std::vector<BudgetEntry> budget;

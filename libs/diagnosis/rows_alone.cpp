@@ -1,6 +1,7 @@
 #include "diagnosis/rows_alone.h"
 
 #include <cmath>
+#include <utility>
 
 #include "core/linear_algebra.h"
 
@@ -12,7 +13,8 @@ constexpr double kRidge = 1e-4;  // of a column's length, where a stretch by its
 /// The nuisances of some rows, each held a little: a stretch by itself may not determine them all.
 Nuisances nuisancesOf(const Nuisances& all, const std::vector<Eigen::Index>& rows) {
   const Eigen::SparseMatrix<double>& J = all.J();
-  Eigen::Index full = 0;
+  Nuisances::AtEnd at_end;
+  const Eigen::Index first_full = J.cols() - all.atEnd().full, first_local = first_full - all.atEnd().local;
   std::vector<int> place(static_cast<std::size_t>(J.rows()), -1);
   for (std::size_t k = 0; k < rows.size(); ++k)
     place[static_cast<std::size_t>(rows[k])] = static_cast<int>(k);
@@ -28,14 +30,15 @@ Nuisances nuisancesOf(const Nuisances& all, const std::vector<Eigen::Index>& row
     }
     if (square == 0) continue;
     lengths.push_back(std::sqrt(square));
-    full += c >= J.cols() - all.full();
+    at_end.local += c >= first_local && c < first_full;
+    at_end.full += c >= first_full;
   }
   const int first = static_cast<int>(rows.size()), width = static_cast<int>(lengths.size());
   for (int c = 0; c < width; ++c)
     entries.emplace_back(first + c, c, kRidge * lengths[static_cast<std::size_t>(c)]);
   Eigen::SparseMatrix<double> own(first + width, width);
   own.setFromTriplets(entries.begin(), entries.end());
-  return Nuisances(own, full);
+  return {std::move(own), at_end};
 }
 
 }  // namespace
@@ -51,9 +54,13 @@ RowsAlone::RowsAlone(const WhitenedModel& model, std::vector<Eigen::Index> rows)
   residual_ = select_ * model.residual();
 }
 
-Reduced RowsAlone::reduce(const Eigen::SparseMatrix<double>& columns,
-                          const std::vector<Eigen::Index>& blocks) const {
-  return nuisances_.reduce(select_ * columns, residual_, blocks);
+Reduced RowsAlone::reduce(const Eigen::SparseMatrix<double>& columns) const {
+  return nuisances_.reduce(select_ * columns, residual_);
+}
+
+std::vector<Reduced> RowsAlone::reduceEach(const Eigen::SparseMatrix<double>& columns,
+                                           const std::vector<Eigen::Index>& sizes) const {
+  return nuisances_.reduceEach(select_ * columns, residual_, sizes);
 }
 
 Eigen::MatrixXd RowsAlone::scores(const Eigen::SparseMatrix<double>& columns,

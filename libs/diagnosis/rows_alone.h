@@ -14,8 +14,9 @@ class RowsAlone {
 
   const std::vector<Eigen::Index>& rows() const { return rows_; }
   /// Of columns and the model's residual (see Nuisances::reduce()).
-  Reduced reduce(const Eigen::SparseMatrix<double>& columns,
-                 const std::vector<Eigen::Index>& blocks = {}) const;
+  Reduced reduce(const Eigen::SparseMatrix<double>& columns) const;
+  std::vector<Reduced> reduceEach(const Eigen::SparseMatrix<double>& columns,
+                                  const std::vector<Eigen::Index>& sizes) const;
   /// C^T P R of columns C and of R.
   Eigen::MatrixXd scores(const Eigen::SparseMatrix<double>& columns, const Eigen::MatrixXd& R) const;
   /// P R, by these rows.

@@ -53,11 +53,12 @@ std::vector<Candidate> allThatMayBe(const Linearization& linear) {
 
 Nuisances unknownsOf(const Linearization& linear, const std::vector<Candidate>& candidates,
                      const NoiseModel& noise) {
-  const HeldColumns budget = budgetColumns(linear, noise);
-  const Eigen::SparseMatrix<double> all = withHeldColumns(
-      withHeldColumns(linear.J, columnsOf(linear, candidates), priorSigmas(linear, candidates)),
-      budget.columns, budget.sigma);
-  return Nuisances(all, all.cols() - linear.J.cols());
+  const HeldColumns budget = localFirst(budgetColumns(linear, noise), noise.budget);
+  const Eigen::SparseMatrix<double> own = columnsOf(linear, candidates);
+  Eigen::VectorXd sigma(budget.sigma.size() + own.cols());
+  sigma << budget.sigma, priorSigmas(linear, candidates);
+  return {withHeldColumns(linear.J, sideBySide(budget.columns, own), sigma),
+          {budget.local, sigma.size() - budget.local}};
 }
 
 }  // namespace
@@ -73,7 +74,7 @@ Saturated::Saturated(const Linearization& linear, const NoiseModel& noise)
 std::unique_ptr<Saturated> saturate(Linearization& linear, const NoiseModel& noise) {
   auto saturated = std::make_unique<Saturated>(linear, noise);
   for (int round = 0; round < kWeightRounds; ++round) {
-    if (!applyOtherRobustWeights(linear, kChannel<Pixels>, saturated->left)) break;
+    if (!applyOtherRobustWeights(linear, {kChannel<Pixels>}, saturated->left)) break;
     saturated = std::make_unique<Saturated>(linear, noise);
   }
   return saturated;

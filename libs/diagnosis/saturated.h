@@ -12,7 +12,7 @@ namespace fathom {
 /// component of the error budget, held as declared. What is then left is noise, or nothing that is known.
 struct Saturated {
   std::vector<Candidate> candidates;
-  Nuisances nuisances;             ///< unknowns of the linearization, candidates' columns, the budget's
+  Nuisances nuisances;             ///< unknowns of the linearization, the budget's columns, candidates'
   Eigen::VectorXd residual, left;  ///< before and after
 
   Saturated(const Linearization& linear, const NoiseModel& noise);

@@ -16,7 +16,7 @@ namespace fathom {
 namespace {
 
 constexpr double kLeastKept = 1e-4;  // of a direction's length: less is rounding
-constexpr int kAlarmDraws = 200;
+constexpr int kAlarmDraws = 200, kDrawsAtOnce = 40;
 constexpr double kImpossible = -1e6;    // ln of odds
 constexpr std::size_t kFinerTried = 4;  // parts with finer edges, of each family
 constexpr std::size_t kKeptSets = 60;   // of a size, to which another effect is added
@@ -63,16 +63,18 @@ Information::Information(const Eigen::MatrixXd& A, const Eigen::VectorXd& norms)
 Screening::Screening(const WhitenedModel& model, int segments, const LeftOut& left_out)
     : model_(model.under(model.noise().declared())), prior_(model.linear(), segments) {
   layOut(model_.linear(), segments, left_out);
-  columns_ = model_.whitened(columns(model_.linear()));
-  std::vector<Eigen::Index> sizes;
-  for (const Family& family : families_) sizes.push_back(family.size * family.segments);
-  reduced_ = model_.nuisances().reduce(columns_, model_.residual(), sizes);
+  // Each by itself: side by side they would take as much as a hundred times the readings.
+  const Eigen::VectorXd left = model_.nuisances().project(model_.residual());
+  std::vector<Reduced> each(families_.size());
+  parallelFor(families_.size(), [&](std::size_t family) {
+    each[family] = model_.nuisances().reduceOfLeft(columnsOf(families_[family]), left);
+  });
   std::vector<std::optional<TestedCandidate>> parts;  // the best of each family
   for (std::size_t family = 0; family < families_.size(); ++family) {
     std::optional<TestedCandidate>& part = parts.emplace_back();
     for (const Run& run : runsOf(family)) {
       const Candidate candidate = candidateOf(run);
-      const Reduced reduced{gramOf(run), scoreOf(run, reduced_.score), normsOf(run)};
+      const Reduced reduced = sumOver(run, each[family]);
       const Information information(reduced.gram, reduced.norms);
       const EffectEvidence evidence(reduced.gram, families_[family].prior_sigma);
       TestedCandidate one = test(family, candidate, reduced, information, evidence);
@@ -148,7 +150,6 @@ void Screening::layOut(const Linearization& linear, int segments, const LeftOut&
   const Interval span = readingsSpan(linear);
   first_s_ = span.from_s;
   segment_s_ = std::max(1e-9, (span.to_s - first_s_) / segments);
-  Eigen::Index column = 0;
   for (const EffectInfo& effect : allEffects()) {
     const bool lasts = left_out.parts.contains(effect.index);
     if (isEstimated(linear, effect.index) || left_out.all.contains(effect.index) ||
@@ -158,17 +159,17 @@ void Screening::layOut(const Linearization& linear, int segments, const LeftOut&
     family.candidate.effect = effect.index;
     family.is_step = effect.has(ParameterKind::time);
     family.has_peak = hasPeak(effect);
-    for (const CandidateColumn& c : columnsOf(linear, effect.index))
+    for (const CandidateColumn& c : fathom::columnsOf(linear, effect.index))
       family.scalars.push_back(linear.columns[c.column].scalar);
     if (family.scalars.empty()) continue;  // drawn for each image, and there is none
     family.prior_sigma = priorSigmas(linear, {family.candidate});
     const auto add = [&](std::optional<int> id, const std::optional<Instance>& only, int count) {
       family.candidate.marker_id = id;
       family.candidate.only = only;
-      family.first = column;
+      family.first = width_;
       family.segments = count;
       family.size = std::ssize(family.scalars);
-      column += family.size * count;
+      width_ += family.size * count;
       families_.push_back(family);
     };
     if (effect.has(ParameterKind::marker_id)) {
@@ -188,28 +189,25 @@ void Screening::layOut(const Linearization& linear, int segments, const LeftOut&
   }
 }
 
-Eigen::SparseMatrix<double> Screening::columns(const Linearization& linear) const {
+/// Whitened.
+Eigen::SparseMatrix<double> Screening::columnsOf(const Family& family) const {
+  const Linearization& linear = model_.linear();
+  const std::vector<CandidateColumn> own = fathom::columnsOf(linear, family.candidate.effect);
   std::vector<Eigen::Triplet<double>> entries;
-  Eigen::Index count = 0;
-  for (const Family& family : families_) {
-    count = family.first + family.size * family.segments;
-    const std::vector<CandidateColumn> own = columnsOf(linear, family.candidate.effect);
-    for (std::size_t i = 0; i < linear.rows.size(); ++i) {
-      if (!actsOn(family.candidate, linear.rows[i])) continue;
-      const int segment =
-          std::clamp(static_cast<int>((linear.rows[i].t_s - first_s_) / segment_s_), 0, family.segments - 1);
-      for (Eigen::Index k = 0; k < family.size; ++k) {
-        const CandidateColumn& of = own[static_cast<std::size_t>(k)];
-        const double value = linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(of.column));
-        if (value != 0 && of.has(linear.rows[i]))
-          entries.emplace_back(static_cast<int>(i),
-                               static_cast<int>(family.first + segment * family.size + k), value);
-      }
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+    if (!actsOn(family.candidate, linear.rows[i])) continue;
+    const int segment =
+        std::clamp(static_cast<int>((linear.rows[i].t_s - first_s_) / segment_s_), 0, family.segments - 1);
+    for (Eigen::Index k = 0; k < family.size; ++k) {
+      const CandidateColumn& of = own[static_cast<std::size_t>(k)];
+      const double value = linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(of.column));
+      if (value != 0 && of.has(linear.rows[i]))
+        entries.emplace_back(static_cast<int>(i), static_cast<int>(segment * family.size + k), value);
     }
   }
-  Eigen::SparseMatrix<double> columns(std::ssize(linear.rows), count);
+  Eigen::SparseMatrix<double> columns(std::ssize(linear.rows), family.size * family.segments);
   columns.setFromTriplets(entries.begin(), entries.end());
-  return columns;
+  return model_.whitened(columns);
 }
 
 std::vector<Screening::Run> Screening::runsOf(std::size_t family) const {
@@ -246,13 +244,15 @@ Candidate Screening::candidateOf(const Family& family, double from_s, double to_
   return candidate;
 }
 
-Eigen::MatrixXd Screening::gramOf(const Run& run) const {
-  const Family& family = families_[run.family];
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(family.size, family.size);
-  for (int i = run.from; i < run.to; ++i)
-    for (int j = run.from; j < run.to; ++j)
-      sum += reduced_.gram.block(family.first + i * family.size, family.first + j * family.size, family.size,
-                                 family.size);
+Reduced Screening::sumOver(const Run& run, const Reduced& family) const {
+  const Eigen::Index size = families_[run.family].size;
+  Reduced sum{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size), Eigen::VectorXd::Zero(size)};
+  for (int i = run.from; i < run.to; ++i) {
+    for (int j = run.from; j < run.to; ++j) sum.gram += family.gram.block(i * size, j * size, size, size);
+    sum.score += family.score.segment(i * size, size);
+    sum.norms.array() += family.norms.segment(i * size, size).array().square();
+  }
+  sum.norms = sum.norms.cwiseSqrt();
   return sum;
 }
 
@@ -261,14 +261,6 @@ Eigen::VectorXd Screening::scoreOf(const Run& run, const Eigen::VectorXd& score)
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(family.size);
   for (int i = run.from; i < run.to; ++i) sum += score.segment(family.first + i * family.size, family.size);
   return sum;
-}
-
-Eigen::VectorXd Screening::normsOf(const Run& run) const {
-  const Family& family = families_[run.family];
-  Eigen::VectorXd squares = Eigen::VectorXd::Zero(family.size);
-  for (int i = run.from; i < run.to; ++i)
-    squares += reduced_.norms.segment(family.first + i * family.size, family.size).array().square().matrix();
-  return squares.cwiseSqrt();
 }
 
 TestedCandidate Screening::test(std::size_t of_family, const Candidate& candidate, const Reduced& reduced,
@@ -367,8 +359,15 @@ double Screening::alignment(std::size_t a, std::size_t b) const {
 Screening::Chance Screening::chance(std::uint64_t seed) const {
   if (all_.empty()) return {};
   Random random(seed);
-  const Eigen::MatrixXd noise = random.normals(columns_.rows(), kAlarmDraws);
-  const Eigen::MatrixXd scores = model_.nuisances().scores(columns_, noise);
+  Eigen::MatrixXd left(model_.residual().size(), kAlarmDraws);
+  for (int draw = 0; draw < kAlarmDraws; draw += kDrawsAtOnce)
+    left.middleCols(draw, kDrawsAtOnce) =
+        model_.nuisances().project(random.normals(left.rows(), kDrawsAtOnce));
+  Eigen::MatrixXd scores(width_, kAlarmDraws);
+  parallelFor(families_.size(), [&](std::size_t family) {
+    scores.middleRows(families_[family].first, widthOf(family)) =
+        columnsOf(families_[family]).transpose() * left;
+  });
   std::vector<double> best(kAlarmDraws, kImpossible);
   parallelFor(kAlarmDraws, [&](int draw) {
     const Eigen::VectorXd score = scores.col(draw);

@@ -119,12 +119,15 @@ class Screening {
   };
 
   void layOut(const Linearization& linear, int segments, const LeftOut& left_out);
-  Eigen::SparseMatrix<double> columns(const Linearization& linear) const;
-  Eigen::VectorXd normsOf(const Run& run) const;
+  Eigen::SparseMatrix<double> columnsOf(const Family& family) const;
+  Eigen::Index widthOf(std::size_t family) const {
+    return families_[family].size * families_[family].segments;
+  }
   std::vector<Run> runsOf(std::size_t family) const;
   Candidate candidateOf(const Run& run) const;
   Candidate candidateOf(const Family& family, double from_s, double to_s) const;
-  Eigen::MatrixXd gramOf(const Run& run) const;
+  /// Of a run's segments, out of all of its family's.
+  Reduced sumOver(const Run& run, const Reduced& family) const;
   Eigen::MatrixXd gramOf(std::size_t a, std::size_t b) const;
   void add(std::size_t family, TestedCandidate tested);
   void takeFinerEdges(int segments, std::vector<std::optional<TestedCandidate>>& parts);
@@ -136,10 +139,9 @@ class Screening {
 
   WhitenedModel model_;
   PriorOdds prior_;
-  Eigen::SparseMatrix<double> columns_;  // of all families, whitened
+  Eigen::Index width_ = 0;  // of all families' columns
   double first_s_ = 0, segment_s_ = 0;
   std::vector<Family> families_;
-  Reduced reduced_;                  // of all segments, gram within each family only
   Reduced combined_;                 // of the tested ones, side by side
   std::vector<Eigen::Index> place_;  // of the tested ones' columns there
   std::vector<Test> all_;            // that were tried

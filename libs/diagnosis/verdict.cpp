@@ -19,24 +19,38 @@ constexpr double kLeastShare = 0.2;   // of the catalogue to be within reach, fo
 constexpr double kNoisier = 1.5, kQuieter = 0.5;  // than stated, worth a remark
 constexpr std::size_t kToldFailures = 3;
 
+/// "scale = 0.01 ± 0.0004, …".
+std::string textOf(const std::vector<EffectEstimate>& estimates, const EffectInfo& effect) {
+  std::string text;
+  std::size_t scalar = effect.first_scalar;
+  for (const Parameter& p : effect.parameters) {
+    for (int i = 0; i < p.size; ++i, ++scalar)
+      for (const EffectEstimate& estimate : estimates)
+        if (estimate.scalar == scalar) {
+          const std::string axis = p.size > 1 ? print("[%d]", i) : "";
+          text += print("%s%s%s = %.4g ± %.2g", text.empty() ? "" : ", ", std::string(p.name).c_str(),
+                        axis.c_str(), asNamed(p, estimate.value),
+                        sigmaAsNamed(p, estimate.value, estimate.sigma));
+        }
+  }
+  return text;
+}
+
 /// "dvl-scale (DVL scale): scale = 0.01 ± 0.0004; its size is …".
 std::string sentence(const FoundEffect& found) {
   const EffectInfo& effect = allEffects()[found.candidate.effect];
-  std::string text = nameOf(found.candidate) + " (" + std::string(effect.text.title) + "): ";
-  std::size_t scalar = effect.first_scalar;
-  std::string separator;
-  for (const Parameter& p : effect.parameters) {
-    for (int i = 0; i < p.size; ++i, ++scalar)
-      for (const EffectEstimate& estimate : found.estimates)
-        if (estimate.scalar == scalar) {
-          const std::string axis = p.size > 1 ? print("[%d]", i) : "";
-          text +=
-              separator + print("%s%s = %.4g ± %.2g", std::string(p.name).c_str(), axis.c_str(),
-                                asNamed(p, estimate.value), sigmaAsNamed(p, estimate.value, estimate.sigma));
-          separator = ", ";
-        }
-  }
-  return text + print("; its size is %.1f times what the recording can resolve", found.sqrt_lambda);
+  return nameOf(found.candidate) + " (" + std::string(effect.text.title) +
+         "): " + textOf(found.estimates, effect) +
+         print("; its size is %.1f times what the recording can resolve", found.sqrt_lambda);
+}
+
+void remarkOnAllowance(Diagnosis& diagnosis) {
+  if (!diagnosis.allowed) return;
+  const auto& [most, budget, tight] = *diagnosis.allowed;
+  diagnosis.remarks.push_back(nameOf(most.candidate) + " (" +
+                              textOf(most.one_step, allEffects()[most.candidate.effect]) +
+                              ") is within what the budget `" + budget + "` allows for; under `" + tight +
+                              "` it would be looked into");
 }
 
 void remarkOnNoise(Diagnosis& diagnosis) {
@@ -238,6 +252,7 @@ void judgeNothingFound(Diagnosis& diagnosis, const Linearization& nominal) {
 
 void judge(Diagnosis& diagnosis, const Linearization& nominal) {
   remarkOnNoise(diagnosis);
+  remarkOnAllowance(diagnosis);
   diagnosis.budget = budgetOf(diagnosis.noise);
   shareOut(diagnosis);
   const std::vector<std::string> failures = failuresOf(diagnosis);

@@ -89,11 +89,11 @@ struct ReducedFit {
 
   ReducedFit(const Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state,
              const NoiseModel& noise)
-      : bare(withoutEffects(linear, effects, state)),
+      : bare(bareOf(linear, effects, state)),
         budget(budgetColumns(linear, noise)),
         W(whitenerOf(linear, noise)),
-        nuisances(W * bare.linear.J),
-        residual(W * bare.linear.residual),
+        nuisances(W * bare.J),
+        residual(W * bare.residual),
         all(nuisances.reduce(W * sideBySide(budget.columns, bare.columns), residual)) {}
 
   /// What budget and effects of these values change.
@@ -103,16 +103,16 @@ struct ReducedFit {
   /// What is left then, all that is unknown being as well as it can: over the linearization's rows.
   Eigen::VectorXd leftBy(const Split& split) const {
     const Eigen::VectorXd change = changeBy(split);
-    return bare.linear.residual + change + bare.linear.J * nuisances.step(residual + W * change);
+    return bare.residual + change + bare.J * nuisances.step(residual + W * change);
   }
 };
 
 /// Readings that what is taken into account explains are no outliers.
 bool reweigh(Linearization& linear, const Eigen::VectorXd& left) {
-  bool changed = false;
+  std::vector<Channel> channels;
   for (const Channel channel : kEveryChannel)
-    if (textOf(channel).has_outliers) changed = applyOtherRobustWeights(linear, channel, left) || changed;
-  return changed;
+    if (textOf(channel).has_outliers) channels.push_back(channel);
+  return applyOtherRobustWeights(linear, channels, left);
 }
 
 /// The likeliest scales and sizes, by turns: what the budget has to make up for depends on how large the
@@ -171,11 +171,7 @@ Weight weigh(Linearization& linear, const std::vector<Candidate>& effects, const
     for (std::size_t k = 0; k < weight.scales.size(); ++k) groups[k].start = weight.scales[k].scale;
     const Split split = likeliest(hypothesis, linear, effects, groups, weight.scales);
     const Eigen::VectorXd left = hypothesis.leftBy(split);
-    Linearization other = linear;
-    if (round + 1 < kReweighed && reweigh(other, left)) {
-      linear = std::move(other);
-      continue;
-    }
+    if (round + 1 < kReweighed && reweigh(linear, left)) continue;
     weight.log_evidence = -0.5 * hypothesis.nuisances.project(hypothesis.residual).squaredNorm() -
                           robustShare(linear, hypothesis.W * left) + logPriorOf(weight.scales, groups) +
                           split.of_budget + split.effects.log_bayes_factor +

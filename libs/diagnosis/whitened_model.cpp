@@ -19,9 +19,12 @@ WhitenedModel::WhitenedModel(Linearization linear, const NoiseModel& noise)
     : WhitenedModel(Weighted{}, weighted(std::move(linear)), noise) {}
 
 WhitenedModel::WhitenedModel(Weighted, Linearization linear, const NoiseModel& noise)
-    : linear_(std::move(linear)), noise_(noise), W_(whitenerOf(linear_, noise)), nuisances_(nuisancesOf()) {
+    : WhitenedModel(std::make_shared<Linearization>(std::move(linear)), noise) {}
+
+WhitenedModel::WhitenedModel(std::shared_ptr<const Linearization> linear, const NoiseModel& noise)
+    : linear_(std::move(linear)), noise_(noise), W_(whitenerOf(*linear_, noise)), nuisances_(nuisancesOf()) {
   residual_ = Eigen::VectorXd::Zero(nuisances_.J().rows());
-  residual_.head(W_.rows()) = W_ * linear_.residual;
+  residual_.head(W_.rows()) = W_ * linear_->residual;
 }
 
 Eigen::SparseMatrix<double> whitenerOf(const Linearization& linear, const NoiseModel& noise) {
@@ -52,8 +55,9 @@ Eigen::SparseMatrix<double> whitenerOf(const Linearization& linear, const NoiseM
 }
 
 Nuisances WhitenedModel::nuisancesOf() const {
-  const HeldColumns held = budgetColumns(linear_, noise_);
-  return Nuisances(withHeldColumns(W_ * linear_.J, W_ * held.columns, held.sigma), held.sigma.size());
+  const HeldColumns held = localFirst(budgetColumns(*linear_, noise_), noise_.budget);
+  return {withHeldColumns(W_ * linear_->J, W_ * held.columns, held.sigma),
+          {held.local, held.sigma.size() - held.local}};
 }
 
 Eigen::SparseMatrix<double> WhitenedModel::whitened(const Eigen::SparseMatrix<double>& columns) const {
@@ -67,22 +71,14 @@ Eigen::VectorXd WhitenedModel::scoreShares() const {
 }
 
 Reduced WhitenedModel::reduce(const std::vector<Candidate>& candidates) const {
-  return reduce(columnsOf(linear_, candidates));
+  return reduce(columnsOf(*linear_, candidates));
 }
 
 std::vector<Reduced> WhitenedModel::reduceEach(const std::vector<Candidate>& candidates) const {
   std::vector<Eigen::Index> sizes;
   for (const Candidate& candidate : candidates)
-    sizes.push_back(std::ssize(columnsOf(linear_, candidate.effect)));
-  const Reduced all = nuisances_.reduce(whitened(columnsOf(linear_, candidates)), residual_, sizes);
-  std::vector<Reduced> each;
-  Eigen::Index first = 0;
-  for (const Eigen::Index size : sizes) {
-    each.push_back({all.gram.block(first, first, size, size), all.score.segment(first, size),
-                    all.norms.segment(first, size)});
-    first += size;
-  }
-  return each;
+    sizes.push_back(std::ssize(columnsOf(*linear_, candidate.effect)));
+  return nuisances_.reduceEach(whitened(columnsOf(*linear_, candidates)), residual_, sizes);
 }
 
 double WhitenedModel::costOf(const Eigen::VectorXd& left) const {
@@ -90,7 +86,8 @@ double WhitenedModel::costOf(const Eigen::VectorXd& left) const {
   for (Eigen::Index i = 0; i < left.size(); ++i) {
     // Huber's loss of a reading whose weight on its square s is w = a / sqrt(s): 2 a sqrt(s) - a^2 = w s (2 -
     // w).
-    const RowInfo* row = i < std::ssize(linear_.rows) ? &linear_.rows[static_cast<std::size_t>(i)] : nullptr;
+    const RowInfo* row =
+        i < std::ssize(linear_->rows) ? &linear_->rows[static_cast<std::size_t>(i)] : nullptr;
     const double w = row != nullptr && row->channel != kChannel<Prior> ? row->robust_weight : 1;
     cost += 0.5 * (2 - w) * left[i] * left[i];
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "diagnosis/candidate.h"
 #include "diagnosis/noise.h"
 #include "estimation/nuisances.h"
@@ -19,9 +21,9 @@ class WhitenedModel {
   struct Weighted {};
   WhitenedModel(Weighted, Linearization linear, const NoiseModel& noise);
   /// This one under another noise.
-  WhitenedModel under(const NoiseModel& noise) const { return {Weighted{}, linear_, noise}; }
+  WhitenedModel under(const NoiseModel& noise) const { return {linear_, noise}; }
 
-  const Linearization& linear() const { return linear_; }
+  const Linearization& linear() const { return *linear_; }
   const NoiseModel& noise() const { return noise_; }
   const Nuisances& nuisances() const { return nuisances_; }
   const Eigen::VectorXd& residual() const { return residual_; }
@@ -41,9 +43,10 @@ class WhitenedModel {
   double costOf(const Eigen::VectorXd& left) const;
 
  private:
+  WhitenedModel(std::shared_ptr<const Linearization> linear, const NoiseModel& noise);
   Nuisances nuisancesOf() const;
 
-  Linearization linear_;
+  std::shared_ptr<const Linearization> linear_;
   NoiseModel noise_;
   Eigen::SparseMatrix<double> W_;
   Nuisances nuisances_;

@@ -275,23 +275,28 @@ void applyRobustWeights(Linearization& linear) {
   multiplyRows(linear, root);
 }
 
-bool applyOtherRobustWeights(Linearization& linear, Channel channel, const Eigen::VectorXd& left) {
+bool applyOtherRobustWeights(Linearization& linear, const std::vector<Channel>& channels,
+                             const Eigen::VectorXd& left) {
   constexpr double kDiffers = 0.01;
   bool differs = false;
   Eigen::VectorXd factor = Eigen::VectorXd::Ones(linear.residual.size());
+  std::vector<double> weights;
+  for (const RowInfo& row : linear.rows) weights.push_back(row.robust_weight);
   for (std::size_t first = 0, behind = 0; first < linear.rows.size(); first = behind) {
     while (behind < linear.rows.size() && linear.rows[behind].reading == linear.rows[first].reading) ++behind;
-    if (linear.rows[first].channel != channel) continue;
+    if (std::find(channels.begin(), channels.end(), linear.rows[first].channel) == channels.end()) continue;
     const double before = linear.rows[first].robust_weight;
     const auto begin = static_cast<Eigen::Index>(first), count = static_cast<Eigen::Index>(behind - first);
     const double norm = left.segment(begin, count).norm() / std::sqrt(before);
     const double weight = huberWeight(norm, linear.rows[first].robust_threshold);
     differs = differs || std::abs(weight - before) > kDiffers * before;
     factor.segment(begin, count).setConstant(std::sqrt(weight / before));
-    for (std::size_t i = first; i < behind; ++i) linear.rows[i].robust_weight = weight;
+    for (std::size_t i = first; i < behind; ++i) weights[i] = weight;
   }
+  if (!differs) return false;
+  for (std::size_t i = 0; i < weights.size(); ++i) linear.rows[i].robust_weight = weights[i];
   multiplyRows(linear, factor);
-  return differs;
+  return true;
 }
 
 }  // namespace fathom

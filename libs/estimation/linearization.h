@@ -91,9 +91,11 @@ void multiplyRows(Linearization& linear, const Eigen::VectorXd& factor);
 /// Multiplies each row by the root of its robust weight: what the estimate has minimized, to first order.
 void applyRobustWeights(Linearization& linear);
 
-/// Of a channel, other robust weights instead of those that have been applied: the ones where `left` is what
-/// is left of the weighted residual. Returns whether any differs by more than a percent.
-bool applyOtherRobustWeights(Linearization& linear, Channel channel, const Eigen::VectorXd& left);
+/// Of some channels, other robust weights instead of those that have been applied: the ones where `left` is
+/// what is left of the weighted residual. Returns whether any differs by more than a percent; as it was where
+/// none does.
+bool applyOtherRobustWeights(Linearization& linear, const std::vector<Channel>& channels,
+                             const Eigen::VectorXd& left);
 
 /// Which column of C is an effect's scalar, counted from the effect's first. Throws std::out_of_range.
 Eigen::Index columnOf(const Linearization& linear, std::size_t effect, std::size_t scalar);

@@ -1,7 +1,7 @@
 #include "estimation/nuisances.h"
 
 #include <algorithm>
-#include <numeric>
+#include <utility>
 
 #include "core/parallel.h"
 #include "estimation/sparse.h"
@@ -10,16 +10,17 @@ namespace fathom {
 namespace {
 
 constexpr Eigen::Index kBlock = 32, kGramTile = 128;
+constexpr Eigen::Index kAtOnce = 256;  // columns that are reduced each by itself
 
 /// U^T U, tile by tile: each is computed by one thread, so nothing depends on their number.
-Eigen::MatrixXd gramOf(const Eigen::MatrixXd& U) {
+Eigen::MatrixXd gramOf(const Eigen::Ref<const Eigen::MatrixXd>& U) {
   const Eigen::Index tiles = (U.cols() + kGramTile - 1) / kGramTile;
   Eigen::MatrixXd gram(U.cols(), U.cols());
   const auto width = [&](Eigen::Index tile) { return std::min(kGramTile, U.cols() - tile * kGramTile); };
   parallelFor(tiles * tiles, [&](Eigen::Index k) {
     const Eigen::Index i = k / tiles, j = k % tiles;
     if (j > i) return;
-    const auto own = U.middleCols(i * kGramTile, width(i));
+    const Eigen::Ref<const Eigen::MatrixXd> own = U.middleCols(i * kGramTile, width(i));
     gram.block(i * kGramTile, j * kGramTile, width(i), width(j)) =
         i == j ? transposedTimesItself(own) : transposedTimes(own, U.middleCols(j * kGramTile, width(j)));
   });
@@ -28,79 +29,100 @@ Eigen::MatrixXd gramOf(const Eigen::MatrixXd& U) {
 
 }  // namespace
 
-Nuisances::Nuisances(const Eigen::SparseMatrix<double>& J, Eigen::Index full)
-    : J_(J), sparse_(J.leftCols(J.cols() - full)), full_(J.rightCols(full)) {
-  factors_.compute(transposedTimes(sparse_, sparse_));
-  if (sparse_.cols() > 0 && (factors_.info() != Eigen::Success || factors_.vectorD().minCoeff() <= 0))
+Nuisances::Nuisances(Eigen::SparseMatrix<double> J, const AtEnd& at_end)
+    : at_end_(at_end), J_(std::move(J)), full_(J_.rightCols(at_end.full)), order_(J_.cols()) {
+  order_.setIdentity();
+  Eigen::SparseMatrix<double> sparse = J_.leftCols(J_.cols() - at_end.full);
+  Eigen::SparseMatrix<double> product = transposedTimes(sparse, sparse);
+  if (at_end.local > 0) {
+    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> inverse;
+    Eigen::AMDOrdering<int>()(product, inverse);
+    order_.indices().head(sparse.cols()) = inverse.inverse().eval().indices();
+    sparse = (sparse * inverse).eval();
+    product = transposedTimes(sparse, sparse);
+  }
+  transposed_ = sparse.transpose();
+  factors_.compute(product);
+  if (sparse.cols() > 0 && (factors_.info() != Eigen::Success || factors_.vectorD().minCoeff() <= 0))
     throw Singular("the nuisances' derivative lacks rank");
-  across_ = eliminated(denseTransposedTimes(sparse_, full_));
-  if (full == 0) return;
+  across_.resize(sparse.cols(), full());
+  eliminate(full_, across_);
+  if (full() == 0) return;
   last_.compute(denseTransposedTimes(full_, full_) - gramOf(across_));
   if (!last_.succeeded()) throw Singular("the nuisances' derivative lacks rank");
 }
 
-Eigen::MatrixXd Nuisances::eliminated(Eigen::MatrixXd U) const {
-  if (U.rows() == 0) return U;
+void Nuisances::eliminate(const Eigen::SparseMatrix<double>& C, Eigen::MatrixXd& U) const {
+  if (transposed_.rows() == 0) return;
   const Eigen::VectorXd root = factors_.vectorD().cwiseSqrt().cwiseInverse();
-  parallelFor((U.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
-    auto columns = U.middleCols(block * kBlock, std::min(kBlock, U.cols() - block * kBlock));
+  parallelFor((C.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
+    const Eigen::Index first = block * kBlock, count = std::min(kBlock, C.cols() - first);
+    Eigen::MatrixXd columns = transposed_ * C.middleCols(first, count);
     factors_.matrixL().solveInPlace(columns);
-    columns = root.asDiagonal() * columns;
+    U.block(0, first, columns.rows(), count) = root.asDiagonal() * columns;
   });
-  return U;
 }
 
 Eigen::MatrixXd Nuisances::forward(const Eigen::SparseMatrix<double>& C) const {
-  if (full() == 0) return eliminated(transposedTimes(sparse_, C));
   Eigen::MatrixXd U(J_.cols(), C.cols());
-  U.topRows(sparse_.cols()) = eliminated(transposedTimes(sparse_, C));
+  eliminate(C, U);
+  if (full() == 0) return U;
   U.bottomRows(full()) = denseTransposedTimes(full_, C);
   parallelFor((U.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
     const Eigen::Index first = block * kBlock, count = std::min(kBlock, U.cols() - first);
     auto own = U.bottomRows(full()).middleCols(first, count);
-    own -= transposedTimes(across_, U.topRows(sparse_.cols()).middleCols(first, count));
+    own -= transposedTimes(across_, U.topRows(sparse()).middleCols(first, count));
     last_.halfSolveInPlace(own);
   });
   return U;
 }
 
 Eigen::MatrixXd Nuisances::solve(const Eigen::MatrixXd& b) const {
-  if (full() == 0) return factors_.solve(b);
-  const Eigen::Index sparse = J_.cols() - full();
   const Eigen::VectorXd root = factors_.vectorD().cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd x = b;
-  auto first = x.topRows(sparse), last = x.bottomRows(full());
+  Eigen::MatrixXd x = order_ * b;
+  auto first = x.topRows(sparse()), last = x.bottomRows(full());
   factors_.matrixL().solveInPlace(first);
   first = root.asDiagonal() * first;
-  last.noalias() -= across_.transpose() * first;
-  last_.solveInPlace(last);
-  first.noalias() -= across_ * last;
+  if (full() > 0) {
+    last.noalias() -= across_.transpose() * first;
+    last_.solveInPlace(last);
+    first.noalias() -= across_ * last;
+  }
   first = root.asDiagonal() * first;
   factors_.matrixU().solveInPlace(first);
-  return x;
+  return order_.inverse() * x;
 }
 
-Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r,
-                          const std::vector<Eigen::Index>& blocks) const {
-  const Eigen::MatrixXd U = forward(C);
-  Reduced reduced;
-  reduced.norms = Eigen::VectorXd(C.cols());
-  for (Eigen::Index c = 0; c < C.cols(); ++c) reduced.norms[c] = C.col(c).norm();
-  reduced.score = scores(C, r);
-  if (blocks.empty()) {
-    reduced.gram = Eigen::MatrixXd(C.transpose() * C) - gramOf(U);
-    return reduced;
+Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r) const {
+  return reduceOfLeft(C, project(r));
+}
+
+Reduced Nuisances::reduceOfLeft(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& left) const {
+  Eigen::VectorXd norms(C.cols());
+  for (Eigen::Index c = 0; c < norms.size(); ++c) norms[c] = C.col(c).norm();
+  return {Eigen::MatrixXd(C.transpose() * C) - gramOf(forward(C)), C.transpose() * left, norms};
+}
+
+std::vector<Reduced> Nuisances::reduceEach(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r,
+                                           const std::vector<Eigen::Index>& sizes) const {
+  const Eigen::VectorXd score = scores(C, r);
+  std::vector<Reduced> each;
+  Eigen::Index column = 0;
+  for (std::size_t first = 0, behind = 0; first < sizes.size(); first = behind) {
+    Eigen::Index width = 0;
+    while (behind < sizes.size() && (width == 0 || width + sizes[behind] <= kAtOnce))
+      width += sizes[behind++];
+    const Eigen::MatrixXd U = forward(C.middleCols(column, width));
+    for (Eigen::Index own = 0; first < behind; own += sizes[first++]) {
+      const Eigen::SparseMatrix<double> C_own = C.middleCols(column + own, sizes[first]);
+      Eigen::VectorXd norms(sizes[first]);
+      for (Eigen::Index c = 0; c < norms.size(); ++c) norms[c] = C_own.col(c).norm();
+      each.push_back({Eigen::MatrixXd(C_own.transpose() * C_own) - gramOf(U.middleCols(own, sizes[first])),
+                      score.segment(column + own, sizes[first]), norms});
+    }
+    column += width;
   }
-  reduced.gram = Eigen::MatrixXd::Zero(C.cols(), C.cols());
-  std::vector<Eigen::Index> first(blocks.size(), 0);
-  std::partial_sum(blocks.begin(), blocks.end() - 1, first.begin() + 1);
-  parallelFor(blocks.size(), [&](std::size_t b) {
-    const Eigen::SparseMatrix<double> own = C.middleCols(first[b], blocks[b]);
-    const auto U_own = U.middleCols(first[b], blocks[b]);
-    reduced.gram.block(first[b], first[b], blocks[b], blocks[b]) =
-        Eigen::MatrixXd(own.transpose() * own) - U_own.transpose() * U_own;
-  });
-  return reduced;
+  return each;
 }
 
 Eigen::MatrixXd Nuisances::scores(const Eigen::SparseMatrix<double>& C, const Eigen::MatrixXd& R) const {

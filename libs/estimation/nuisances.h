@@ -1,7 +1,9 @@
 #pragma once
 
+#include <Eigen/OrderingMethods>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
+#include <utility>
 #include <vector>
 
 #include "core/linear_algebra.h"
@@ -18,16 +20,24 @@ struct Reduced {
 /// What is estimated in any case, factorized once: everything tested is tested with it projected off.
 class Nuisances {
  public:
-  /// Columns in an order that eliminates with little fill; the last `full` of them have readings in common
-  /// with most others, and are eliminated last, without looking for zeros. Throws Singular where J lacks
-  /// rank.
-  explicit Nuisances(const Eigen::SparseMatrix<double>& J, Eigen::Index full = 0);
+  /// Columns in an order that eliminates with little fill. At their end so many that have few readings in
+  /// common with others, whose places among them are looked for; and so many that have with most, and are
+  /// eliminated last, without looking for zeros.
+  struct AtEnd {
+    Eigen::Index local = 0, full = 0;
+  };
+  /// Throws Singular where J lacks rank.
+  Nuisances(Eigen::SparseMatrix<double> J, const AtEnd& at_end);
+  explicit Nuisances(Eigen::SparseMatrix<double> J) : Nuisances(std::move(J), AtEnd{}) {}
 
   const Eigen::SparseMatrix<double>& J() const { return J_; }
-  Eigen::Index full() const { return across_.cols(); }
-  /// `blocks`: sizes of the gram's diagonal blocks that are wanted, everything else is zero; none: all of it.
-  Reduced reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r,
-                 const std::vector<Eigen::Index>& blocks = {}) const;
+  const AtEnd& atEnd() const { return at_end_; }
+  Reduced reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r) const;
+  /// The same where `left` is P r.
+  Reduced reduceOfLeft(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& left) const;
+  /// The same of blocks of so many columns, each by itself: what they take grows with the largest only.
+  std::vector<Reduced> reduceEach(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r,
+                                  const std::vector<Eigen::Index>& sizes) const;
   /// C^T P R.
   Eigen::MatrixXd scores(const Eigen::SparseMatrix<double>& C, const Eigen::MatrixXd& R) const;
   /// P R.
@@ -40,12 +50,17 @@ class Nuisances {
  private:
   /// U with U^T U = C^T J (J^T J)^-1 J^T C: what C has in common with J, eliminated.
   Eigen::MatrixXd forward(const Eigen::SparseMatrix<double>& C) const;
-  /// The same of columns J^T C of the sparse ones alone.
-  Eigen::MatrixXd eliminated(Eigen::MatrixXd U) const;
+  /// The same of the sparse ones alone, in the first rows of U.
+  void eliminate(const Eigen::SparseMatrix<double>& C, Eigen::MatrixXd& U) const;
   /// (J^T J)^-1 b.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;
 
-  Eigen::SparseMatrix<double> J_, sparse_, full_;  // all columns, the first, the last
+  Eigen::Index full() const { return at_end_.full; }
+  Eigen::Index sparse() const { return J_.cols() - full(); }
+
+  AtEnd at_end_;
+  Eigen::SparseMatrix<double> J_, full_, transposed_;  // all columns; the full ones; the others, as rows
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order_;  // in which they are eliminated
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factors_;
   Eigen::MatrixXd across_;  // the full columns' share of J^T J with the others, eliminated
   PositiveFactors last_;    // of what that leaves of their own

@@ -25,6 +25,7 @@ Matrix transposedTimes(const Matrix& A, const Matrix& B) {
   parallelFor(parts.size(), [&](std::size_t p) {
     const Eigen::Index first = static_cast<Eigen::Index>(p) * kColumns;
     parts[p] = transposed * B.middleCols(first, std::min(kColumns, B.cols() - first));
+    parts[p].data().squeeze();  // Eigen reserves as much as A has, for each
   });
   Matrix product(A.cols(), B.cols());
   Eigen::Index entries = 0, column = 0;

@@ -51,7 +51,8 @@ Excitation::Excitation(BatchRun run) {
   const auto problem = problemAt(input_.data, estimate_, {});
   linear_ = linearize(input_.data, *problem);
   const HeldColumns budget = budgetColumns(linear_, {.budget = fieldBudget()});
-  nuisances_.emplace(withHeldColumns(linear_.J, budget.columns, budget.sigma), budget.sigma.size());
+  nuisances_.emplace(withHeldColumns(linear_.J, budget.columns, budget.sigma),
+                     Nuisances::AtEnd{.full = budget.sigma.size()});
   nominal_ = residualsWith({}, 0);
 }
 

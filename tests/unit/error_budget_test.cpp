@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/random.h"
 #include "diagnosis/budget_columns.h"
 #include "diagnosis/budget_file.h"
+#include "diagnosis/budget_learning.h"
 #include "support/shipped.h"
 
 namespace fathom {
@@ -34,6 +36,78 @@ TEST(ErrorBudget, TheShippedOneIsRead) {
   const ErrorBudget budget = readErrorBudget(test::kSource / "config/error_budget.yaml");
   EXPECT_EQ(budget.name, "field");
   EXPECT_GE(budget.components.size(), 10u);
+}
+
+TEST(ErrorBudget, IsReadAsItWasWritten) {
+  ErrorBudget budget = readErrorBudget(test::kSource / "config/error_budget.yaml");
+  budget.components.front().source = "a sheet: \"5 %\" # of it";
+  const ErrorBudget again = parseErrorBudget(formatErrorBudget(budget, "a comment"), "budget.yaml");
+  EXPECT_EQ(again.name, budget.name);
+  EXPECT_EQ(again.outlier_share, budget.outlier_share);
+  EXPECT_EQ(again.noise_factor, budget.noise_factor);
+  ASSERT_EQ(again.components.size(), budget.components.size());
+  for (std::size_t k = 0; k < budget.components.size(); ++k) {
+    const VarianceComponent &is = again.components[k], &was = budget.components[k];
+    EXPECT_EQ(is.name, was.name);
+    EXPECT_EQ(is.by, was.by) << was.name;
+    EXPECT_EQ(is.each, was.each) << was.name;
+    EXPECT_EQ(is.smooth.has_value(), was.smooth.has_value()) << was.name;
+    if (was.smooth) {
+      EXPECT_EQ(is.smooth->over, was.smooth->over);
+      EXPECT_EQ(is.smooth->length, was.smooth->length);
+    }
+    EXPECT_NEAR(is.sigma, was.sigma, 0.005 * was.sigma) << was.name;  // written with three digits
+    EXPECT_NEAR(is.factor, was.factor, 0.005 * was.factor) << was.name;
+    EXPECT_EQ(is.unit, was.unit) << was.name;
+    EXPECT_EQ(is.source, was.source);
+  }
+}
+
+/// As a recording would have it whose own readings say ln sigma = `told` ± `sd`, held by the component's
+/// prior.
+EstimatedScale heldBy(const VarianceComponent& component, double told, double sd) {
+  const double prior = 1 / std::pow(component.logSd(), 2), own = 1 / (sd * sd);
+  const double mean = (prior * std::log(component.sigma) + own * told) / (prior + own);
+  return {std::exp(mean), 1 / std::sqrt(prior + own), 0};
+}
+
+TEST(LearntBudget, StaysAsDeclaredWhereNothingIsTold) {
+  const ErrorBudget before = parseErrorBudget(kComponent, "budget.yaml");
+  const VarianceComponent& was = before.components.front();
+  const ErrorBudget after = learntBudget(before, {{heldBy(was, 0, 1e6)}, {heldBy(was, 0, 1e6)}});
+  EXPECT_NEAR(after.components.front().sigma, was.sigma, 1e-6 * was.sigma);
+  EXPECT_NEAR(after.components.front().factor, was.factor, 1e-6);
+}
+
+/// Vehicles drawn as the model has it: what is learnt says how the next recording of each will be, with the
+/// standard deviation that it states.
+TEST(LearntBudget, SaysWhatTheNextRecordingWillBe) {
+  const ErrorBudget before = parseErrorBudget(kComponent, "budget.yaml");
+  const VarianceComponent& was = before.components.front();
+  const double sd = was.logSd(), half = std::sqrt(0.5) * sd, told_sd = 0.5 * sd;
+  Random random(7);
+  double sum = 0, square = 0, stated = 0;
+  constexpr int kVehicles = 2000;
+  for (int vehicle = 0; vehicle < kVehicles; ++vehicle) {
+    const double own = std::log(was.sigma) + half * random.normal();
+    std::vector<std::vector<EstimatedScale>> recordings;
+    for (int i = 0; i < 3; ++i)
+      recordings.push_back({heldBy(was, own + half * random.normal() + told_sd * random.normal(), told_sd)});
+    const VarianceComponent learnt = learntBudget(before, recordings).components.front();
+    const double off = (own + half * random.normal() - std::log(learnt.sigma)) / learnt.logSd();
+    sum += off;
+    square += off * off;
+    stated += learnt.logSd() / kVehicles;
+  }
+  // Four standard errors of a mean, and of a variance, of so many.
+  EXPECT_NEAR(sum / kVehicles, 0, 4 / std::sqrt(kVehicles));
+  EXPECT_NEAR(square / kVehicles, 1, 4 * std::sqrt(2.0 / kVehicles));
+  EXPECT_LT(stated, 0.9 * sd);
+}
+
+TEST(LearntBudget, RefusesScalesOfAnother) {
+  const ErrorBudget before = parseErrorBudget(kComponent, "budget.yaml");
+  EXPECT_THROW(learntBudget(before, {{}}), std::invalid_argument);
 }
 
 TEST(ErrorBudget, WrongValuesAreNamed) {

@@ -62,10 +62,11 @@ TEST(Nuisances, AreProjectedOffAsDenseAlgebraSays) {
   EXPECT_LT((reduced.gram - C.transpose() * P * C).norm(), 1e-10);
   EXPECT_LT((reduced.score - C.transpose() * P * r).norm(), 1e-10);
   EXPECT_LT((reduced.norms - C.colwise().norm().transpose()).norm(), 1e-12);
-  // Of diagonal blocks alone, nothing else.
-  const Eigen::MatrixXd blocks = nuisances.reduce(columns, r, {2, 2}).gram;
-  EXPECT_LT((blocks.topLeftCorner(2, 2) - reduced.gram.topLeftCorner(2, 2)).norm(), 1e-12);
-  EXPECT_EQ(blocks.topRightCorner(2, 2).norm(), 0);
+  const std::vector<Reduced> each = nuisances.reduceEach(columns, r, {1, 3});
+  ASSERT_EQ(each.size(), 2u);
+  EXPECT_LT((each[1].gram - reduced.gram.bottomRightCorner(3, 3)).norm(), 1e-12);
+  EXPECT_LT((each[1].score - reduced.score.tail(3)).norm(), 1e-12);
+  EXPECT_LT((each[1].norms - reduced.norms.tail(3)).norm(), 1e-12);
 }
 
 /// A short run with noise, its estimate, and an uncertain panel.
