@@ -286,11 +286,12 @@ bool Course::lastsLong(const Candidate& effect) const {
 
 bool Course::isConfirmed(const Refit& fit, std::size_t effect, const HeldOutGain& held) {
   const double seen = held.by_effect[effect], expected = held.expected_by_effect[effect];
-  if (seen > std::max(kUnseen, kConfirmed * expected)) return true;
+  const bool lasts = lastsLong(fit.effects[effect]);
+  if (lasts && seen > std::max(kUnseen, kConfirmed * expected)) return true;
   const Refit rest = fits_.without(fit, effect);
   const double gain = rest.succeeded ? fit.weight.log_evidence - rest.weight.log_evidence : 0;
   return expected >= kShownAtAll * gain ? seen > kConfirmed * std::min(gain, expected)
-                                        : gain > kUnseen && lastsLong(fit.effects[effect]);
+                                        : gain > kUnseen && lasts;
 }
 
 /// Those effects that do not show on stretches that they were not fitted to. None of them is tried again:
