@@ -26,7 +26,7 @@ std::string textOf(const std::vector<EffectEstimate>& estimates, const EffectInf
   for (const Parameter& p : effect.parameters) {
     for (int i = 0; i < p.size; ++i, ++scalar)
       for (const EffectEstimate& estimate : estimates)
-        if (estimate.scalar == scalar && estimate.image < 0) {
+        if (estimate.scalar == scalar) {
           const std::string axis = p.size > 1 ? print("[%d]", i) : "";
           text += print("%s%s%s = %.4g ± %.2g", text.empty() ? "" : ", ", std::string(p.name).c_str(),
                         axis.c_str(), asNamed(p, estimate.value),
