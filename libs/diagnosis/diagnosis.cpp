@@ -61,8 +61,8 @@ class Course {
       : data_(input.data), start_(input.start), options_(options), fits_(input.data, options.segments) {}
 
   Diagnosis run() {
-    if (!estimateNominal()) return std::move(diagnosis_);
     try {
+      if (!estimateNominal()) return std::move(diagnosis_);
       locate();
       attribute();
       verify();

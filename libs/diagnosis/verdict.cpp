@@ -26,7 +26,7 @@ std::string textOf(const std::vector<EffectEstimate>& estimates, const EffectInf
   for (const Parameter& p : effect.parameters) {
     for (int i = 0; i < p.size; ++i, ++scalar)
       for (const EffectEstimate& estimate : estimates)
-        if (estimate.scalar == scalar) {
+        if (estimate.scalar == scalar && estimate.image < 0) {
           const std::string axis = p.size > 1 ? print("[%d]", i) : "";
           text += print("%s%s%s = %.4g ± %.2g", text.empty() ? "" : ", ", std::string(p.name).c_str(),
                         axis.c_str(), asNamed(p, estimate.value),
@@ -47,9 +47,9 @@ std::string sentence(const FoundEffect& found) {
 void remarkOnAllowance(Diagnosis& diagnosis) {
   if (!diagnosis.allowed) return;
   const auto& [most, budget, tight] = *diagnosis.allowed;
-  diagnosis.remarks.push_back(nameOf(most.candidate) + " (" +
-                              textOf(most.one_step, allEffects()[most.candidate.effect]) +
-                              ") is within what the budget `" + budget + "` allows for; under `" + tight +
+  const std::string sizes = textOf(most.one_step, allEffects()[most.candidate.effect]);
+  diagnosis.remarks.push_back(nameOf(most.candidate) + (sizes.empty() ? "" : " (" + sizes + ")") +
+                              " is within what the budget `" + budget + "` allows for; under `" + tight +
                               "` it would be looked into");
 }
 
