@@ -39,7 +39,7 @@ Nuisances::Nuisances(Eigen::SparseMatrix<double> J, const AtEnd& at_end)
     Eigen::AMDOrdering<int>()(product, inverse);
     order_.indices().head(sparse.cols()) = inverse.inverse().eval().indices();
     sparse = (sparse * inverse).eval();
-    product = transposedTimes(sparse, sparse);
+    product = (inverse.transpose() * product * inverse).eval();
   }
   transposed_ = sparse.transpose();
   factors_.compute(product);

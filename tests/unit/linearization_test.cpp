@@ -62,6 +62,12 @@ TEST(Nuisances, AreProjectedOffAsDenseAlgebraSays) {
   EXPECT_LT((reduced.gram - C.transpose() * P * C).norm(), 1e-10);
   EXPECT_LT((reduced.score - C.transpose() * P * r).norm(), 1e-10);
   EXPECT_LT((reduced.norms - C.colwise().norm().transpose()).norm(), 1e-12);
+  // Whatever order they are eliminated in.
+  const Nuisances sorted(J, {.local = 6, .full = 9});
+  EXPECT_LT((sorted.project(C) - P * C).norm(), 1e-11);
+  EXPECT_LT((sorted.reduce(columns, r).gram - reduced.gram).norm(), 1e-10);
+  EXPECT_LT((sorted.step(r) - nuisances.step(r)).norm(), 1e-10);
+  EXPECT_LT((sorted.covariance({2, 23, 29}) - nuisances.covariance({2, 23, 29})).norm(), 1e-10);
   const std::vector<Reduced> each = nuisances.reduceEach(columns, r, {1, 3});
   ASSERT_EQ(each.size(), 2u);
   EXPECT_LT((each[1].gram - reduced.gram.bottomRightCorner(3, 3)).norm(), 1e-12);
