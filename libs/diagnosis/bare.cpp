@@ -67,7 +67,7 @@ Bare bareOf(const Linearization& linear, const std::vector<Candidate>& effects, 
 
 Linearization withoutEffects(Linearization linear, Bare bare) {
   linear.residual = std::move(bare.residual);
-  linear.J = std::move(bare.J);
+  linear.J.swap(bare.J);  // this Eigen moves no sparse matrix
   linear.blocks = std::move(bare.blocks);
   for (EffectColumn& column : linear.columns) column.estimated = false;
   return linear;

@@ -38,7 +38,7 @@ Nuisances nuisancesOf(const Nuisances& all, const std::vector<Eigen::Index>& row
     entries.emplace_back(first + c, c, kRidge * lengths[static_cast<std::size_t>(c)]);
   Eigen::SparseMatrix<double> own(first + width, width);
   own.setFromTriplets(entries.begin(), entries.end());
-  return {std::move(own), at_end};
+  return {own, at_end};
 }
 
 }  // namespace

@@ -29,8 +29,8 @@ Eigen::MatrixXd gramOf(const Eigen::Ref<const Eigen::MatrixXd>& U) {
 
 }  // namespace
 
-Nuisances::Nuisances(Eigen::SparseMatrix<double> J, const AtEnd& at_end)
-    : at_end_(at_end), J_(std::move(J)), full_(J_.rightCols(at_end.full)), order_(J_.cols()) {
+Nuisances::Nuisances(const Eigen::SparseMatrix<double>& J, const AtEnd& at_end)
+    : at_end_(at_end), J_(J), full_(J_.rightCols(at_end.full)), order_(J_.cols()) {
   order_.setIdentity();
   Eigen::SparseMatrix<double> sparse = J_.leftCols(J_.cols() - at_end.full);
   Eigen::SparseMatrix<double> product = transposedTimes(sparse, sparse);

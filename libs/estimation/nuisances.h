@@ -3,7 +3,6 @@
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
-#include <utility>
 #include <vector>
 
 #include "core/linear_algebra.h"
@@ -27,8 +26,8 @@ class Nuisances {
     Eigen::Index local = 0, full = 0;
   };
   /// Throws Singular where J lacks rank.
-  Nuisances(Eigen::SparseMatrix<double> J, const AtEnd& at_end);
-  explicit Nuisances(Eigen::SparseMatrix<double> J) : Nuisances(std::move(J), AtEnd{}) {}
+  Nuisances(const Eigen::SparseMatrix<double>& J, const AtEnd& at_end);
+  explicit Nuisances(const Eigen::SparseMatrix<double>& J) : Nuisances(J, AtEnd{}) {}
 
   const Eigen::SparseMatrix<double>& J() const { return J_; }
   const AtEnd& atEnd() const { return at_end_; }

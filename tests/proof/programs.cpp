@@ -47,8 +47,8 @@ void diagnoseBlind(const Programs& programs, const fs::path& recording, const st
   sandbox.insert(sandbox.end(), {"--ro-bind", programs.fathom, "/program/fathom", "--bind", recording,
                                  "/recording", "--bind", answer, "/answer"});
   // What the program reads wherever it is installed: a program in /program looks in /share.
-  const fs::path budget = "config/error_budget.yaml";
-  sandbox.insert(sandbox.end(), {"--ro-bind", shippedFile(budget), "/share/fathom" / budget});
+  const fs::path configuration = shippedFile("config/error_budget.yaml").parent_path();
+  sandbox.insert(sandbox.end(), {"--ro-bind", configuration, "/share/fathom/config"});
   std::vector<std::string> command{"/program/fathom", "diagnose", "/recording/recording.rawlog", "--out",
                                    "/answer"};
   for (std::size_t i = 0; i < judges.size(); ++i) {
