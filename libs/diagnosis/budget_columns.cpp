@@ -18,7 +18,7 @@ using Each = VarianceComponent::Each;
 // A field's nodes: so many to a length of correlation, and along one covariate at most.
 constexpr double kNodesPerLength = 2.0;
 constexpr int kMostNodes = 12;
-constexpr double kJitter = 1e-6;  // of a kernel's diagonal: rounding
+constexpr double kDropped = 1e-4;  // of a field's variance
 
 /// What each row changes by, of one unit's worth.
 using Change = std::vector<std::pair<Eigen::Index, double>>;
@@ -134,25 +134,29 @@ std::vector<Change> apart(const Linearization& linear, Each each, const Change& 
   return changes;
 }
 
-/// Nodes along one covariate, and where between them a value is.
+/// Nodes along one covariate.
 struct Axis {
   Covariate covariate;
   double first = 0, step = 1, length = 1;
   int nodes = 1;
 
-  struct Place {
-    int node;
-    double next;  ///< the share of the node behind it
-  };
-  Place placeOf(const RowInfo& row) const {
-    const double at = std::clamp((printed(row) - first) / step, 0.0, nodes - 1.0);
-    const int node = std::min(static_cast<int>(at), std::max(0, nodes - 2));
-    return {node, at - node};
+  double kernel(double apart) const { return std::exp(-0.5 * std::pow(apart / length, 2)); }
+  /// Between a row and each node.
+  Eigen::VectorXd kernelOf(const RowInfo& row) const {
+    Eigen::VectorXd own(nodes);
+    for (int node = 0; node < nodes; ++node) own[node] = kernel(printed(row) - first - node * step);
+    return own;
   }
-  double printed(const RowInfo& row) const { return covariate.of(row) * covariate.scale; }
+  /// In the image in focal lengths, so that cameras of any resolution have the same.
+  double printed(const RowInfo& row) const {
+    return covariate.of(row) * (covariate.unit == "px" ? 1 / row.focal_px : covariate.scale);
+  }
 };
 
-/// A change that goes with a smooth field: hats at nodes, whose heights are what the kernel has them.
+/// A change that goes with a smooth field: what its values at nodes say of it elsewhere, k(x, Z) K^-1 u with
+/// u ~ N(0, K) (subset of regressors; Quiñonero-Candela & Rasmussen 2005). At half a length apart that is the
+/// field but for 1e-4; straight lines between nodes would leave a twentieth of it, many times what thousands
+/// of readings of light resolve.
 class Field {
  public:
   Field(const Linearization& linear, const VarianceComponent& component, const Change& change)
@@ -165,26 +169,18 @@ class Field {
       });
       if (found != covariates.end()) axes_.push_back(axis(*found, component.smooth->length[k], change));
     }
-    root_ = rootOfKernel();
+    root_ = rootOfInverse();
   }
 
   Eigen::Index size() const { return root_.cols(); }
   /// Of one row: the change times each independent value.
   Eigen::RowVectorXd at(const RowInfo& row) const {
-    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(size());
-    const std::size_t corners = std::size_t{1} << axes_.size();
-    for (std::size_t corner = 0; corner < corners; ++corner) {
-      double weight = 1;
-      int node = 0;
-      for (std::size_t k = 0; k < axes_.size(); ++k) {
-        const auto [lower, next] = axes_[k].placeOf(row);
-        const bool is_next = (corner >> k) & 1u;
-        weight *= is_next ? next : 1 - next;
-        node = node * axes_[k].nodes + std::min(lower + (is_next ? 1 : 0), axes_[k].nodes - 1);
-      }
-      if (weight > 0) sum += weight * root_.row(node);
+    Eigen::VectorXd kernel = Eigen::VectorXd::Ones(1);
+    for (const Axis& axis : axes_) {
+      const Eigen::VectorXd own = axis.kernelOf(row);
+      kernel = (own * kernel.transpose()).reshaped().eval();
     }
-    return sum;
+    return kernel.transpose() * root_;
   }
 
  private:
@@ -203,27 +199,26 @@ class Field {
     return axis;
   }
 
-  Eigen::MatrixXd rootOfKernel() const {
+  /// R with R R^T = K^-1, but for directions that hardly any of the field is in.
+  Eigen::MatrixXd rootOfInverse() const {
     Eigen::MatrixXd kernel = Eigen::MatrixXd::Ones(1, 1);
     for (const Axis& axis : axes_) {
       Eigen::MatrixXd next(kernel.rows() * axis.nodes, kernel.cols() * axis.nodes);
-      for (int a = 0; a < axis.nodes; ++a)
-        for (int b = 0; b < axis.nodes; ++b) {
-          const double apart = (a - b) * axis.step / axis.length;
-          const double own = std::exp(-0.5 * apart * apart);
-          for (Eigen::Index i = 0; i < kernel.rows(); ++i)
-            for (Eigen::Index j = 0; j < kernel.cols(); ++j)
-              next(i * axis.nodes + a, j * axis.nodes + b) = kernel(i, j) * own;
-        }
+      for (Eigen::Index i = 0; i < kernel.rows(); ++i)
+        for (Eigen::Index j = 0; j < kernel.cols(); ++j)
+          for (int a = 0; a < axis.nodes; ++a)
+            for (int b = 0; b < axis.nodes; ++b)
+              next(i * axis.nodes + a, j * axis.nodes + b) = kernel(i, j) * axis.kernel((a - b) * axis.step);
       kernel = std::move(next);
     }
-    kernel.diagonal().array() += kJitter;
     const SymmetricEigen eigen = eigenOf(kernel);
-    // What of it is next to nothing needs no column.
     Eigen::Index first = 0;
-    while (first + 1 < eigen.values.size() && eigen.values[first] < 1e-3 * eigen.values.maxCoeff()) ++first;
+    double dropped = 0;
+    while (first + 1 < eigen.values.size() &&
+           dropped + std::max(0.0, eigen.values[first]) < kDropped * kernel.trace())
+      dropped += std::max(0.0, eigen.values[first++]);
     const Eigen::Index kept = eigen.values.size() - first;
-    return eigen.vectors.rightCols(kept) * eigen.values.tail(kept).cwiseSqrt().asDiagonal();
+    return eigen.vectors.rightCols(kept) * eigen.values.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
   }
 
   const Linearization& linear_;

@@ -13,7 +13,8 @@ inline constexpr double kSigmasOf99 = 2.576;  ///< so many hold 99 % of a normal
 /// A field that is smooth in a reading's covariates: a Gaussian process with a squared-exponential kernel.
 struct SmoothField {
   std::vector<std::string> over;  ///< names of covariate.h: "image x", "brightness", …
-  std::vector<double> length;     ///< of correlation, one for each, in the unit that is printed
+  /// Of correlation, one for each, in the unit that is printed; in the image in focal lengths.
+  std::vector<double> length;
 };
 
 /// One way in which readings are off, whose sigma is known to a factor.

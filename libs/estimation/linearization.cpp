@@ -78,6 +78,7 @@ RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const Row
   const MarkerBlur* blur = source.blur < 0 ? nullptr : &data.blurs[static_cast<std::size_t>(source.blur)];
   if (source.specks >= 0)
     info.image = static_cast<std::ptrdiff_t>(data.specks[static_cast<std::size_t>(source.specks)].image);
+  if (data.vehicle.camera) info.focal_px = data.vehicle.camera->model.fx_px;
   const bool is_of_image = seen != nullptr || patch != nullptr || blur != nullptr;
   if (!is_of_image && !problem.reference().path.isSpline()) return info;
   const Motion motion = problem.motionAt(source.t_s, seen != nullptr    ? seen->image
@@ -93,6 +94,8 @@ RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const Row
   if (patch != nullptr) {
     setPlace(info, *patch, motion, problem.reference());
     info.image_radius = patch->image_radius;
+    // Of all of it: its middle pixel may be some centimetres from there.
+    info.point_panel = patch->at_panel_m;
     if (patch->surface == ImagePatch::Surface::water) {
       info.range_m = info.incidence_rad = RowInfo::kNone;
       info.point_panel.setConstant(RowInfo::kNone);
@@ -114,6 +117,7 @@ RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const Row
 
 void setPixel(RowInfo& info, const Vector2d& pixel, const CameraModel& camera) {
   info.pixel = pixel;
+  info.focal_px = camera.fx_px;
   info.image_radius =
       std::hypot((pixel.x() - camera.cx_px) / camera.fx_px, (pixel.y() - camera.cy_px) / camera.fy_px);
 }

@@ -43,6 +43,7 @@ struct RowInfo {
   int marker_id = -1;
   std::ptrdiff_t panel = -1, image = -1, eye = -1;
   Vector2d pixel = Vector2d::Constant(kNone);  ///< the corner, or the point
+  double focal_px = 1;                         ///< of the camera
   double image_radius = kNone;  ///< its distance from the principal point over the focal length
   Vector2d point_panel = Vector2d::Constant(kNone);  ///< of a corner, patch or edges: where on the panel, m
   double range_m = kNone;                            ///< of the marker's centre

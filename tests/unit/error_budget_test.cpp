@@ -162,7 +162,7 @@ TEST(BudgetColumns, ASmoothFieldHasItsKernel) {
                     &b = linear.rows[static_cast<std::size_t>(j)];
       const double apart = 255 * (a.level - b.level) / 60;
       const double expected = 1e4 * a.level * b.level * std::exp(-0.5 * apart * apart);
-      EXPECT_NEAR(covariance(i, j), expected, 0.08 * 1e4 * a.level * b.level) << i << " " << j;
+      EXPECT_NEAR(covariance(i, j), expected, 2e-3 * 1e4 * a.level * b.level) << i << " " << j;
     }
 }
 
