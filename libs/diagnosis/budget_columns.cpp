@@ -19,6 +19,9 @@ using Each = VarianceComponent::Each;
 constexpr double kNodesPerLength = 2.0;
 constexpr int kMostNodes = 12;
 constexpr double kDropped = 1e-4;  // of a field's variance
+// Of a field on each place by itself, of which readings are means: a constant and its slopes.
+constexpr double kDroppedOnPlace = 3e-3;
+constexpr Eigen::Index kMostOnPlace = 8, kAll = std::numeric_limits<Eigen::Index>::max();
 
 /// What each row changes by, of one unit's worth.
 using Change = std::vector<std::pair<Eigen::Index, double>>;
@@ -120,6 +123,9 @@ std::vector<Change> apart(const Linearization& linear, Each each, const Change& 
       case Each::place:
         owner = {row.place, row.component};
         break;
+      case Each::spot:
+        owner.second = row.place;
+        break;
       case Each::image:
         owner.second = row.image;
         break;
@@ -169,7 +175,8 @@ class Field {
       });
       if (found != covariates.end()) axes_.push_back(axis(*found, component.smooth->length[k], change));
     }
-    root_ = rootOfInverse();
+    const bool is_on_place = component.each == Each::place || component.each == Each::spot;
+    root_ = is_on_place ? rootOfInverse(kDroppedOnPlace, kMostOnPlace) : rootOfInverse(kDropped, kAll);
   }
 
   Eigen::Index size() const { return root_.cols(); }
@@ -200,7 +207,7 @@ class Field {
   }
 
   /// R with R R^T = K^-1, but for directions that hardly any of the field is in.
-  Eigen::MatrixXd rootOfInverse() const {
+  Eigen::MatrixXd rootOfInverse(double most_dropped, Eigen::Index most_kept) const {
     Eigen::MatrixXd kernel = Eigen::MatrixXd::Ones(1, 1);
     for (const Axis& axis : axes_) {
       Eigen::MatrixXd next(kernel.rows() * axis.nodes, kernel.cols() * axis.nodes);
@@ -215,9 +222,9 @@ class Field {
     Eigen::Index first = 0;
     double dropped = 0;
     while (first + 1 < eigen.values.size() &&
-           dropped + std::max(0.0, eigen.values[first]) < kDropped * kernel.trace())
+           dropped + std::max(0.0, eigen.values[first]) < most_dropped * kernel.trace())
       dropped += std::max(0.0, eigen.values[first++]);
-    const Eigen::Index kept = eigen.values.size() - first;
+    const Eigen::Index kept = std::min(most_kept, eigen.values.size() - first);
     return eigen.vectors.rightCols(kept) * eigen.values.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
   }
 

@@ -17,11 +17,12 @@ namespace {
 
 using Each = VarianceComponent::Each;
 
-constexpr std::array<std::pair<const char*, Each>, 7> kEach{{{"recording", Each::recording},
+constexpr std::array<std::pair<const char*, Each>, 8> kEach{{{"recording", Each::recording},
                                                              {"sensor", Each::sensor},
                                                              {"instrument", Each::instrument},
                                                              {"marker", Each::marker},
                                                              {"place", Each::place},
+                                                             {"spot", Each::spot},
                                                              {"image", Each::image},
                                                              {"reading", Each::reading}}};
 
@@ -36,7 +37,7 @@ Each readEach(const YamlMap& y) {
   const std::string text = y.text("each");
   for (const auto& [name, each] : kEach)
     if (text == name) return each;
-  throw y.error("each", "must be recording, sensor, instrument, marker, place, image or reading");
+  throw y.error("each", "must be recording, sensor, instrument, marker, place, spot, image or reading");
 }
 
 SmoothField readSmooth(const YamlMap& y) {

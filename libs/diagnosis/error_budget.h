@@ -19,8 +19,8 @@ struct SmoothField {
 
 /// One way in which readings are off, whose sigma is known to a factor.
 struct VarianceComponent {
-  /// What has a value of its own.
-  enum class Each { recording, sensor, instrument, marker, place, image, reading };
+  /// What has a value of its own. A place has one for each colour, a spot is a place in all colours alike.
+  enum class Each { recording, sensor, instrument, marker, place, spot, image, reading };
 
   std::string name;  ///< "print-placement"
   /// What acts: "EFFECT.PARAMETER", of lists "EFFECT.PARAMETER.y", that parameter being the value; or
