@@ -58,8 +58,8 @@ void PositiveFactors::compute(Eigen::MatrixXd A) {
     const Eigen::Index size = std::min(kPanel, L_.rows() - first), below = L_.rows() - first - size;
     auto own = L_.block(first, first, size, size);
     const Eigen::LLT<Eigen::MatrixXd> llt(own);
-    succeeded_ = llt.info() == Eigen::Success;
     own = llt.matrixLLT();
+    succeeded_ = llt.info() == Eigen::Success && own.diagonal().allFinite();  // Eigen lets NaN pass
     if (below == 0 || !succeeded_) continue;
     const int stride = sizeOf(L_.rows());
     double* panel = &L_(first + size, first);
@@ -70,18 +70,20 @@ void PositiveFactors::compute(Eigen::MatrixXd A) {
   }
 }
 
-/// L^-T L^-1.
-Eigen::MatrixXd PositiveFactors::inverse() const {
+/// L^-1, panel by panel: a column has nothing above its own row, a third of the work.
+Eigen::MatrixXd PositiveFactors::inverseOfHalf() const {
   Eigen::MatrixXd half = Eigen::MatrixXd::Identity(L_.rows(), L_.cols());
-  halfSolveInPlace(half);
-  return transposedTimesItself(half);
+  for (Eigen::Index first = 0; first < L_.rows(); first += kPanel) {
+    const Eigen::Index size = std::min(kPanel, L_.rows() - first), below = L_.rows() - first;
+    solveTriangular(L_.bottomRightCorner(below, below), CblasNoTrans, half.block(first, first, below, size));
+  }
+  return half;
 }
 
-Eigen::VectorXd PositiveFactors::inverseDiagonal() const {
-  Eigen::MatrixXd half = Eigen::MatrixXd::Identity(L_.rows(), L_.cols());
-  halfSolveInPlace(half);
-  return half.colwise().squaredNorm();
-}
+/// L^-T L^-1.
+Eigen::MatrixXd PositiveFactors::inverse() const { return transposedTimesItself(inverseOfHalf()); }
+
+Eigen::VectorXd PositiveFactors::inverseDiagonal() const { return inverseOfHalf().colwise().squaredNorm(); }
 
 void PositiveFactors::solveInPlace(Eigen::Ref<Eigen::MatrixXd> x) const {
   halfSolveInPlace(x);

@@ -69,6 +69,8 @@ class PositiveFactors {
   }
 
  private:
+  Eigen::MatrixXd inverseOfHalf() const;
+
   Eigen::MatrixXd L_;  // in the lower half
   bool succeeded_ = false;
 };

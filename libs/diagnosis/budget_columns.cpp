@@ -180,13 +180,15 @@ class Field {
   }
 
   Eigen::Index size() const { return root_.cols(); }
-  /// Of one row: the change times each independent value.
+  /// Of one row: the change times each independent value. What has no place in it, as open water on the
+  /// panel, has nothing of it.
   Eigen::RowVectorXd at(const RowInfo& row) const {
     Eigen::VectorXd kernel = Eigen::VectorXd::Ones(1);
     for (const Axis& axis : axes_) {
       const Eigen::VectorXd own = axis.kernelOf(row);
       kernel = (own * kernel.transpose()).reshaped().eval();
     }
+    if (!kernel.allFinite()) return Eigen::RowVectorXd::Zero(size());
     return kernel.transpose() * root_;
   }
 
@@ -199,6 +201,7 @@ class Field {
       low = std::min(low, at);
       high = std::max(high, at);
     }
+    if (!(low <= high)) return axis;
     axis.first = low;
     const double lengths = (high - low) / length;
     axis.nodes = std::clamp(static_cast<int>(std::ceil(kNodesPerLength * lengths)) + 1, 1, kMostNodes);
@@ -271,11 +274,15 @@ HeldColumns localFirst(const HeldColumns& held, const ErrorBudget& budget) {
   }
   sorted.local = std::ssize(local);
   local.insert(local.end(), others.begin(), others.end());
+  sorted.columns.reserve(held.columns.nonZeros());
   for (Eigen::Index c = 0; c < std::ssize(local); ++c) {
     const Eigen::Index from = local[static_cast<std::size_t>(c)];
-    sorted.columns.col(c) = held.columns.col(from);
+    sorted.columns.startVec(c);
+    for (Eigen::SparseMatrix<double>::InnerIterator e(held.columns, from); e; ++e)
+      sorted.columns.insertBack(e.row(), c) = e.value();
     sorted.sigma[c] = held.sigma[from];
   }
+  sorted.columns.finalize();
   return sorted;
 }
 

@@ -166,6 +166,18 @@ TEST(BudgetColumns, ASmoothFieldHasItsKernel) {
     }
 }
 
+// Open water is at no place of the panel.
+TEST(BudgetColumns, AFieldLeavesOutWhatHasNoPlaceInIt) {
+  Linearization linear = light(6);
+  for (RowInfo& row : linear.rows) row.reflected = 1;
+  VarianceComponent illumination = component("pixels.reflected");
+  illumination.smooth = SmoothField{{"panel x", "panel y"}, {0.5, 0.5}};
+  for (std::size_t i = 0; i < 3; ++i) linear.rows[i].point_panel = {0.1 * static_cast<double>(i), 0.2};
+  const Eigen::MatrixXd columns = columnsOf(linear, illumination);
+  EXPECT_TRUE(columns.allFinite());
+  for (Eigen::Index i = 0; i < 6; ++i) EXPECT_NEAR(columns.row(i).norm(), i < 3 ? 100 : 0, 1) << i;
+}
+
 TEST(BudgetColumns, EachHasAValueOfItsOwn) {
   const Linearization linear = light(12);
   VarianceComponent gain = component("pixels.level");
