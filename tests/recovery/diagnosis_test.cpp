@@ -4,9 +4,11 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "diagnosis/budget_file.h"
 #include "diagnosis/elsewhere.h"
+#include "diagnosis/manoeuvre.h"
 #include "diagnosis/whitened_model.h"
 #include "support/diagnosis_score.h"
 #include "support/flawed_runs.h"
@@ -94,6 +96,47 @@ TEST(Diagnosis, InstrumentsThatCannotBeToldApartAreNamedTogether) {
                names.contains("heading-disturbance of the first");
       });
   EXPECT_TRUE(are_together) << found.why;
+}
+
+/// Before the panel, level and slowly to and fro: what is mounted awry shows in one way only.
+test::BatchRun gentleRun() {
+  constexpr double kDuration_s = 60;
+  return {kDuration_s, test::pathOf(kDuration_s, [](double t_s) {
+            const double phase = 2 * M_PI * t_s / 30;
+            return Pose{rotationFromYawPitchRoll(0.1 * std::sin(phase), 0, 0),
+                        Vector3d(3, 0.5 * std::sin(phase), -4 + 0.2 * std::sin(2 * phase))};
+          })};
+}
+
+// A turned camera is like a turned INS where the robot keeps level and slow: a set. The manoeuvre that the
+// diagnosis advises, driven, tells them apart: it then names the camera alone.
+TEST(Diagnosis, TheAdvisedManoeuvreTellsASetApart) {
+  if (test::kSanitized)
+    GTEST_SKIP() << "takes minutes under sanitizers: DiagnoseCommand takes the same way there";
+  const test::Excitation excitation(gentleRun());
+  const test::DiagnosisRun dive =
+      test::effectOfSize(gentleRun(), excitation, *findEffect("camera-misalignment"), 10.0, 2);
+  const Diagnosis unsure = diagnose(dive.input());
+  ASSERT_EQ(unsure.alternatives.size(), 1u) << unsure.why;
+  const Advice& advice = unsure.alternatives[0].advice;
+  ASSERT_NE(advice.manoeuvre, "") << unsure.why;
+  EXPECT_GT(advice.separation, advice.separation_now);
+  EXPECT_GE(advice.separation * std::sqrt(advice.minutes), 5);  // s² / 2 - 1.96 s is half of what decides
+
+  const auto advised = std::find_if(manoeuvres().begin(), manoeuvres().end(),
+                                    [&](const Manoeuvre& m) { return m.text == advice.manoeuvre; });
+  ASSERT_NE(advised, manoeuvres().end());
+  const Pose station = stationAt(dive.run.truth(advice.from_s));
+  const double duration_s = advice.minutes * Manoeuvre::kDuration_s;
+  test::BatchRun again(duration_s, test::pathOf(duration_s, [&](double t_s) {
+                         return station * advised->T_station_robot(std::clamp(t_s - 4.0, 0.0, duration_s));
+                       }));
+  again.effects = dive.run.effects;
+  const Diagnosis sure = diagnose(again.input());
+  ASSERT_EQ(sure.effects.size(), 1u) << sure.why;
+  EXPECT_EQ(nameOf(sure.effects[0].candidate), "camera-misalignment") << sure.why;
+  EXPECT_TRUE(sure.alternatives.empty()) << sure.why;
+  EXPECT_GT(sure.effects[0].confidence, unsure.effects[0].confidence);
 }
 
 class HiddenEffect : public testing::TestWithParam<const char*> {};

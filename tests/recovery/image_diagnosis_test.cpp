@@ -1,7 +1,6 @@
 // Diagnosis with images: black and white of the markers beside navigation and corners.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <map>
 #include <set>
 
@@ -114,39 +113,6 @@ INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenImageEffect,
                          testing::Values("separate-backscatter", "slant-range", "lamp", "forward-scatter",
                                          "vignetting", "gamma", "dark-offset", "turbidity-plume",
                                          "motion-blur", "marine-snow", "dvl-latency"));
-
-// A small dark offset is like a small change of gamma on half a minute's recording: a set. The manoeuvre that
-// the diagnosis advises, driven with the same camera, tells them apart: it then names the offset alone.
-TEST(ImageDiagnosis, TheAdvisedManoeuvreTellsASetApart) {
-  if (test::kSanitized)
-    GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
-  const EffectInfo& offset = *findEffect("dark-offset");
-  const test::DiagnosisRun dive = test::effectOfSize(test::lightDive(), lightExcitation(), offset, 5.5, 2);
-  const Diagnosis unsure = diagnose(dive.input());
-  ASSERT_EQ(unsure.alternatives.size(), 1u) << unsure.why;
-  const Advice& advice = unsure.alternatives[0].advice;
-  ASSERT_NE(advice.manoeuvre, "");
-  EXPECT_GT(advice.separation, advice.separation_now);
-  EXPECT_GE(advice.separation * std::sqrt(advice.minutes), 5);  // s² / 2 - 1.96 s is half of what decides
-
-  if (std::getenv("FATHOM_THOROUGH") == nullptr)
-    GTEST_SKIP() << "five minutes of images take minutes: run-tests --thorough drives the manoeuvre";
-  const auto advised = std::find_if(manoeuvres().begin(), manoeuvres().end(),
-                                    [&](const Manoeuvre& m) { return m.text == advice.manoeuvre; });
-  ASSERT_NE(advised, manoeuvres().end());
-  const Pose station = stationAt(dive.run.truth(advice.from_s));
-  const double duration_s = advice.minutes * Manoeuvre::kDuration_s;
-  test::BatchRun again(duration_s, test::pathOf(duration_s, [&](double t_s) {
-                         return station * advised->T_station_robot(std::clamp(t_s - 4.0, 0.0, duration_s));
-                       }));
-  again.pixels = true;
-  again.effects = dive.run.effects;
-  const Diagnosis sure = diagnose(again.input());
-  ASSERT_EQ(sure.effects.size(), 1u) << sure.why;
-  EXPECT_EQ(nameOf(sure.effects[0].candidate), "dark-offset") << sure.why;
-  EXPECT_TRUE(sure.alternatives.empty()) << sure.why;
-  EXPECT_GT(sure.effects[0].confidence, unsure.effects[0].confidence);
-}
 
 // A number that three images have in common is one, not three.
 TEST(ImageDiagnosis, FlakesThatAreSeenAgainTellLess) {
