@@ -19,9 +19,8 @@ using Each = VarianceComponent::Each;
 constexpr double kNodesPerLength = 2.0;
 constexpr int kMostNodes = 12;
 constexpr double kDropped = 1e-4;  // of a field's variance
-// Of a field on each place by itself, of which readings are means: a constant and its slopes.
-constexpr double kDroppedOnPlace = 3e-3;
-constexpr Eigen::Index kMostOnPlace = 8, kAll = std::numeric_limits<Eigen::Index>::max();
+// Of the noise: a value that readings cannot see better, be it as large as it may, needs no column.
+constexpr double kLeastTold = 0.1;
 
 /// What each row changes by, of one unit's worth.
 using Change = std::vector<std::pair<Eigen::Index, double>>;
@@ -147,15 +146,18 @@ struct Axis {
   int nodes = 1;
 
   double kernel(double apart) const { return std::exp(-0.5 * std::pow(apart / length, 2)); }
-  /// Between a row and each node.
+  /// Between a row and each node: the kernel's mean over what the row is a mean of.
   Eigen::VectorXd kernelOf(const RowInfo& row) const {
+    const double at = covariate.of(row) * unit(row), spread = covariate.spread(row) * unit(row);
+    const double wide = std::hypot(length, spread);
     Eigen::VectorXd own(nodes);
-    for (int node = 0; node < nodes; ++node) own[node] = kernel(printed(row) - first - node * step);
+    for (int node = 0; node < nodes; ++node)
+      own[node] = length / wide * std::exp(-0.5 * std::pow((at - first - node * step) / wide, 2));
     return own;
   }
   /// In the image in focal lengths, so that cameras of any resolution have the same.
-  double printed(const RowInfo& row) const {
-    return covariate.of(row) * (covariate.unit == "px" ? 1 / row.focal_px : covariate.scale);
+  double unit(const RowInfo& row) const {
+    return covariate.unit == "px" ? 1 / row.focal_px : covariate.scale;
   }
 };
 
@@ -175,29 +177,42 @@ class Field {
       });
       if (found != covariates.end()) axes_.push_back(axis(*found, component.smooth->length[k], change));
     }
-    const bool is_on_place = component.each == Each::place || component.each == Each::spot;
-    root_ = is_on_place ? rootOfInverse(kDroppedOnPlace, kMostOnPlace) : rootOfInverse(kDropped, kAll);
+    root_ = rootOfInverse();
   }
 
-  Eigen::Index size() const { return root_.cols(); }
-  /// Of one row: the change times each independent value. What has no place in it, as open water on the
-  /// panel, has nothing of it.
+  /// Of each row that changes: by how much with each independent value, those that the readings tell most of
+  /// last, without those that they tell nothing of, although it may be as large as `largest`.
+  Eigen::MatrixXd columns(const Change& change, double largest) const {
+    Eigen::MatrixXd all(std::ssize(change), root_.cols());
+    for (Eigen::Index r = 0; r < all.rows(); ++r) {
+      const auto& [row, value] = change[static_cast<std::size_t>(r)];
+      all.row(r) = value * at(linear_.rows[static_cast<std::size_t>(row)]);
+    }
+    const SymmetricEigen told = eigenOf(transposedTimesItself(all));
+    Eigen::Index first = 0;
+    while (first < told.values.size() && told.values[first] * largest * largest < kLeastTold) ++first;
+    return all * told.vectors.rightCols(told.values.size() - first);
+  }
+
+ private:
+  /// Each independent value's share at a row. What has no place in it, as open water on the panel, has
+  /// nothing of it.
   Eigen::RowVectorXd at(const RowInfo& row) const {
     Eigen::VectorXd kernel = Eigen::VectorXd::Ones(1);
     for (const Axis& axis : axes_) {
       const Eigen::VectorXd own = axis.kernelOf(row);
       kernel = (own * kernel.transpose()).reshaped().eval();
     }
-    if (!kernel.allFinite()) return Eigen::RowVectorXd::Zero(size());
+    if (!kernel.allFinite()) return Eigen::RowVectorXd::Zero(root_.cols());
     return kernel.transpose() * root_;
   }
 
- private:
   Axis axis(const Covariate& covariate, double length, const Change& change) const {
     Axis axis{covariate, 0, 1, length, 1};
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const auto& [i, value] : change) {
-      const double at = axis.printed(linear_.rows[static_cast<std::size_t>(i)]);
+      const RowInfo& row = linear_.rows[static_cast<std::size_t>(i)];
+      const double at = covariate.of(row) * axis.unit(row);
       low = std::min(low, at);
       high = std::max(high, at);
     }
@@ -210,7 +225,7 @@ class Field {
   }
 
   /// R with R R^T = K^-1, but for directions that hardly any of the field is in.
-  Eigen::MatrixXd rootOfInverse(double most_dropped, Eigen::Index most_kept) const {
+  Eigen::MatrixXd rootOfInverse() const {
     Eigen::MatrixXd kernel = Eigen::MatrixXd::Ones(1, 1);
     for (const Axis& axis : axes_) {
       Eigen::MatrixXd next(kernel.rows() * axis.nodes, kernel.cols() * axis.nodes);
@@ -225,9 +240,9 @@ class Field {
     Eigen::Index first = 0;
     double dropped = 0;
     while (first + 1 < eigen.values.size() &&
-           dropped + std::max(0.0, eigen.values[first]) < most_dropped * kernel.trace())
+           dropped + std::max(0.0, eigen.values[first]) < kDropped * kernel.trace())
       dropped += std::max(0.0, eigen.values[first++]);
-    const Eigen::Index kept = std::min(most_kept, eigen.values.size() - first);
+    const Eigen::Index kept = eigen.values.size() - first;
     return eigen.vectors.rightCols(kept) * eigen.values.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
   }
 
@@ -252,12 +267,12 @@ Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const Varianc
           ++columns;
           continue;
         }
-        const Field field(linear, component, change);
-        for (const auto& [row, value] : change) {
-          const Eigen::RowVectorXd weights = field.at(linear.rows[static_cast<std::size_t>(row)]);
-          for (Eigen::Index k = 0; k < weights.size(); ++k) add(row, columns + k, value * weights[k]);
-        }
-        columns += field.size();
+        const Eigen::MatrixXd own =
+            Field(linear, component, change).columns(change, component.sigma * component.factor);
+        for (Eigen::Index r = 0; r < own.rows(); ++r)
+          for (Eigen::Index k = 0; k < own.cols(); ++k)
+            add(change[static_cast<std::size_t>(r)].first, columns + k, own(r, k));
+        columns += own.cols();
       }
   Eigen::SparseMatrix<double> matrix(std::ssize(linear.rows), columns);
   matrix.setFromTriplets(entries.begin(), entries.end());

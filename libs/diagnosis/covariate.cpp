@@ -24,13 +24,17 @@ std::vector<Covariate> allOf(Channel channel) {
   if (textOf(channel).is_of_images) {
     all.push_back({"range", "m", [](const RowInfo& row) { return row.range_m; }, 1, 6});
     all.push_back({"image radius", "1", [](const RowInfo& row) { return row.image_radius; }, 1, 6});
-    all.push_back({"image x", "px", [](const RowInfo& row) { return row.pixel.x(); }, 1, 6});
-    all.push_back({"image y", "px", [](const RowInfo& row) { return row.pixel.y(); }, 1, 6});
+    all.push_back({"image x", "px", [](const RowInfo& row) { return row.pixel.x(); }, 1, 6,
+                   [](const RowInfo& row) { return row.pixel_spread.x(); }});
+    all.push_back({"image y", "px", [](const RowInfo& row) { return row.pixel.y(); }, 1, 6,
+                   [](const RowInfo& row) { return row.pixel_spread.y(); }});
     if (channel == kChannel<EpipolarResidual>) return all;
     all.push_back(
         {"incidence", "deg", [](const RowInfo& row) { return row.incidence_rad; }, degrees(1.0), 6});
-    all.push_back({"panel x", "m", [](const RowInfo& row) { return row.point_panel.x(); }, 1, 6});
-    all.push_back({"panel y", "m", [](const RowInfo& row) { return row.point_panel.y(); }, 1, 6});
+    all.push_back({"panel x", "m", [](const RowInfo& row) { return row.point_panel.x(); }, 1, 6,
+                   [](const RowInfo& row) { return row.panel_spread.x(); }});
+    all.push_back({"panel y", "m", [](const RowInfo& row) { return row.point_panel.y(); }, 1, 6,
+                   [](const RowInfo& row) { return row.panel_spread.y(); }});
     if (channel == kChannel<Pixels>)
       all.push_back({"brightness", "DN", [](const RowInfo& row) { return row.level; }, 255, 6});
     return all;

@@ -18,6 +18,8 @@ struct Covariate {
   std::function<double(const RowInfo&)> of;
   double scale = 1;  ///< of the unit: what is printed is of(row) * scale
   int bins = 6;
+  /// By how much it varies within a reading that is a mean: a standard deviation.
+  std::function<double(const RowInfo&)> spread = [](const RowInfo&) { return 0.0; };
 };
 
 /// Those that a channel's readings have, where they vary at all.

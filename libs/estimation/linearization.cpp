@@ -62,6 +62,14 @@ void setPlace(RowInfo& info, const Seen& seen, const Motion& motion, const Batch
       std::acos(std::clamp(-T_camera_panel.rotation.col(2).dot(point_camera) / info.range_m, -1.0, 1.0));
 }
 
+/// Right and up, as its places have it.
+Vector2d spreadOnPanel(const ImagePatch& patch) {
+  Vector2d squares = Vector2d::Zero();
+  for (const Vector3d& point : patch.around_panel)
+    squares += (point.head<2>() - patch.at_panel_m).cwiseAbs2() / 4;
+  return squares.cwiseSqrt();
+}
+
 /// What all rows of a reading have in common.
 RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const RowSource& source) {
   RowInfo info;
@@ -96,6 +104,8 @@ RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const Row
     info.image_radius = patch->image_radius;
     // Of all of it: its middle pixel may be some centimetres from there.
     info.point_panel = patch->at_panel_m;
+    info.panel_spread = spreadOnPanel(*patch);
+    info.pixel_spread = patch->pixel_spread;
     if (patch->surface == ImagePatch::Surface::water) {
       info.range_m = info.incidence_rad = RowInfo::kNone;
       info.point_panel.setConstant(RowInfo::kNone);

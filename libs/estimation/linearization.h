@@ -46,8 +46,10 @@ struct RowInfo {
   double focal_px = 1;                         ///< of the camera
   double image_radius = kNone;  ///< its distance from the principal point over the focal length
   Vector2d point_panel = Vector2d::Constant(kNone);  ///< of a corner, patch or edges: where on the panel, m
-  double range_m = kNone;                            ///< of the marker's centre
-  double incidence_rad = kNone;                      ///< between the marker's normal and the line of sight
+  // Of what a patch is the mean of: standard deviations about these, each axis.
+  Vector2d pixel_spread = Vector2d::Zero(), panel_spread = Vector2d::Zero();
+  double range_m = kNone;        ///< of the marker's centre
+  double incidence_rad = kNone;  ///< between the marker's normal and the line of sight
 
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 };

@@ -42,8 +42,9 @@ struct ImagePatch : PatchSurface {
   Vector3d point_panel = Vector3d::Zero();  ///< its centre
   /// What varies over it has, to second order, the mean that it has over these.
   std::array<Vector3d, 4> around_panel{};
-  Vector2d pixel = Vector2d::Zero();     ///< its centre
-  Vector3d radiance = Vector3d::Zero();  ///< mean, as the camera read it
+  Vector2d pixel = Vector2d::Zero();         ///< its centre
+  Vector2d pixel_spread = Vector2d::Zero();  ///< of its pixels about that: standard deviations
+  Vector3d radiance = Vector3d::Zero();      ///< mean, as the camera read it
   /// Of that mean. Infinite for a colour that does not count: saturated, or black up to its noise.
   Vector3d sigma = Vector3d::Constant(std::numeric_limits<double>::infinity());
   Pose T_robot_camera;  ///< nominal mounting of this very eye

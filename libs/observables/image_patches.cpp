@@ -151,6 +151,7 @@ ImagePatch patchOf(const Patch& plain, ImagePatch::Surface surface, const PosedI
   patch.albedo = plain.albedo;
   patch.albedo_around = plain.albedo_around;
   patch.pixel = plain.pixel;
+  patch.pixel_spread = plain.pixel_covariance.diagonal().cwiseMax(0).cwiseSqrt();
   patch.image_radius = plain.image_radius;
   patch.response_gamma = sheet.response_gamma;
   patch.radiance = plain.radiance;

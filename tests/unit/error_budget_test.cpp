@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/linear_algebra.h"
 #include "core/random.h"
 #include "diagnosis/budget_columns.h"
 #include "diagnosis/budget_file.h"
@@ -146,6 +147,7 @@ VarianceComponent component(const std::string& by) {
   VarianceComponent component;
   component.name = "test";
   component.by = {by};
+  component.sigma = 1;
   return component;
 }
 
@@ -164,6 +166,53 @@ TEST(BudgetColumns, ASmoothFieldHasItsKernel) {
       const double expected = 1e4 * a.level * b.level * std::exp(-0.5 * apart * apart);
       EXPECT_NEAR(covariance(i, j), expected, 2e-3 * 1e4 * a.level * b.level) << i << " " << j;
     }
+}
+
+// A patch reads the mean of a field over all of it. Compared with a sum over eleven places that scatter as
+// much.
+TEST(BudgetColumns, APatchHasTheMeanOfAField) {
+  constexpr int kPlaces = 11;
+  constexpr double kSpread_px = 60, kStep_px = kSpread_px / 3.1622776601683795;  // uniform: (n^2 - 1) / 12
+  Linearization linear = light(2 + 2 * kPlaces);
+  const auto count = static_cast<std::size_t>(kPlaces);
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+    RowInfo& row = linear.rows[i];
+    row.level = 1;
+    row.focal_px = 500;
+    const std::size_t patch = i < 2 ? i : (i - 2) / count;
+    const double off = i < 2 ? 0 : kStep_px * (static_cast<double>((i - 2) % count) - (kPlaces - 1) / 2.0);
+    row.pixel = {200 + 150.0 * static_cast<double>(patch) + off, 100};
+    if (i < 2) row.pixel_spread = {kSpread_px, 0};
+  }
+  VarianceComponent flat_field = component("pixels.level");
+  flat_field.smooth = SmoothField{{"image x"}, {0.36}};
+  const Eigen::MatrixXd columns = columnsOf(linear, flat_field);
+  for (Eigen::Index patch = 0; patch < 2; ++patch) {
+    const Eigen::RowVectorXd mean = columns.middleRows(2 + patch * kPlaces, kPlaces).colwise().mean(),
+                             middle = columns.row(2 + patch * kPlaces + kPlaces / 2);
+    const double off = (columns.row(patch) - mean).norm();
+    EXPECT_LT(off, 0.1 * (middle - mean).norm()) << patch;
+    EXPECT_LT(off, 0.5) << patch;  // of 100
+  }
+}
+
+// What nobody could see, be it as large as the budget has it, has no column.
+TEST(BudgetColumns, WhatReadingsCannotTellHasNoColumn) {
+  Linearization linear = light(40);
+  VarianceComponent response = component("pixels.level");
+  response.smooth = SmoothField{{"brightness"}, {60}};
+  const Eigen::Index all = columnsOf(linear, response).cols();
+  response.sigma = 1e-3;
+  const Eigen::MatrixXd told = columnsOf(linear, response);
+  EXPECT_LT(told.cols(), all);
+  EXPECT_GT(told.cols(), 0);
+  // What is dropped is less than a tenth of each reading's noise, at the largest.
+  response.sigma = 1;
+  const Eigen::MatrixXd whole = columnsOf(linear, response);
+  const Eigen::MatrixXd dropped = whole * whole.transpose() - told * told.transpose();
+  EXPECT_LT(std::pow(1e-3 * response.factor, 2) * eigenOf(dropped).values.maxCoeff(), 0.1);
+  response.sigma = 1e-9;
+  EXPECT_EQ(columnsOf(linear, response).cols(), 0);
 }
 
 // Open water is at no place of the panel.
