@@ -148,9 +148,8 @@ class ScaleLikelihood {
 
 }  // namespace
 
-std::vector<EstimatedScale> likeliestScales(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
-                                            const Eigen::VectorXd& sigma,
-                                            const std::vector<ScaledColumns>& groups) {
+std::vector<double> likeliestScales(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
+                                    const Eigen::VectorXd& sigma, const std::vector<ScaledColumns>& groups) {
   if (groups.empty()) return {};
   const ScaleLikelihood likelihood(gram, score, sigma, groups);
   Eigen::VectorXd logs(std::ssize(groups));
@@ -171,14 +170,28 @@ std::vector<EstimatedScale> likeliestScales(const Eigen::MatrixXd& gram, const E
     if (!(found->value >= best->value)) break;
     best = std::move(found);
   }
+  std::vector<double> scales;
+  for (Eigen::Index k = 0; k < logs.size(); ++k) scales.push_back(std::exp(best->logs[k]));
+  return scales;
+}
+
+std::vector<EstimatedScale> estimatedScales(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
+                                            const Eigen::VectorXd& sigma,
+                                            const std::vector<ScaledColumns>& groups,
+                                            const std::vector<double>& likeliest) {
+  if (groups.empty()) return {};
+  const ScaleLikelihood likelihood(gram, score, sigma, groups);
+  const Eigen::VectorXd logs =
+      Eigen::Map<const Eigen::ArrayXd>(likeliest.data(), std::ssize(likeliest)).log().matrix();
+  const auto best = likelihood.at(logs);
   const Eigen::MatrixXd covariance = likelihood.covarianceAt(*best);
   std::vector<EstimatedScale> scales;
   for (Eigen::Index k = 0; k < logs.size(); ++k) {
     const ScaledColumns& group = groups[static_cast<std::size_t>(k)];
-    scales.push_back({std::exp(best->logs[k]), std::sqrt(covariance(k, k)), 0});
-    Eigen::VectorXd largest = best->logs;
+    scales.push_back({likeliest[static_cast<std::size_t>(k)], std::sqrt(covariance(k, k)), 0});
+    Eigen::VectorXd largest = logs;
     largest[k] = std::log(group.scale) + kSigmasOf99 * group.log_sd;
-    if (best->logs[k] > largest[k])
+    if (logs[k] > largest[k])
       scales.back().beyond = best->scaled.logBayesFactor() - likelihood.at(largest)->scaled.logBayesFactor();
   }
   return scales;

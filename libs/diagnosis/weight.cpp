@@ -26,12 +26,15 @@ Eigen::VectorXd usualSizes(const Linearization& linear, const std::vector<Candid
   return Eigen::Map<Eigen::VectorXd>(sigmas.data(), std::ssize(sigmas));
 }
 
+/// Looked for from the declared scales, or from those that were enough where less was left out: not from
+/// larger ones, among which the budget makes up for an effect.
 std::vector<ScaledColumns> groupsOf(const NoiseModel& noise, const HeldColumns& budget) {
   std::vector<ScaledColumns> groups;
   Eigen::Index first = 0;
   for (std::size_t k = 0; k < budget.sizes.size(); ++k) {
     const VarianceComponent& component = noise.budget.components[k];
-    groups.push_back({first, budget.sizes[k], component.sigma, component.logSd()});
+    groups.push_back({first, budget.sizes[k], component.sigma, component.logSd(),
+                      std::min(component.sigma, noise.sigmaOf(k))});
     first += budget.sizes[k];
   }
   return groups;
@@ -119,20 +122,21 @@ bool reweigh(Linearization& linear, const Eigen::VectorXd& left) {
 /// effects may be.
 Split likeliest(const ReducedFit& hypothesis, const Linearization& linear,
                 const std::vector<Candidate>& effects, std::vector<ScaledColumns>& groups,
-                std::vector<EstimatedScale>& scales) {
+                Eigen::VectorXd& sigma) {
   const Eigen::VectorXd usual = usualSizes(linear, effects);
   std::vector<Eigen::Index> widths;
   for (const Candidate& effect : effects) widths.push_back(std::ssize(columnsOf(linear, effect.effect)));
   const Eigen::Index q = hypothesis.budget.sigma.size();
-  Eigen::VectorXd sigma(q + usual.size());
+  sigma.resize(q + usual.size());
   // What effects of any size can explain is not the budget's, to begin with.
   sigma << hypothesis.budget.sigma, EffectEvidence::kSizes.back() * usual;
   Split split;
   for (int round = 0; round < (effects.empty() ? 1 : kRounds); ++round) {
-    scales = likeliestScales(hypothesis.all.gram, hypothesis.all.score, sigma, groups);
+    const std::vector<double> scales =
+        likeliestScales(hypothesis.all.gram, hypothesis.all.score, sigma, groups);
     for (std::size_t k = 0; k < groups.size(); ++k) {
-      groups[k].start = scales[k].scale;
-      sigma.segment(groups[k].first, groups[k].size).setConstant(scales[k].scale);
+      groups[k].start = scales[k];
+      sigma.segment(groups[k].first, groups[k].size).setConstant(scales[k]);
     }
     split = splitOf(hypothesis.all, sigma.head(q), usual, widths);
     Eigen::Index first = q;
@@ -164,14 +168,19 @@ double robustShare(const Linearization& linear, const Eigen::VectorXd& left) {
 Weight weigh(Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state,
              const NoiseModel& noise) {
   Weight weight;
+  std::vector<double> scales;
   for (int round = 0;; ++round) {
     const ReducedFit hypothesis(linear, effects, state, noise);
     std::vector<ScaledColumns> groups = groupsOf(noise, hypothesis.budget);
     // From where the round before ended.
-    for (std::size_t k = 0; k < weight.scales.size(); ++k) groups[k].start = weight.scales[k].scale;
-    const Split split = likeliest(hypothesis, linear, effects, groups, weight.scales);
+    for (std::size_t k = 0; k < scales.size(); ++k) groups[k].start = scales[k];
+    Eigen::VectorXd sigma;
+    const Split split = likeliest(hypothesis, linear, effects, groups, sigma);
+    scales.clear();
+    for (const ScaledColumns& group : groups) scales.push_back(group.start);
     const Eigen::VectorXd left = hypothesis.leftBy(split);
     if (round + 1 < kReweighed && reweigh(linear, left)) continue;
+    weight.scales = estimatedScales(hypothesis.all.gram, hypothesis.all.score, sigma, groups, scales);
     weight.log_evidence = -0.5 * hypothesis.nuisances.project(hypothesis.residual).squaredNorm() -
                           robustShare(linear, hypothesis.W * left) + logPriorOf(weight.scales, groups) +
                           split.of_budget + split.effects.log_bayes_factor +

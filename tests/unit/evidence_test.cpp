@@ -114,11 +114,16 @@ Readings readingsOfScales(double first, double second, Random& random) {
   return readings;
 }
 
+std::vector<EstimatedScale> scalesOf(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
+                                     const Eigen::VectorXd& sigma, const std::vector<ScaledColumns>& groups) {
+  return estimatedScales(gram, score, sigma, groups, likeliestScales(gram, score, sigma, groups));
+}
+
 std::vector<EstimatedScale> scalesOf(const Readings& readings, double log_sd, double prior = 0.3) {
   Eigen::VectorXd sigma = Eigen::VectorXd::Zero(2 * kGroup + 1);
   sigma[2 * kGroup] = 1;
-  return likeliestScales(readings.gram(), readings.score(), sigma,
-                         {{0, kGroup, prior, log_sd}, {kGroup, kGroup, prior, log_sd}});
+  return scalesOf(readings.gram(), readings.score(), sigma,
+                  {{0, kGroup, prior, log_sd}, {kGroup, kGroup, prior, log_sd}});
 }
 
 // Of priors that hardly hold: unbiased, and the scatter of the estimates' logarithms is what they say.
@@ -154,7 +159,7 @@ TEST(LikeliestScales, AreHeldByTheirPriors) {
 TEST(LikeliestScales, OfWhatNothingShowsAreThePriors) {
   const Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(4, 4);
   const std::vector<EstimatedScale> scales =
-      likeliestScales(gram, Eigen::VectorXd::Zero(4), Eigen::VectorXd::Zero(4), {{0, 4, 0.7, 0.5}});
+      scalesOf(gram, Eigen::VectorXd::Zero(4), Eigen::VectorXd::Zero(4), {{0, 4, 0.7, 0.5}});
   EXPECT_NEAR(scales[0].scale, 0.7, 1e-9);
   EXPECT_NEAR(scales[0].log_sd, 0.5, 1e-9);
 }
