@@ -167,15 +167,14 @@ struct Axis {
 /// of readings of light resolve.
 class Field {
  public:
-  Field(const Linearization& linear, const VarianceComponent& component, const Change& change)
+  /// `covariates`: those of the change's channel.
+  Field(const Linearization& linear, const SmoothField& smooth, const std::vector<Covariate>& covariates,
+        const Change& change)
       : linear_(linear) {
-    const Channel channel = linear.rows[static_cast<std::size_t>(change.front().first)].channel;
-    const std::vector<Covariate> covariates = covariatesOf(linear, channel);
-    for (std::size_t k = 0; k < component.smooth->over.size(); ++k) {
-      const auto found = std::find_if(covariates.begin(), covariates.end(), [&](const Covariate& c) {
-        return c.name == component.smooth->over[k];
-      });
-      if (found != covariates.end()) axes_.push_back(axis(*found, component.smooth->length[k], change));
+    for (std::size_t k = 0; k < smooth.over.size(); ++k) {
+      const auto found = std::find_if(covariates.begin(), covariates.end(),
+                                      [&](const Covariate& c) { return c.name == smooth.over[k]; });
+      if (found != covariates.end()) axes_.push_back(axis(*found, smooth.length[k], change));
     }
     root_ = rootOfInverse();
   }
@@ -260,20 +259,27 @@ Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const Varianc
     if (value != 0) entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
   };
   for (const std::string& by : component.by)
-    for (const Change& all : changesBy(linear, component, by))
+    for (const Change& all : changesBy(linear, component, by)) {
+      if (all.empty()) continue;
+      std::vector<Covariate> covariates;
+      if (component.smooth) {
+        const auto first = static_cast<std::size_t>(all.front().first);
+        covariates = covariatesOf(linear, linear.rows[first].channel);
+      }
       for (const Change& change : apart(linear, component.each, all)) {
         if (!component.smooth) {
           for (const auto& [row, value] : change) add(row, columns, value);
           ++columns;
           continue;
         }
-        const Eigen::MatrixXd own =
-            Field(linear, component, change).columns(change, component.sigma * component.factor);
+        const Eigen::MatrixXd own = Field(linear, *component.smooth, covariates, change)
+                                        .columns(change, component.sigma * component.factor);
         for (Eigen::Index r = 0; r < own.rows(); ++r)
           for (Eigen::Index k = 0; k < own.cols(); ++k)
             add(change[static_cast<std::size_t>(r)].first, columns + k, own(r, k));
         columns += own.cols();
       }
+    }
   Eigen::SparseMatrix<double> matrix(std::ssize(linear.rows), columns);
   matrix.setFromTriplets(entries.begin(), entries.end());
   return matrix;
