@@ -145,16 +145,19 @@ struct Axis {
   double first = 0, step = 1, length = 1;
   int nodes = 1;
 
-  double kernel(double apart) const { return std::exp(-0.5 * std::pow(apart / length, 2)); }
-  /// Between a row and each node: the kernel's mean over what the row is a mean of.
-  Eigen::VectorXd kernelOf(const RowInfo& row) const {
-    const double at = covariate.of(row) * unit(row), spread = covariate.spread(row) * unit(row);
+  /// Its mean where one of the two is not a place but many, that scatter normally by so much.
+  double kernel(double apart, double spread = 0) const {
     const double wide = std::hypot(length, spread);
+    return length / wide * std::exp(-0.5 * std::pow(apart / wide, 2));
+  }
+  /// Between a row and each node.
+  Eigen::VectorXd kernelOf(const RowInfo& row) const {
+    const double spread = covariate.spread(row) * unit(row);
     Eigen::VectorXd own(nodes);
-    for (int node = 0; node < nodes; ++node)
-      own[node] = length / wide * std::exp(-0.5 * std::pow((at - first - node * step) / wide, 2));
+    for (int node = 0; node < nodes; ++node) own[node] = kernel(at(row) - first - node * step, spread);
     return own;
   }
+  double at(const RowInfo& row) const { return covariate.of(row) * unit(row); }
   /// In the image in focal lengths, so that cameras of any resolution have the same.
   double unit(const RowInfo& row) const {
     return covariate.unit == "px" ? 1 / row.focal_px : covariate.scale;
@@ -210,8 +213,7 @@ class Field {
     Axis axis{covariate, 0, 1, length, 1};
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const auto& [i, value] : change) {
-      const RowInfo& row = linear_.rows[static_cast<std::size_t>(i)];
-      const double at = covariate.of(row) * axis.unit(row);
+      const double at = axis.at(linear_.rows[static_cast<std::size_t>(i)]);
       low = std::min(low, at);
       high = std::max(high, at);
     }

@@ -120,30 +120,34 @@ bool reweigh(Linearization& linear, const Eigen::VectorXd& left) {
 
 /// The likeliest scales and sizes, by turns: what the budget has to make up for depends on how large the
 /// effects may be.
-Split likeliest(const ReducedFit& hypothesis, const Linearization& linear,
-                const std::vector<Candidate>& effects, std::vector<ScaledColumns>& groups,
-                Eigen::VectorXd& sigma) {
+struct Likeliest {
+  std::vector<double> scales;
+  Eigen::VectorXd sigma;  ///< of all columns, so
+  Split split;
+};
+Likeliest likeliest(const ReducedFit& hypothesis, const Linearization& linear,
+                    const std::vector<Candidate>& effects, std::vector<ScaledColumns> groups) {
   const Eigen::VectorXd usual = usualSizes(linear, effects);
   std::vector<Eigen::Index> widths;
   for (const Candidate& effect : effects) widths.push_back(std::ssize(columnsOf(linear, effect.effect)));
   const Eigen::Index q = hypothesis.budget.sigma.size();
+  Likeliest found;
+  Eigen::VectorXd& sigma = found.sigma;
   sigma.resize(q + usual.size());
   // What effects of any size can explain is not the budget's, to begin with.
   sigma << hypothesis.budget.sigma, EffectEvidence::kSizes.back() * usual;
-  Split split;
   for (int round = 0; round < (effects.empty() ? 1 : kRounds); ++round) {
-    const std::vector<double> scales =
-        likeliestScales(hypothesis.all.gram, hypothesis.all.score, sigma, groups);
+    found.scales = likeliestScales(hypothesis.all.gram, hypothesis.all.score, sigma, groups);
     for (std::size_t k = 0; k < groups.size(); ++k) {
-      groups[k].start = scales[k];
-      sigma.segment(groups[k].first, groups[k].size).setConstant(scales[k]);
+      groups[k].start = found.scales[k];
+      sigma.segment(groups[k].first, groups[k].size).setConstant(found.scales[k]);
     }
-    split = splitOf(hypothesis.all, sigma.head(q), usual, widths);
+    found.split = splitOf(hypothesis.all, sigma.head(q), usual, widths);
     Eigen::Index first = q;
     for (std::size_t e = 0; e < effects.size(); first += widths[e++])
-      sigma.segment(first, widths[e]) = split.effects.size[e] * usual.segment(first - q, widths[e]);
+      sigma.segment(first, widths[e]) = found.split.effects.size[e] * usual.segment(first - q, widths[e]);
   }
-  return split;
+  return found;
 }
 
 /// ln of how likely the scales are beforehand, beside the declared ones.
@@ -168,19 +172,18 @@ double robustShare(const Linearization& linear, const Eigen::VectorXd& left) {
 Weight weigh(Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state,
              const NoiseModel& noise) {
   Weight weight;
-  std::vector<double> scales;
+  Likeliest found;
   for (int round = 0;; ++round) {
     const ReducedFit hypothesis(linear, effects, state, noise);
     std::vector<ScaledColumns> groups = groupsOf(noise, hypothesis.budget);
     // From where the round before ended.
-    for (std::size_t k = 0; k < scales.size(); ++k) groups[k].start = scales[k];
-    Eigen::VectorXd sigma;
-    const Split split = likeliest(hypothesis, linear, effects, groups, sigma);
-    scales.clear();
-    for (const ScaledColumns& group : groups) scales.push_back(group.start);
+    for (std::size_t k = 0; k < found.scales.size(); ++k) groups[k].start = found.scales[k];
+    found = likeliest(hypothesis, linear, effects, groups);
+    const Split& split = found.split;
     const Eigen::VectorXd left = hypothesis.leftBy(split);
     if (round + 1 < kReweighed && reweigh(linear, left)) continue;
-    weight.scales = estimatedScales(hypothesis.all.gram, hypothesis.all.score, sigma, groups, scales);
+    weight.scales =
+        estimatedScales(hypothesis.all.gram, hypothesis.all.score, found.sigma, groups, found.scales);
     weight.log_evidence = -0.5 * hypothesis.nuisances.project(hypothesis.residual).squaredNorm() -
                           robustShare(linear, hypothesis.W * left) + logPriorOf(weight.scales, groups) +
                           split.of_budget + split.effects.log_bayes_factor +
