@@ -171,6 +171,9 @@ TEST(Evidence, WhereRoundingIsAllThatIsLeftIsSaid) {
   const Eigen::VectorXd score = Eigen::VectorXd::Constant(2, 3), sigma = Eigen::VectorXd::Ones(2);
   EXPECT_THROW(bestSizes(gram, score, sigma, {1, 1}), std::runtime_error);
   EXPECT_EQ(logBayesFactor(gram, score, sigma), -std::numeric_limits<double>::infinity());
+  // What is no number is none either, although a square root does not say so.
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Constant(2, 2, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(logBayesFactor(none, score, sigma), -std::numeric_limits<double>::infinity());
 }
 
 }  // namespace

@@ -105,6 +105,25 @@ TEST(ImagePatches, AreOfOnePaint) {
   EXPECT_GT(of_body, 20U);
 }
 
+// By how much a patch's pixels scatter is how much its places on the panel do, projected: to 2 %, by which a
+// lens is no straight line over a patch.
+TEST(ImagePatches, SpreadInTheImageAsOnThePanel) {
+  const KnownWorld world = test::silWorld();
+  const Seen seen = seenWith({});
+  std::size_t of_panel = 0;
+  for (const ImagePatch& patch : seen.patches) {
+    if (patch.surface == ImagePatch::Surface::water) continue;
+    ++of_panel;
+    const PosedImage& posed = seen.posed.at(patch.image);
+    const Pose T_camera_panel = posed.T_odom_camera().inverse() * world.panels[patch.panel].T_odom_panel;
+    Vector2d squares = Vector2d::Zero();
+    for (const Vector3d& point : patch.around_panel)
+      squares += 0.25 * (posed.camera.lens.project<double>(T_camera_panel * point) - patch.pixel).cwiseAbs2();
+    EXPECT_LT((squares.cwiseSqrt() - patch.pixel_spread).norm(), 0.02 * patch.pixel_spread.norm());
+  }
+  EXPECT_GT(of_panel, 30U);
+}
+
 /// By the stage that an effect acts at it is seen in edges, as specks, or else in patches.
 template <class Stage>
 bool actsAt(std::size_t effect) {
