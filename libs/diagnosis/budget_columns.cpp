@@ -19,8 +19,9 @@ using Each = VarianceComponent::Each;
 constexpr double kNodesPerLength = 2.0;
 constexpr int kMostNodes = 12;
 constexpr double kDropped = 1e-4;  // of a field's variance
-// Of the noise: a value that readings cannot see better, be it as large as it may, needs no column.
-constexpr double kLeastTold = 0.1;
+// Of the noise's variance: a value that readings cannot see better, be it as large as it may, needs no
+// column.
+constexpr double kLeastTold = 0.3;
 
 /// What each row changes by, of one unit's worth.
 using Change = std::vector<std::pair<Eigen::Index, double>>;

@@ -58,7 +58,9 @@ double probabilityOf(double log_odds) { return 0.5 * (1 + std::tanh(0.5 * log_od
 class Course {
  public:
   Course(const BatchInput& input, const DiagnosisOptions& options)
-      : data_(input.data), start_(input.start), options_(options), fits_(input.data, options.segments) {}
+      : data_(input.data), start_(input.start), options_(options), fits_(input.data, options.segments) {
+    left_out_.shorter_s = heldOutStretch_s(data_, options.heldout);
+  }
 
   Diagnosis run() {
     try {

@@ -63,6 +63,7 @@ class Stretches {
     return std::clamp(static_cast<int>((at - first_) / span_ * kParts), 0, count_ * kParts - 1);
   }
   double begin_s(int stretch) const { return first_ + stretch * span_; }
+  double length_s() const { return is_instant_ ? 0 : span_; }
 
  private:
   bool is_instant_;
@@ -351,6 +352,10 @@ HeldOutResult HoldOut::run() {
 }
 
 }  // namespace
+
+double heldOutStretch_s(const BatchData& data, const HeldOutOptions& options) {
+  return Stretches(data, options.folds).length_s();
+}
 
 HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>& effects,
                       const BatchState& found, const NoiseModel& noise, const BatchData& data,

@@ -20,20 +20,26 @@ double partVariance(const RowInfo& row) {
 HeldColumns budgetColumns(const Linearization& linear, const NoiseModel& noise) {
   HeldColumns held;
   std::vector<Eigen::Triplet<double>> entries;
-  std::vector<double> sigma;
+  int width = 0;
   for (std::size_t k = 0; k < noise.budget.components.size(); ++k) {
     const Eigen::SparseMatrix<double> own = columnsOf(linear, noise.budget.components[k]);
-    const auto first = static_cast<int>(sigma.size());
     for (Eigen::Index c = 0; c < own.cols(); ++c)
       for (Eigen::SparseMatrix<double>::InnerIterator e(own, c); e; ++e)
-        entries.emplace_back(static_cast<int>(e.row()), first + static_cast<int>(c), e.value());
-    sigma.resize(sigma.size() + static_cast<std::size_t>(own.cols()), noise.sigmaOf(k));
+        entries.emplace_back(static_cast<int>(e.row()), width + static_cast<int>(c), e.value());
+    width += static_cast<int>(own.cols());
     held.sizes.push_back(own.cols());
   }
-  held.columns.resize(std::ssize(linear.rows), std::ssize(sigma));
+  held.columns.resize(std::ssize(linear.rows), width);
   held.columns.setFromTriplets(entries.begin(), entries.end());
-  held.sigma = Eigen::Map<const Eigen::VectorXd>(sigma.data(), std::ssize(sigma));
-  return held;
+  return heldBy(std::move(held), noise);
+}
+
+HeldColumns heldBy(HeldColumns budget, const NoiseModel& noise) {
+  budget.sigma.resize(budget.columns.cols());
+  Eigen::Index first = 0;
+  for (std::size_t k = 0; k < budget.sizes.size(); first += budget.sizes[k++])
+    budget.sigma.segment(first, budget.sizes[k]).setConstant(noise.sigmaOf(k));
+  return budget;
 }
 
 NoiseModel NoiseModel::declared() const {

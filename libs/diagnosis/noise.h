@@ -51,6 +51,8 @@ double partVariance(const RowInfo& row);
 
 /// The budget's columns over a linearization's rows, which is weighted, each with the sigma that holds it.
 HeldColumns budgetColumns(const Linearization& linear, const NoiseModel& noise);
+/// The same columns held by what a noise says.
+HeldColumns heldBy(HeldColumns budget, const NoiseModel& noise);
 
 /// Rows of a track that follow one another without a gap: pairs of neighbours, by row.
 std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, Channel channel);

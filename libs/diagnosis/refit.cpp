@@ -101,12 +101,14 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
   try {
     Linearization linear = linearize(data, *problemAt(data, fit.estimate, fit.options));
     applyRobustWeights(linear);
-    fit.weight = weigh(linear, effects, fit.estimate.state, noise);
+    HeldColumns budget = budgetColumns(linear, noise);
+    fit.weight = weigh(linear, budget, effects, fit.estimate.state, noise);
     fit.noise = noise;
     fit.noise.scales = fit.weight.scales;
     fit.linearized_at = fit.estimate.state;
     for (const RowInfo& row : linear.rows) fit.robust_weights.push_back(row.robust_weight);
-    fit.model = std::make_shared<WhitenedModel>(WhitenedModel::Weighted{}, std::move(linear), fit.noise);
+    fit.model =
+        std::make_shared<WhitenedModel>(WhitenedModel::Weighted{}, std::move(linear), fit.noise, budget);
   } catch (const std::runtime_error& e) {
     fit.estimate.failure = e.what();
     return fit;

@@ -72,7 +72,7 @@ Screening::Screening(const WhitenedModel& model, int segments, const LeftOut& le
   std::vector<std::optional<TestedCandidate>> parts;  // the best of each family
   for (std::size_t family = 0; family < families_.size(); ++family) {
     std::optional<TestedCandidate>& part = parts.emplace_back();
-    for (const Run& run : runsOf(family)) {
+    for (const Run& run : runsOf(family, left_out.shorter_s)) {
       const Candidate candidate = candidateOf(run);
       const Reduced reduced = sumOver(run, each[family]);
       const Information information(reduced.gram, reduced.norms);
@@ -210,16 +210,19 @@ Eigen::SparseMatrix<double> Screening::columnsOf(const Family& family) const {
   return model_.whitened(columns);
 }
 
-std::vector<Screening::Run> Screening::runsOf(std::size_t family) const {
+std::vector<Screening::Run> Screening::runsOf(std::size_t family, double least_s) const {
   const Family& f = families_[family];
+  const auto isLongEnough = [&](int from, int to) { return (to - from) * segment_s_ >= least_s; };
   std::vector<Run> runs;
   if (f.is_step) {
-    for (int from = 1; from < f.segments; ++from) runs.push_back({family, from, f.segments});
+    for (int from = 1; from < f.segments && isLongEnough(from, f.segments); ++from)
+      runs.push_back({family, from, f.segments});
     return runs;
   }
   for (int from = 0; from < f.segments; ++from)
     for (int to = from + 1; to <= f.segments; ++to)
-      if (!f.has_peak || to - from < f.segments) runs.push_back({family, from, to});
+      if (f.has_peak ? to - from < f.segments : f.segments == 1 || isLongEnough(from, to))
+        runs.push_back({family, from, to});
   return runs;
 }
 

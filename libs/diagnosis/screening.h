@@ -51,10 +51,12 @@ class PriorOdds {
   std::vector<double> instances_;  // of each effect
 };
 
-/// Effects that have been tried in full, and did not hold on stretches that they were not fitted to.
+/// What is not tried: effects that have been tried in full, and did not hold on stretches that they were not
+/// fitted to; and what could not, as no stretch would be left to fit it to.
 struct LeftOut {
-  std::set<std::size_t> parts;  ///< tried for good only
+  std::set<std::size_t> parts;  ///< effects tried for good only
   std::set<std::size_t> all;    ///< not at all
+  double shorter_s = 0;         ///< parts that are on for less
 
   std::size_t count() const { return parts.size() + all.size(); }
 };
@@ -123,7 +125,7 @@ class Screening {
   Eigen::Index widthOf(std::size_t family) const {
     return families_[family].size * families_[family].segments;
   }
-  std::vector<Run> runsOf(std::size_t family) const;
+  std::vector<Run> runsOf(std::size_t family, double least_s) const;
   Candidate candidateOf(const Run& run) const;
   Candidate candidateOf(const Family& family, double from_s, double to_s) const;
   /// Of a run's segments, out of all of its family's.

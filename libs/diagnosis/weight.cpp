@@ -84,16 +84,16 @@ Split splitOf(const Reduced& all, const Eigen::VectorXd& scatter, const Eigen::V
 /// The readings at a fit, reduced to what budget and effects can see of them.
 struct ReducedFit {
   Bare bare;
-  HeldColumns budget;
+  const HeldColumns& budget;
   Eigen::SparseMatrix<double> W;
   Nuisances nuisances;
   Eigen::VectorXd residual;  // whitened
   Reduced all;               // of the budget's columns, then the effects'
 
   ReducedFit(const Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state,
-             const NoiseModel& noise)
+             const NoiseModel& noise, const HeldColumns& its_budget)
       : bare(bareOf(linear, effects, state)),
-        budget(budgetColumns(linear, noise)),
+        budget(its_budget),
         W(whitenerOf(linear, noise)),
         nuisances(W * bare.J),
         residual(W * bare.residual),
@@ -111,11 +111,20 @@ struct ReducedFit {
 };
 
 /// Readings that what is taken into account explains are no outliers.
-bool reweigh(Linearization& linear, const Eigen::VectorXd& left) {
+bool reweigh(Linearization& linear, HeldColumns& budget, const Eigen::VectorXd& left) {
   std::vector<Channel> channels;
   for (const Channel channel : kEveryChannel)
     if (textOf(channel).has_outliers) channels.push_back(channel);
-  return applyOtherRobustWeights(linear, channels, left);
+  const auto weights = [&] {
+    Eigen::VectorXd all(std::ssize(linear.rows));
+    for (Eigen::Index i = 0; i < all.size(); ++i)
+      all[i] = linear.rows[static_cast<std::size_t>(i)].robust_weight;
+    return all;
+  };
+  const Eigen::VectorXd before = weights();
+  if (!applyOtherRobustWeights(linear, channels, left)) return false;
+  budget.columns = weights().cwiseQuotient(before).cwiseSqrt().asDiagonal() * budget.columns;
+  return true;
 }
 
 /// The likeliest scales and sizes, by turns: what the budget has to make up for depends on how large the
@@ -169,19 +178,19 @@ double robustShare(const Linearization& linear, const Eigen::VectorXd& left) {
 
 }  // namespace
 
-Weight weigh(Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state,
-             const NoiseModel& noise) {
+Weight weigh(Linearization& linear, HeldColumns& budget, const std::vector<Candidate>& effects,
+             const BatchState& state, const NoiseModel& noise) {
   Weight weight;
   Likeliest found;
   for (int round = 0;; ++round) {
-    const ReducedFit hypothesis(linear, effects, state, noise);
-    std::vector<ScaledColumns> groups = groupsOf(noise, hypothesis.budget);
+    const ReducedFit hypothesis(linear, effects, state, noise, budget);
+    std::vector<ScaledColumns> groups = groupsOf(noise, budget);
     // From where the round before ended.
     for (std::size_t k = 0; k < found.scales.size(); ++k) groups[k].start = found.scales[k];
     found = likeliest(hypothesis, linear, effects, groups);
     const Split& split = found.split;
     const Eigen::VectorXd left = hypothesis.leftBy(split);
-    if (round + 1 < kReweighed && reweigh(linear, left)) continue;
+    if (round + 1 < kReweighed && reweigh(linear, budget, left)) continue;
     weight.scales =
         estimatedScales(hypothesis.all.gram, hypothesis.all.score, found.sigma, groups, found.scales);
     weight.log_evidence = -0.5 * hypothesis.nuisances.project(hypothesis.residual).squaredNorm() -

@@ -15,12 +15,12 @@ struct Weight {
   std::vector<EstimatedScale> scales;  ///< of the budget's components, the likeliest beside these effects
 };
 
-/// `linear`: at the state, with the effects among its unknowns, weighted (applyRobustWeights()); it is
-/// weighted otherwise by then: what effects and budget explain is no outlier. The budget's components are
-/// marginalized over their values at the likeliest scales, the effects over theirs with the priors of
-/// EffectEvidence, everything else with flat ones. Throws Singular where readings weigh so much
-/// that rounding is all that is left of them.
-Weight weigh(Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state,
-             const NoiseModel& noise);
+/// `linear`: at the state, with the effects among its unknowns, weighted (applyRobustWeights()); `budget`:
+/// its columns there. They are weighted otherwise by then: what effects and budget explain is no outlier. The
+/// budget's components are marginalized over their values at the likeliest scales, the effects over theirs
+/// with the priors of EffectEvidence, everything else with flat ones. Throws Singular where readings weigh so
+/// much that rounding is all that is left of them.
+Weight weigh(Linearization& linear, HeldColumns& budget, const std::vector<Candidate>& effects,
+             const BatchState& state, const NoiseModel& noise);
 
 }  // namespace fathom

@@ -21,8 +21,19 @@ WhitenedModel::WhitenedModel(Linearization linear, const NoiseModel& noise)
 WhitenedModel::WhitenedModel(Weighted, Linearization linear, const NoiseModel& noise)
     : WhitenedModel(std::make_shared<Linearization>(std::move(linear)), noise) {}
 
-WhitenedModel::WhitenedModel(std::shared_ptr<const Linearization> linear, const NoiseModel& noise)
-    : linear_(std::move(linear)), noise_(noise), W_(whitenerOf(*linear_, noise)), nuisances_(nuisancesOf()) {
+WhitenedModel::WhitenedModel(const std::shared_ptr<const Linearization>& linear, const NoiseModel& noise)
+    : WhitenedModel(linear, noise, budgetColumns(*linear, noise)) {}
+
+WhitenedModel::WhitenedModel(Weighted, Linearization linear, const NoiseModel& noise,
+                             const HeldColumns& budget)
+    : WhitenedModel(std::make_shared<Linearization>(std::move(linear)), noise, budget) {}
+
+WhitenedModel::WhitenedModel(std::shared_ptr<const Linearization> linear, const NoiseModel& noise,
+                             const HeldColumns& budget)
+    : linear_(std::move(linear)),
+      noise_(noise),
+      W_(whitenerOf(*linear_, noise)),
+      nuisances_(nuisancesOf(budget)) {
   residual_ = Eigen::VectorXd::Zero(nuisances_.J().rows());
   residual_.head(W_.rows()) = W_ * linear_->residual;
 }
@@ -54,8 +65,8 @@ Eigen::SparseMatrix<double> whitenerOf(const Linearization& linear, const NoiseM
   return W;
 }
 
-Nuisances WhitenedModel::nuisancesOf() const {
-  const HeldColumns held = localFirst(budgetColumns(*linear_, noise_), noise_.budget);
+Nuisances WhitenedModel::nuisancesOf(const HeldColumns& budget) const {
+  const HeldColumns held = localFirst(heldBy(budget, noise_), noise_.budget);
   return {withHeldColumns(W_ * linear_->J, W_ * held.columns, held.sigma),
           {held.local, held.sigma.size() - held.local}};
 }

@@ -20,6 +20,8 @@ class WhitenedModel {
   /// The same of one whose robust weights have been applied.
   struct Weighted {};
   WhitenedModel(Weighted, Linearization linear, const NoiseModel& noise);
+  /// And whose budget's columns are at hand.
+  WhitenedModel(Weighted, Linearization linear, const NoiseModel& noise, const HeldColumns& budget);
   /// This one under another noise.
   WhitenedModel under(const NoiseModel& noise) const { return {linear_, noise}; }
 
@@ -43,8 +45,10 @@ class WhitenedModel {
   double costOf(const Eigen::VectorXd& left) const;
 
  private:
-  WhitenedModel(std::shared_ptr<const Linearization> linear, const NoiseModel& noise);
-  Nuisances nuisancesOf() const;
+  WhitenedModel(const std::shared_ptr<const Linearization>& linear, const NoiseModel& noise);
+  WhitenedModel(std::shared_ptr<const Linearization> linear, const NoiseModel& noise,
+                const HeldColumns& budget);
+  Nuisances nuisancesOf(const HeldColumns& budget) const;
 
   std::shared_ptr<const Linearization> linear_;
   NoiseModel noise_;
