@@ -28,6 +28,10 @@ std::string nameOf(const Candidate& candidate) {
   return name;
 }
 
+bool isSameButTime(const Candidate& a, const Candidate& b) {
+  return a.effect == b.effect && a.marker_id == b.marker_id && a.sensor == b.sensor && a.only == b.only;
+}
+
 void switchOn(EffectParameters<double>& calibration, const Candidate& candidate) {
   const EffectInfo& effect = allEffects()[candidate.effect];
   calibration.on.set(effect.index);

@@ -30,6 +30,9 @@ struct Candidate {
   friend bool operator==(const Candidate&, const Candidate&) = default;
 };
 
+/// The same effect of the same marker, sensor or instrument, whenever it is there.
+bool isSameButTime(const Candidate& a, const Candidate& b);
+
 /// "marker-moved 14", "panel-moved at 73.2 s", "water-current from 30.0 to 80.0 s".
 std::string nameOf(const Candidate& candidate);
 

@@ -143,12 +143,18 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
     contenders.back().insert(contenders.back().end(), more.begin(), more.end());
   };
   std::vector<std::vector<std::size_t>> tried;
+  const auto isSameBut = [&](std::size_t a, std::size_t b) {
+    return isSameButTime(screening.candidates()[a].candidate, screening.candidates()[b].candidate);
+  };
   for (const TestedSet& set : sets) {
     if (set.log_evidence < leastOfContenders(sets.front().log_evidence) || tried.size() == kContenders) break;
     if (!isCameraAlone() && set.log_evidence < fits_.threshold() - kUnderestimated) break;
-    // What adds nothing to one that was tried is looked for again once that one is in the model.
-    if (std::any_of(tried.begin(), tried.end(), [&](const std::vector<std::size_t>& smaller) {
-          return std::includes(set.members.begin(), set.members.end(), smaller.begin(), smaller.end());
+    // What adds nothing to one that was tried is looked for again once that one is in the model; and when
+    // they are there is settled later.
+    if (std::any_of(tried.begin(), tried.end(), [&](const std::vector<std::size_t>& other) {
+          return std::includes(set.members.begin(), set.members.end(), other.begin(), other.end()) ||
+                 std::is_permutation(set.members.begin(), set.members.end(), other.begin(), other.end(),
+                                     isSameBut);
         }))
       continue;
     tried.push_back(set.members);
@@ -306,6 +312,7 @@ std::set<std::size_t> Course::unconfirmedOf(const Refit& fit) {
     if (isConfirmed(fit, i, held.gain)) continue;
     unconfirmed.insert(i);
     (effect.isForGood() ? left_out_.all : left_out_.parts).insert(effect.effect);
+    if (effect.active_s != Interval{} && !lastsLong(effect)) left_out_.during.push_back(effect.active_s);
     diagnosis_.remarks.push_back(nameOf(effect) + " would fit, but not stretches that it was not fitted to");
   }
   return unconfirmed;

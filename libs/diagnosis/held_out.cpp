@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <mutex>
 #include <optional>
 
+#include "core/parallel.h"
 #include "core/progress.h"
 #include "core/random.h"
 #include "diagnosis/bare.h"
@@ -86,7 +88,8 @@ class HoldOut {
   HeldOutResult run();
 
  private:
-  void holdOutFold(int fold);
+  /// What effects gain on one fold; its pieces are nobody else's.
+  HeldOutGain holdOutFold(int fold);
   /// What is best where the reduction is from.
   Eigen::VectorXd valuesOf(const Fitted& what, const Reduced& trained) const {
     return fitted(trained.gram(what.columns, what.columns), trained.score(what.columns), what.sigma);
@@ -124,7 +127,6 @@ class HoldOut {
   std::optional<Placebo> placebo_;
   std::vector<Piece> pieces_;
   std::vector<const Piece*> filled_;
-  HeldOutGain gain_;
 };
 
 /// Of a peak's time at most as far from the one found as it is wide: beyond that its columns, which were
@@ -156,8 +158,6 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
       random_(options.seed),
       pieces_(static_cast<std::size_t>(stretches_.count()) * kParts) {
   sigma_ = trainedSigmas(bare_, effects, found);
-  gain_.by_effect.assign(effects.size(), 0);
-  gain_.expected_by_effect.assign(effects.size(), 0);
   columns_ = model_.whitened(fathom::columnsOf(bare_, effects));
   for (const Candidate& effect : effects) {
     for (const CandidateColumn& c : fathom::columnsOf(bare_, effect.effect)) is_draw_.push_back(c.image >= 0);
@@ -165,7 +165,7 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
   }
   simulated_ = random_.normals(model_.residual().size(), options.yardsticks ? kPlacebos : 0);
   if (!options.yardsticks) return;
-  placebo_.emplace(model_, simulated_);
+  placebo_.emplace(model_, simulated_, options.folds);
   // A physics-free correction of the readings that the effects change most.
   const BlackBox black_box(bare_, channels_.front());
   const Eigen::SparseMatrix<double> box = model_.whitened(black_box.columns(bare_));
@@ -189,7 +189,7 @@ Fitted HoldOut::physics(std::optional<std::size_t> but) const {
   return what;
 }
 
-void HoldOut::holdOutFold(int fold) {
+HeldOutGain HoldOut::holdOutFold(int fold) {
   std::vector<Eigen::Index> in_train, in_test;
   for (Eigen::Index i = 0; i < model_.residual().size(); ++i) {
     const bool is_test = !isPrior(i) && stretches_.foldOf(bare_.rows[static_cast<std::size_t>(i)]) == fold;
@@ -197,7 +197,7 @@ void HoldOut::holdOutFold(int fold) {
     if (!is_test) in_train.push_back(i);
   }
   const RowsAlone train(model_, std::move(in_train)), test(model_, std::move(in_test));
-  if (placebo_) placebo_->add(train, test);
+  if (placebo_) placebo_->take(fold, train, test);
   const Reduced trained = train.reduce(columns_);
   const Fitted all = physics({});
   const Eigen::VectorXd all_values = valuesWithDraws(all, trained, test);
@@ -216,14 +216,15 @@ void HoldOut::holdOutFold(int fold) {
     with.col(first_alone + e) = changeBy(own, all_values(own));
   }
   const Eigen::MatrixXd left = test.project(with);
-  for (std::size_t e = 0; e < effects_.size(); ++e) {
-    const auto k = static_cast<Eigen::Index>(e);
-    const auto without = left.col(first_without + k);
-    gain_.by_effect[e] += 0.5 * (without.squaredNorm() - left.col(kAfter).squaredNorm());
-    gain_.expected_by_effect[e] +=
-        0.5 * std::min((without - left.col(kAfter)).squaredNorm(), left.col(first_alone + k).squaredNorm());
+  HeldOutGain gain;
+  for (Eigen::Index e = 0; e < count; ++e) {
+    const auto without = left.col(first_without + e);
+    gain.by_effect.push_back(0.5 * (without.squaredNorm() - left.col(kAfter).squaredNorm()));
+    gain.expected_by_effect.push_back(
+        0.5 * std::min((without - left.col(kAfter)).squaredNorm(), left.col(first_alone + e).squaredNorm()));
   }
   add(test.rows(), left);
+  return gain;
 }
 
 Eigen::VectorXd HoldOut::changeBy(const std::vector<Eigen::Index>& columns,
@@ -331,14 +332,26 @@ HeldOut HoldOut::summary(Channel channel, const std::vector<double>& resampled) 
 
 HeldOutResult HoldOut::run() {
   Progress progress("holding out");
-  for (int fold = 0; fold < options_.folds; ++fold) {
-    progress.update(static_cast<double>(fold) / options_.folds);
-    holdOutFold(fold);
-  }
+  std::mutex one_at_a_time;
+  int begun = 0;
+  std::vector<HeldOutGain> by_fold(static_cast<std::size_t>(options_.folds));
+  parallelFor(by_fold.size(), [&](std::size_t fold) {
+    {
+      const std::scoped_lock lock(one_at_a_time);
+      progress.update(static_cast<double>(begun++) / options_.folds);
+    }
+    by_fold[fold] = holdOutFold(static_cast<int>(fold));
+  });
   for (const Piece& piece : pieces_)
     if (!piece.channels.empty()) filled_.push_back(&piece);
   HeldOutResult result;
-  result.gain = gain_;
+  result.gain.by_effect.assign(effects_.size(), 0);
+  result.gain.expected_by_effect.assign(effects_.size(), 0);
+  for (const HeldOutGain& own : by_fold)
+    for (std::size_t e = 0; e < effects_.size(); ++e) {
+      result.gain.by_effect[e] += own.by_effect[e];
+      result.gain.expected_by_effect[e] += own.expected_by_effect[e];
+    }
   if (filled_.empty()) return result;
   std::map<Channel, std::vector<double>> resampled;
   resample(result, resampled);

@@ -7,7 +7,8 @@
 
 namespace fathom {
 
-Placebo::Placebo(const WhitenedModel& model, const Eigen::MatrixXd& noise) : noise_(noise) {
+Placebo::Placebo(const WhitenedModel& model, const Eigen::MatrixXd& noise, int folds)
+    : noise_(noise), folds_(static_cast<std::size_t>(folds)) {
   const Linearization& linear = model.linear();
   const std::vector<Candidate> candidates = lastingCandidates(linear);
   columns_ = model.whitened(columnsOf(linear, candidates));
@@ -20,9 +21,10 @@ Placebo::Placebo(const WhitenedModel& model, const Eigen::MatrixXd& noise) : noi
   }
 }
 
-void Placebo::add(const RowsAlone& train, const RowsAlone& test) {
-  folds_.push_back({train.reduceEach(columns_, size_), test.reduceEach(columns_, size_),
-                    train.scores(columns_, noise_), test.scores(columns_, noise_)});
+void Placebo::take(int fold, const RowsAlone& train, const RowsAlone& test) {
+  folds_[static_cast<std::size_t>(fold)] = {train.reduceEach(columns_, size_),
+                                            test.reduceEach(columns_, size_), train.scores(columns_, noise_),
+                                            test.scores(columns_, noise_)};
 }
 
 double Placebo::percentile95() const {

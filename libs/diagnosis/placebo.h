@@ -10,10 +10,10 @@ inline constexpr int kPlacebos = 20;  ///< draws of noise
 class Placebo {
  public:
   /// Every lasting candidate at the model's estimate. `noise`: white, kPlacebos draws over the model's rows.
-  Placebo(const WhitenedModel& model, const Eigen::MatrixXd& noise);
+  Placebo(const WhitenedModel& model, const Eigen::MatrixXd& noise, int folds);
 
-  /// A fold.
-  void add(const RowsAlone& train, const RowsAlone& test);
+  /// One of the folds; several may be taken at once.
+  void take(int fold, const RowsAlone& train, const RowsAlone& test);
   /// Gain in likelihood that 95 % of the draws stay below; 0 without folds.
   double percentile95() const;
 

@@ -72,7 +72,7 @@ Screening::Screening(const WhitenedModel& model, int segments, const LeftOut& le
   std::vector<std::optional<TestedCandidate>> parts;  // the best of each family
   for (std::size_t family = 0; family < families_.size(); ++family) {
     std::optional<TestedCandidate>& part = parts.emplace_back();
-    for (const Run& run : runsOf(family, left_out.shorter_s)) {
+    for (const Run& run : runsOf(family, left_out)) {
       const Candidate candidate = candidateOf(run);
       const Reduced reduced = sumOver(run, each[family]);
       const Information information(reduced.gram, reduced.norms);
@@ -210,18 +210,25 @@ Eigen::SparseMatrix<double> Screening::columnsOf(const Family& family) const {
   return model_.whitened(columns);
 }
 
-std::vector<Screening::Run> Screening::runsOf(std::size_t family, double least_s) const {
+bool Screening::isLeftOut(const LeftOut& left_out, int from, int to) const {
+  if ((to - from) * segment_s_ < left_out.shorter_s) return true;
+  return std::any_of(left_out.during.begin(), left_out.during.end(), [&](const Interval& during) {
+    return first_s_ + (from + 1) * segment_s_ >= during.from_s &&
+           first_s_ + (to - 1) * segment_s_ <= during.to_s;
+  });
+}
+
+std::vector<Screening::Run> Screening::runsOf(std::size_t family, const LeftOut& left_out) const {
   const Family& f = families_[family];
-  const auto isLongEnough = [&](int from, int to) { return (to - from) * segment_s_ >= least_s; };
   std::vector<Run> runs;
   if (f.is_step) {
-    for (int from = 1; from < f.segments && isLongEnough(from, f.segments); ++from)
-      runs.push_back({family, from, f.segments});
+    for (int from = 1; from < f.segments; ++from)
+      if (!isLeftOut(left_out, from, f.segments)) runs.push_back({family, from, f.segments});
     return runs;
   }
   for (int from = 0; from < f.segments; ++from)
     for (int to = from + 1; to <= f.segments; ++to)
-      if (f.has_peak ? to - from < f.segments : f.segments == 1 || isLongEnough(from, to))
+      if (f.has_peak ? to - from < f.segments : to - from == f.segments || !isLeftOut(left_out, from, to))
         runs.push_back({family, from, to});
   return runs;
 }

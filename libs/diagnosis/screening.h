@@ -56,9 +56,11 @@ class PriorOdds {
 struct LeftOut {
   std::set<std::size_t> parts;  ///< effects tried for good only
   std::set<std::size_t> all;    ///< not at all
-  double shorter_s = 0;         ///< parts that are on for less
+  /// Parts within one of these, but for a segment: what explained it best of all did not hold.
+  std::vector<Interval> during;
+  double shorter_s = 0;  ///< parts that are on for less
 
-  std::size_t count() const { return parts.size() + all.size(); }
+  std::size_t count() const { return parts.size() + all.size() + during.size(); }
 };
 
 /// Candidates that are on together.
@@ -125,7 +127,8 @@ class Screening {
   Eigen::Index widthOf(std::size_t family) const {
     return families_[family].size * families_[family].segments;
   }
-  std::vector<Run> runsOf(std::size_t family, double least_s) const;
+  std::vector<Run> runsOf(std::size_t family, const LeftOut& left_out) const;
+  bool isLeftOut(const LeftOut& left_out, int from, int to) const;
   Candidate candidateOf(const Run& run) const;
   Candidate candidateOf(const Family& family, double from_s, double to_s) const;
   /// Of a run's segments, out of all of its family's.
