@@ -47,6 +47,28 @@ bool isListed(const Candidate& candidate, const Alternatives& set) {
                      [&](const Candidate& other) { return isSameKind(other, candidate); });
 }
 
+/// What could be there instead, and how alike it is to first order.
+struct Rival {
+  Candidate candidate;
+  double alignment = 0;
+};
+
+/// The few that come near to the one of the screening's candidates.
+std::vector<Rival> rivalsOf(std::size_t own, const Screening& screening, const WhitenedModel& without,
+                            double segment_s) {
+  const auto& candidates = screening.candidates();
+  std::vector<Rival> rivals;
+  for (const std::size_t m : othersThan(candidates[own].candidate, candidates)) {
+    if (candidates[m].log_evidence < leastOfContenders(candidates[own].log_evidence) ||
+        rivals.size() == kRivals)
+      break;
+    const Candidate& other = candidates[m].candidate;
+    rivals.push_back({other.isForGood() ? other : refinedInterval(without, other, segment_s),
+                      screening.alignment(own, m)});
+  }
+  return rivals;
+}
+
 }  // namespace
 
 InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, const LeftOut& left_out) {
@@ -62,17 +84,17 @@ InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, con
   Alternatives set{{stated}, {0}, {1}, {}};
   std::optional<SizedEffect> like;
   const double lambda = std::pow(sqrtLambda(fit, stated.effect), 2);
-  std::size_t tried = 0;
-  for (const std::size_t m : othersThan(stated, candidates)) {
-    if (candidates[m].log_evidence < leastOfContenders(candidates[*own].log_evidence) || tried++ == kRivals)
-      break;
-    Candidate other = candidates[m].candidate;
-    if (isListed(other, set)) continue;
-    if (!other.isForGood()) other = refinedInterval(*without, other, fits.segment_s());
-    std::vector<Candidate> effects = rest.effects;
-    effects.push_back(other);
-    Refit rival = fits.of(rest, effects);
-    if (!rival.succeeded) continue;
+  const std::vector<Rival> rivals = rivalsOf(*own, screening, *without, fits.segment_s());
+  std::vector<std::vector<Candidate>> sets;
+  for (const Rival& rival : rivals) {
+    sets.push_back(rest.effects);
+    sets.back().push_back(rival.candidate);
+  }
+  std::vector<Refit> fitted = fits.of(rest, sets);
+  for (std::size_t i = 0; i < rivals.size(); ++i) {
+    const auto& [other, alignment] = rivals[i];
+    Refit& rival = fitted[i];
+    if (!rival.succeeded || isListed(other, set)) continue;
     const double difference = fits.logOdds(rival) - fits.logOdds(fit);
     // Where readings contradict each other an effect may be but a way to another minimum, and nothing left of
     // it.
@@ -82,7 +104,6 @@ InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, con
       return found;
     }
     found.odds += std::exp(difference);
-    const double alignment = screening.alignment(*own, m);
     const bool is_separable = lambda * (1 - alignment) > kSeparable;
     if (difference < -(is_separable ? kExcluded : kSeparable)) continue;
     set.candidates.push_back(other);

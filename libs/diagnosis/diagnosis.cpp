@@ -269,6 +269,7 @@ void Course::noteScreening(const Screening& screening) {
 /// Other effects in each one's place that are as good; one that is better takes it.
 void Course::lookForAlternatives() {
   confidence_.assign(final_.effects.size(), probabilityOf(fits_.logOdds(final_)));
+  fits_.makeWithoutEach(final_);
   for (std::size_t i = 0; i < final_.effects.size();) {
     InItsPlace others = othersInPlaceOf(i, final_, fits_, left_out_);
     if (others.better) {

@@ -99,6 +99,15 @@ Refit Fits::without(const Refit& from, std::vector<Candidate> effects, std::size
   return of(from, effects);
 }
 
+void Fits::makeWithoutEach(const Refit& fit) {
+  std::vector<std::vector<Candidate>> rests;
+  for (std::size_t i = 0; i < fit.effects.size(); ++i) {
+    rests.push_back(fit.effects);
+    rests.back().erase(rests.back().begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  of(fit, rests);
+}
+
 Candidate Fits::settledOf(const Refit& rest, const Candidate& effect) const {
   const auto model = modelOf(data_, rest);
   return effect.isForGood() ? bestInterval(*model, effect, segments_ / 3)

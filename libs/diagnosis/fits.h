@@ -36,6 +36,8 @@ class Fits {
   /// With one effect fewer; without any: the nominal one.
   Refit without(const Refit& from, std::vector<Candidate> effects, std::size_t one);
   Refit without(const Refit& from, std::size_t one) { return without(from, from.effects, one); }
+  /// Makes those at once, to be asked for.
+  void makeWithoutEach(const Refit& fit);
 
   /// ln of the odds of a fit's effects against the nominal model, before looking and by the readings.
   double logOdds(const Refit& fit) const;

@@ -291,7 +291,7 @@ void applyRobustWeights(Linearization& linear) {
 
 bool applyOtherRobustWeights(Linearization& linear, const std::vector<Channel>& channels,
                              const Eigen::VectorXd& left) {
-  constexpr double kDiffers = 0.01;
+  constexpr double kDiffers = 0.05;
   bool differs = false;
   Eigen::VectorXd factor = Eigen::VectorXd::Ones(linear.residual.size());
   std::vector<double> weights;
