@@ -10,6 +10,11 @@
 #include "effects/sensor_kinds.h"
 
 namespace fathom {
+namespace {
+
+constexpr double kClearlySigmas = 3;
+
+}  // namespace
 
 std::string nameOf(const Candidate& candidate) {
   std::string name{allEffects()[candidate.effect].id};
@@ -102,9 +107,9 @@ Eigen::VectorXd priorSigmas(const Linearization& linear, const std::vector<Candi
   return Eigen::Map<Eigen::VectorXd>(sigmas.data(), std::ssize(sigmas));
 }
 
-bool canBeFound(std::size_t scalar, double value) {
+bool canBeFound(std::size_t scalar, double value, double sigma) {
   const Parameter& parameter = parameterOf(scalar);
-  return parameter.kind == ParameterKind::spread || isPossible(parameter, value);
+  return parameter.kind == ParameterKind::spread || isPossible(parameter, value + kClearlySigmas * sigma);
 }
 
 bool isEstimated(const Linearization& linear, std::size_t effect) {

@@ -64,9 +64,9 @@ bool canShow(const Linearization& linear, std::size_t effect);
 /// Prior sigmas of all candidates' columns, one behind the other.
 Eigen::VectorXd priorSigmas(const Linearization& linear, const std::vector<Candidate>& candidates);
 
-/// Whether a fit can have found this of a scalar: nothing less than nothing. What is drawn of a spread can be
-/// either.
-bool canBeFound(std::size_t scalar, double value);
+/// Whether a fit can have found this of a scalar: nothing clearly less than nothing. What is drawn of a
+/// spread can be either.
+bool canBeFound(std::size_t scalar, double value, double sigma);
 
 /// Whether the effect is among what the linearized problem estimates.
 bool isEstimated(const Linearization& linear, std::size_t effect);

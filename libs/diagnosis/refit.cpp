@@ -12,6 +12,32 @@
 namespace fathom {
 namespace {
 
+bool areAllPossible(const Refit& fit) {
+  return std::all_of(fit.estimates.begin(), fit.estimates.end(), [](const EffectEstimate& estimate) {
+    return canBeFound(estimate.scalar, estimate.value, estimate.sigma);
+  });
+}
+
+/// What would be less than nothing, though not clearly, is nothing, and all others what they are then.
+void holdAtNothing(Refit& fit) {
+  std::vector<Eigen::Index> below;
+  for (std::size_t i = 0; i < fit.estimates.size(); ++i) {
+    const EffectEstimate& found = fit.estimates[i];
+    if (found.image < 0 && !isPossible(parameterOf(found.scalar), found.value))
+      below.push_back(static_cast<Eigen::Index>(i));
+  }
+  if (below.empty()) return;
+  Eigen::VectorXd excess(std::ssize(below));
+  for (Eigen::Index k = 0; k < excess.size(); ++k)
+    excess[k] = fit.estimates[static_cast<std::size_t>(below[static_cast<std::size_t>(k)])].value;
+  const Eigen::VectorXd change = -fit.covariance(Eigen::all, below) *
+                                 solveSymmetric(Eigen::MatrixXd(fit.covariance(below, below)), excess);
+  for (std::size_t i = 0; i < fit.estimates.size(); ++i)
+    fit.estimates[i].value += change[static_cast<Eigen::Index>(i)];
+  for (EffectEstimate& found : fit.estimates)
+    if (found.image < 0 && !isPossible(parameterOf(found.scalar), found.value)) found.value = 0;
+}
+
 /// One least-squares step with the noise as it is: readings of a sensor have some of it in common, which the
 /// estimate did not know.
 void finish(Refit& fit) {
@@ -41,6 +67,7 @@ void finish(Refit& fit) {
           {block.index, scalars[k], fit.estimate.state.effects.values[scalars[k]] + step[columns.back()], 0});
     }
   }
+  fit.succeeded = true;
   if (columns.empty()) return;
   fit.covariance = fit.model->nuisances().covariance(columns);
   fit.prior_sigma.resize(std::ssize(columns));
@@ -48,19 +75,19 @@ void finish(Refit& fit) {
     const auto k = static_cast<Eigen::Index>(i);
     fit.estimates[i].sigma = std::sqrt(fit.covariance(k, k));
     fit.prior_sigma[k] = priorOf(fit.estimates[i].scalar);
-    const EffectEstimate& found = fit.estimates[i];
+  }
+  fit.succeeded = areAllPossible(fit);
+  if (!fit.succeeded) {
+    fit.estimate.failure = "less than nothing of an effect would have to be there";
+    return;
+  }
+  holdAtNothing(fit);
+  for (const EffectEstimate& found : fit.estimates)
     if (found.image < 0)
       state.effects.values[found.scalar] = found.value;
     else
       state.draws[{found.scalar, static_cast<std::size_t>(found.image)}] = found.value;
-  }
   for (const EffectEstimate& spread : withSpreads(fit)) state.effects.values[spread.scalar] = spread.value;
-}
-
-bool areAllPossible(const Refit& fit) {
-  return std::all_of(fit.estimates.begin(), fit.estimates.end(), [](const EffectEstimate& estimate) {
-    return canBeFound(estimate.scalar, estimate.value);
-  });
 }
 
 /// From where `from` ended, or a camera by itself from the other starts of effects that are new: whichever
@@ -114,8 +141,6 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
     return fit;
   }
   finish(fit);
-  fit.succeeded = areAllPossible(fit);
-  if (!fit.succeeded) fit.estimate.failure = "less than nothing of an effect would have to be there";
   return fit;
 }
 

@@ -289,7 +289,7 @@ TestedCandidate Screening::test(std::size_t of_family, const Candidate& candidat
     const std::size_t scalar = family.scalars[static_cast<std::size_t>(k)];
     tested.one_step.push_back(
         {family.candidate.effect, scalar, value[k], std::sqrt(information.inverse(k, k))});
-    is_possible = is_possible && canBeFound(scalar, value[k]);
+    is_possible = is_possible && canBeFound(scalar, value[k], tested.one_step.back().sigma);
   }
   tested.size = best.size;
   tested.log_evidence = prior_.logOf(candidate) + (is_possible ? best.log_bayes_factor : kImpossible);

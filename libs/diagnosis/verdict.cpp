@@ -5,6 +5,7 @@
 
 #include "core/stable_sort.h"
 #include "core/text.h"
+#include "diagnosis/black_box.h"
 #include "effects/catalogue.h"
 
 namespace fathom {
@@ -172,6 +173,17 @@ void judgeUnexplained(Diagnosis& diagnosis, const std::vector<std::string>& fail
   diagnosis.why += ".";
 }
 
+/// Of physics that is not what one would estimate anew in any case.
+void remarkOnYardstick(Diagnosis& diagnosis) {
+  const bool is_physics =
+      std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(),
+                  [](const FoundEffect& found) { return !BlackBox::isRemedy(found.candidate.effect); });
+  if (is_physics && diagnosis.heldout.gain.over_black_box_ci95[0] <= 0)
+    diagnosis.remarks.push_back(
+        "a correction without physics (splines, camera or mounting calibrated anew) fits stretches that it "
+        "was not fitted to as well");
+}
+
 void judgeExplained(Diagnosis& diagnosis) {
   diagnosis.verdict = Verdict::explained;
   diagnosis.why = "The model leaves out " + effectsText(diagnosis) + ".";
@@ -262,6 +274,7 @@ void judge(Diagnosis& diagnosis, const Linearization& nominal) {
     judgeExplained(diagnosis);
   else
     judgeNothingFound(diagnosis, nominal);
+  remarkOnYardstick(diagnosis);
   tellAlternatives(diagnosis);
   weighHypotheses(diagnosis);
 }

@@ -68,6 +68,20 @@ ceres::LossFunction* lossOf(const BatchCost& cost) {
   return cost.robust_threshold > 0 ? new ceres::HuberLoss(cost.robust_threshold) : nullptr;
 }
 
+/// What cannot be less than nothing is not looked for there.
+void setBounds(const BatchProblem& problem, Eigen::VectorXd& x, ceres::Problem& ceres_problem) {
+  for (const UnknownBlock& block : problem.blocks()) {
+    double* const own = x.data() + block.column;
+    if (block.kind != Kind::effect || !ceres_problem.HasParameterBlock(own)) continue;
+    int i = 0;
+    for (const std::size_t scalar : continuousScalars(block.index)) {
+      if (parameterOf(scalar).positive)
+        ceres_problem.SetParameterLowerBound(own, i, -problem.reference().effects.values[scalar]);
+      ++i;
+    }
+  }
+}
+
 ceres::Solver::Summary solve(const BatchProblem& problem, const std::vector<BatchCost*>& costs,
                              const BatchOptions& options, Eigen::VectorXd& x) {
   Preparation preparation(problem, costs, x);
@@ -80,6 +94,7 @@ ceres::Solver::Summary solve(const BatchProblem& problem, const std::vector<Batc
     for (const std::size_t b : cost->blocks) parameters.push_back(x.data() + problem.blocks()[b].column);
     ceres_problem.AddResidualBlock(cost, lossOf(*cost), parameters);
   }
+  setBounds(problem, x, ceres_problem);
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.max_num_iterations = options.max_iterations;

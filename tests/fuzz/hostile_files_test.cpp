@@ -8,6 +8,7 @@
 #include "support/panels.h"
 #include "support/recordings.h"
 #include "support/run_program.h"
+#include "support/shared_data.h"
 #include "support/shipped.h"
 
 namespace fathom::test {

@@ -11,6 +11,7 @@
 #include "simulation/read_trajectory.h"
 #include "simulation/simulate_recording.h"
 #include "support/run_program.h"
+#include "support/shared_data.h"
 
 // Damaged rawlogs, all the way through `localize`: what is left is localized, or one clear line says why not.
 namespace fathom::test {

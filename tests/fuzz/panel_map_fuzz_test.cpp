@@ -6,6 +6,7 @@
 #include "core/random.h"
 #include "support/damaged_text.h"
 #include "support/panels.h"
+#include "support/shared_data.h"
 
 namespace fathom {
 namespace {

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/kinematics.h"
 #include "support/bags.h"
+#include "support/shared_data.h"
 
 namespace fathom {
 namespace {

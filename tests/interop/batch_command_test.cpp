@@ -9,6 +9,7 @@
 
 #include "core/files.h"
 #include "support/run_program.h"
+#include "support/shared_data.h"
 #include "support/shipped.h"
 
 namespace fathom {

@@ -11,6 +11,7 @@
 #include "sensors/vehicle.h"
 #include "support/bags.h"
 #include "support/run_program.h"
+#include "support/shared_data.h"
 #include "support/shipped.h"
 
 namespace fathom {

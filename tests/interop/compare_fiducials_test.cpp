@@ -13,6 +13,7 @@
 #include "simulation/read_trajectory.h"
 #include "simulation/simulate_recording.h"
 #include "support/run_program.h"
+#include "support/shared_data.h"
 #include "support/shipped.h"
 #include "support/small_vehicle.h"
 

@@ -9,6 +9,7 @@
 
 #include "core/camera_model.h"
 #include "support/run_program.h"
+#include "support/shared_data.h"
 
 namespace fathom {
 namespace {

@@ -8,6 +8,7 @@
 #include "effects/catalogue.h"
 #include "support/run_program.h"
 #include "support/sanitized.h"
+#include "support/shared_data.h"
 #include "support/shipped.h"
 #include "support/small_vehicle.h"
 

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "support/run_program.h"
+#include "support/shared_data.h"
 #include "support/shipped.h"
 
 namespace fathom {

@@ -10,6 +10,7 @@
 
 #include "core/files.h"
 #include "support/run_program.h"
+#include "support/shared_data.h"
 
 namespace fathom {
 namespace {

@@ -5,6 +5,7 @@
 #include "core/files.h"
 #include "facade/fathom.h"
 #include "recording/rawlog.h"
+#include "support/shared_data.h"
 #include "support/shipped.h"
 
 namespace fathom {

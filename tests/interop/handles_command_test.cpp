@@ -9,6 +9,7 @@
 #include "panel/panel_map.h"
 #include "recording/rawlog.h"
 #include "support/run_program.h"
+#include "support/shared_data.h"
 
 namespace fathom {
 namespace {

@@ -8,6 +8,7 @@
 #include "core/random.h"
 #include "support/folder_contents.h"
 #include "support/run_program.h"
+#include "support/shared_data.h"
 #include "support/shipped.h"
 
 namespace fathom {

@@ -9,6 +9,7 @@
 #include "support/detections.h"
 #include "support/recordings.h"
 #include "support/run_program.h"
+#include "support/shared_data.h"
 #include "support/shipped.h"
 
 namespace fathom {

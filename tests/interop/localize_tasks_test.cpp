@@ -8,6 +8,7 @@
 
 #include "support/run_program.h"
 #include "support/sanitized.h"
+#include "support/shared_data.h"
 #include "support/shipped.h"
 #include "tasks/stress_runs.h"
 

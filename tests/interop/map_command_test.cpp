@@ -13,6 +13,7 @@
 #include "recording/mrpt_types.h"
 #include "support/panels.h"
 #include "support/run_program.h"
+#include "support/shared_data.h"
 
 namespace fathom {
 namespace {

@@ -11,6 +11,7 @@
 #include "support/every_command.h"
 #include "support/folder_contents.h"
 #include "support/panels.h"
+#include "support/shared_data.h"
 #include "support/sil_recordings.h"
 
 namespace fathom::test {

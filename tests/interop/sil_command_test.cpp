@@ -5,6 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "support/run_program.h"
+#include "support/shared_data.h"
 #include "support/sil_recordings.h"
 
 namespace fathom {

@@ -14,6 +14,7 @@
 
 #include "recording/rawlog.h"
 #include "support/every_command.h"
+#include "support/shared_data.h"
 
 namespace fathom::test {
 namespace {

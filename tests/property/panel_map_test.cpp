@@ -5,6 +5,7 @@
 #include "core/random.h"
 #include "panel/marker_family.h"
 #include "support/panels.h"
+#include "support/shared_data.h"
 
 namespace fathom {
 namespace {

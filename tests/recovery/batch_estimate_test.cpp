@@ -93,6 +93,24 @@ INSTANTIATE_TEST_SUITE_P(
                     "{id: dvl-lever-arm, offset_m: [0.15, 0, 0]}",
                     "{id: panel-moved, time_s: 12.5, offset_m: [0.05, 0, 0], rotation_deg: [0, 3, 0]}"));
 
+// Where a window's distance and thickness can hardly be told apart one of them would be less than nothing in
+// most recordings.
+TEST(BatchEstimate, NothingIsThinnerThanNothing) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+    test::BatchRun run(12.0);
+    run.seed = seed;
+    const BatchInput input = run.input();
+    const BatchEstimate estimate =
+        estimateBatch(input.data, input.start,
+                      test::estimating(test::effectsFrom(
+                          "{id: flat-port-refraction, distance_m: 0, glass_m: 0, tilt_deg: 0}")));
+    ASSERT_TRUE(estimate.succeeded) << estimate.failure;
+    for (const EffectEstimate& e : estimate.effects)
+      if (parameterOf(e.scalar).positive)
+        EXPECT_GE(e.value, 0) << seed << " " << parameterOf(e.scalar).name;
+  }
+}
+
 // An INS that is late by so much, or everything else that is early: the same, but for the origin of time.
 // What the path follows of noise is to be the same too, else one is told from the other by chance: with knots
 // that stayed where they were the costs differed by up to 2.2. What is left are the ends, and where both

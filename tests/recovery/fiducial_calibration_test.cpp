@@ -4,6 +4,7 @@
 
 #include "evaluation/fiducial_results.h"
 #include "evaluation/recorded_fiducials.h"
+#include "support/shared_data.h"
 #include "support/water_recordings.h"
 
 namespace fathom {

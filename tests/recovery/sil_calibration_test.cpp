@@ -4,6 +4,7 @@
 
 #include "sil/pair_maker.h"
 #include "similarity/measures.h"
+#include "support/shared_data.h"
 #include "support/sil_recordings.h"
 
 namespace fathom {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "environment/water_study.h"
+#include "support/shared_data.h"
 #include "support/water_recordings.h"
 
 namespace fathom {

@@ -8,6 +8,7 @@
 #include "core/text.h"
 #include "landmarks/given_corners.h"
 #include "support/run_program.h"
+#include "support/shared_data.h"
 
 namespace fathom {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "evaluation/chunk_store.h"
 #include "evaluation/fiducial_results.h"
+#include "support/shared_data.h"
 #include "support/small_vehicle.h"
 
 namespace fathom {

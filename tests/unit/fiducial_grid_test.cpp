@@ -6,6 +6,7 @@
 #include "panel/face.h"
 #include "panel/marker_family.h"
 #include "support/panels.h"
+#include "support/shared_data.h"
 #include "support/shipped.h"
 
 namespace fathom {

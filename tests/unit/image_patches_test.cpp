@@ -12,6 +12,7 @@
 #include "imaging/image_patch.h"
 #include "imaging/marine_snow.h"
 #include "imaging/marker_blur.h"
+#include "support/shared_data.h"
 #include "support/sil_recordings.h"
 
 namespace fathom {

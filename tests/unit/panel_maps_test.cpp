@@ -5,6 +5,7 @@
 
 #include "simulation/copy_panel_map.h"
 #include "support/panels.h"
+#include "support/shared_data.h"
 
 namespace fathom {
 namespace {

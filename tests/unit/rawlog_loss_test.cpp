@@ -5,6 +5,7 @@
 
 #include "recording/rawlog.h"
 #include "support/recordings.h"
+#include "support/shared_data.h"
 
 namespace fathom::test {
 namespace {

@@ -6,6 +6,7 @@
 #include "support/memory.h"
 #include "support/recordings.h"
 #include "support/sanitized.h"
+#include "support/shared_data.h"
 #include "support/small_disk.h"
 
 namespace fathom::test {

@@ -8,6 +8,7 @@
 #include "imaging/image_model.h"
 #include "sil/pair_maker.h"
 #include "sil/pair_picture.h"
+#include "support/shared_data.h"
 #include "support/sil_recordings.h"
 
 namespace fathom {

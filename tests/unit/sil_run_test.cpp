@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "sil/pair_video.h"
+#include "support/shared_data.h"
 #include "support/sil_recordings.h"
 
 namespace fathom {
