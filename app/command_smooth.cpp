@@ -44,6 +44,20 @@ void readEffects(const SmoothOptions& options, BatchOptions& batch) {
   }
 }
 
+/// Channels of which more is left than their noise: what the recording contradicts.
+std::vector<std::string> contradictions(const BatchEstimate& estimate) {
+  constexpr double kContradicts = 1.5;     // times the noise that was taken, as `diagnose` remarks on it
+  constexpr std::size_t kFewestRows = 30;  // of fewer the ratio is known to less than a tenth
+  std::vector<std::string> all;
+  for (const auto& [channel, r] : estimate.residuals)
+    if (channel != kChannel<Prior> && r.rows >= kFewestRows && r.rms > kContradicts * r.expected_rms)
+      all.push_back(
+          print("of %s %.3g times the noise is left: something is missing (`fathom diagnose`), or "
+                "there is a better minimum elsewhere (--calibration says where to start)",
+                std::string(nameOf(channel)).c_str(), r.rms / r.expected_rms));
+  return all;
+}
+
 void smooth(const SmoothOptions& options, const RunContext& context) {
   SmoothedRecording recording;
   recording.run.command_line = context.command_line;
@@ -59,6 +73,7 @@ void smooth(const SmoothOptions& options, const RunContext& context) {
   if (options.noise_from_data)
     recording.estimate = adaptNoise(recording.input.data, std::move(recording.estimate), batch);
   recording.noise_scale = batch.problem.noise_scale;
+  for (std::string& one : contradictions(recording.estimate)) recording.remarks.push_back(std::move(one));
   recording.linear =
       linearize(recording.input.data, *problemAt(recording.input.data, recording.estimate, batch), false);
 
@@ -72,6 +87,7 @@ void smooth(const SmoothOptions& options, const RunContext& context) {
     if (channel != kChannel<Prior>)
       std::cout << print("  %-14s %6zu rows, rms %.3f sigma, expected %.3f\n", nameOf(channel).c_str(),
                          r.rows, r.rms, r.expected_rms);
+  for (const std::string& remark : recording.remarks) std::cout << "note: " << remark << "\n";
   std::cout << (options.recording.folder / "report.html").string() << "\n";
 }
 

@@ -59,7 +59,8 @@ class Course {
  public:
   Course(const BatchInput& input, const DiagnosisOptions& options)
       : data_(input.data), start_(input.start), options_(options), fits_(input.data, options.segments) {
-    left_out_.shorter_s = heldOutStretch_s(data_, options.heldout);
+    // What a camera by itself leaves of noise is told by what explains most of it, for however short a time.
+    if (!isCameraAlone()) left_out_.shorter_s = heldOutStretch_s(data_, options.heldout);
   }
 
   Diagnosis run() {
@@ -153,8 +154,8 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
     // they are there is settled later.
     if (std::any_of(tried.begin(), tried.end(), [&](const std::vector<std::size_t>& other) {
           return std::includes(set.members.begin(), set.members.end(), other.begin(), other.end()) ||
-                 std::is_permutation(set.members.begin(), set.members.end(), other.begin(), other.end(),
-                                     isSameBut);
+                 (!isCameraAlone() && std::is_permutation(set.members.begin(), set.members.end(),
+                                                          other.begin(), other.end(), isSameBut));
         }))
       continue;
     tried.push_back(set.members);

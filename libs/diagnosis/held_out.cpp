@@ -78,6 +78,7 @@ class Stretches {
 struct Fitted {
   std::vector<Eigen::Index> columns;
   Eigen::VectorXd sigma;
+  std::vector<bool> is_positive;  // none: any can be less than nothing
 };
 
 /// Fold by fold: the physics and its yardsticks trained on all stretches but its own, and what is left there.
@@ -92,7 +93,8 @@ class HoldOut {
   HeldOutGain holdOutFold(int fold);
   /// What is best where the reduction is from.
   Eigen::VectorXd valuesOf(const Fitted& what, const Reduced& trained) const {
-    return fitted(trained.gram(what.columns, what.columns), trained.score(what.columns), what.sigma);
+    return fitted(trained.gram(what.columns, what.columns), trained.score(what.columns), what.sigma,
+                  what.is_positive);
   }
   /// The same, but what is drawn for each image is found in the held-out images themselves.
   Eigen::VectorXd valuesWithDraws(const Fitted& what, const Reduced& trained, const RowsAlone& test) const;
@@ -120,7 +122,7 @@ class HoldOut {
   Stretches stretches_;
   Random random_;
   Eigen::SparseMatrix<double> columns_;        // physics, black box
-  std::vector<bool> is_draw_;                  // of those of physics
+  std::vector<bool> is_draw_, is_positive_;    // of those of physics
   std::vector<Eigen::Index> first_column_{0};  // of each effect, and the one behind the last
   Fitted box_;
   Eigen::MatrixXd simulated_;
@@ -160,7 +162,10 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
   sigma_ = trainedSigmas(bare_, effects, found);
   columns_ = model_.whitened(fathom::columnsOf(bare_, effects));
   for (const Candidate& effect : effects) {
-    for (const CandidateColumn& c : fathom::columnsOf(bare_, effect.effect)) is_draw_.push_back(c.image >= 0);
+    for (const CandidateColumn& c : fathom::columnsOf(bare_, effect.effect)) {
+      is_draw_.push_back(c.image >= 0);
+      is_positive_.push_back(c.image < 0 && parameterOf(bare_.columns[c.column].scalar).positive);
+    }
     first_column_.push_back(std::ssize(is_draw_));
   }
   simulated_ = random_.normals(model_.residual().size(), options.yardsticks ? kPlacebos : 0);
@@ -186,6 +191,8 @@ Fitted HoldOut::physics(std::optional<std::size_t> but) const {
     if (const std::vector<Eigen::Index> own = columnsOf(e); e != but)
       what.columns.insert(what.columns.end(), own.begin(), own.end());
   what.sigma = sigma_(what.columns);
+  for (const Eigen::Index c : what.columns)
+    what.is_positive.push_back(is_positive_[static_cast<std::size_t>(c)]);
   return what;
 }
 

@@ -34,6 +34,7 @@ void holdAtNothing(Refit& fit) {
                                  solveSymmetric(Eigen::MatrixXd(fit.covariance(below, below)), excess);
   for (std::size_t i = 0; i < fit.estimates.size(); ++i)
     fit.estimates[i].value += change[static_cast<Eigen::Index>(i)];
+  for (const Eigen::Index i : below) fit.estimates[static_cast<std::size_t>(i)].value = 0;
   for (EffectEstimate& found : fit.estimates)
     if (found.image < 0 && !isPossible(parameterOf(found.scalar), found.value)) found.value = 0;
 }
@@ -90,27 +91,6 @@ void finish(Refit& fit) {
   for (const EffectEstimate& spread : withSpreads(fit)) state.effects.values[spread.scalar] = spread.value;
 }
 
-/// From where `from` ended, or a camera by itself from the other starts of effects that are new: whichever
-/// fits best.
-BatchEstimate bestMinimum(const BatchData& data, const BatchEstimate& from, BatchOptions options) {
-  BatchEstimate best = minimumFrom(data, from, options);
-  if (data.hasMotion()) return best;
-  for (const EffectInfo& effect : allEffects()) {
-    if (!options.problem.estimate[effect.index] || from.state.effects.on[effect.index]) continue;
-    std::size_t scalar = effect.first_scalar;
-    for (const Parameter& p : effect.parameters) {
-      if (p.other_start != 0) {
-        options.calibration.values[scalar] = p.other_start;
-        BatchEstimate other = minimumFrom(data, from, options);
-        if (other.succeeded && (!best.succeeded || other.cost < best.cost)) best = std::move(other);
-        options.calibration.values[scalar] = 0;
-      }
-      scalar += static_cast<std::size_t>(p.size);
-    }
-  }
-  return best;
-}
-
 }  // namespace
 
 Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions& base,
@@ -123,7 +103,7 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
     switchOn(fit.options.calibration, effect);
     fit.options.problem.estimate.set(effect.effect);
   }
-  fit.estimate = bestMinimum(data, from, fit.options);
+  fit.estimate = bestMinimumFrom(data, from, fit.options);
   if (!fit.estimate.succeeded) return fit;
   try {
     Linearization linear = linearize(data, *problemAt(data, fit.estimate, fit.options));

@@ -1,6 +1,7 @@
 #include "diagnosis/rows_alone.h"
 
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "core/linear_algebra.h"
@@ -73,11 +74,20 @@ Eigen::MatrixXd RowsAlone::project(const Eigen::MatrixXd& R) const {
 }
 
 Eigen::VectorXd fitted(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
-                       const Eigen::VectorXd& prior_sigma) {
-  if (score.size() == 0) return {};
+                       const Eigen::VectorXd& prior_sigma, const std::vector<bool>& is_positive) {
   Eigen::MatrixXd A = gram;
   A.diagonal() += prior_sigma.array().square().inverse().matrix();
-  return -solveSymmetric(A, score);
+  std::vector<Eigen::Index> free(static_cast<std::size_t>(score.size()));
+  std::iota(free.begin(), free.end(), Eigen::Index{0});
+  Eigen::VectorXd value = Eigen::VectorXd::Zero(score.size());
+  for (std::size_t held = 1; held > 0 && !free.empty();) {
+    value.setZero();
+    value(free) = -solveSymmetric(Eigen::MatrixXd(A(free, free)), Eigen::VectorXd(score(free)));
+    held = std::erase_if(free, [&](Eigen::Index k) {
+      return !is_positive.empty() && is_positive[static_cast<std::size_t>(k)] && value[k] < 0;
+    });
+  }
+  return value;
 }
 
 }  // namespace fathom

@@ -29,8 +29,9 @@ class RowsAlone {
   Eigen::VectorXd residual_;
 };
 
-/// What of the columns lowers the residual most, with a normal prior of so much sigma.
+/// What of the columns lowers the residual most, with a normal prior of so much sigma. Those that cannot be
+/// less than nothing (none: any can be) and would be are nothing.
 Eigen::VectorXd fitted(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
-                       const Eigen::VectorXd& prior_sigma);
+                       const Eigen::VectorXd& prior_sigma, const std::vector<bool>& is_positive = {});
 
 }  // namespace fathom

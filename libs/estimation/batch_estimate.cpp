@@ -304,7 +304,7 @@ BatchEstimate estimateBatch(const BatchData& data, const StartPath& start, const
 }
 
 BatchEstimate reestimate(const BatchData& data, const BatchEstimate& from, const BatchOptions& options) {
-  BatchEstimate minimum = minimumFrom(data, from, options);
+  BatchEstimate minimum = bestMinimumFrom(data, from, options);
   return minimum.succeeded ? described(data, std::move(minimum), options) : minimum;
 }
 
@@ -344,6 +344,27 @@ BatchEstimate minimumFrom(const BatchData& data, const BatchEstimate& from, cons
   estimate.succeeded = true;
   estimate.failure.clear();
   return estimate;
+}
+
+BatchEstimate bestMinimumFrom(const BatchData& data, const BatchEstimate& from, BatchOptions options) {
+  BatchEstimate best = minimumFrom(data, from, options);
+  if (data.hasMotion()) return best;
+  for (const EffectInfo& effect : allEffects()) {
+    const bool was_estimated = from.options && from.options->problem.estimate[effect.index];
+    if (!options.problem.estimate[effect.index] || was_estimated) continue;
+    std::size_t scalar = effect.first_scalar;
+    for (const Parameter& p : effect.parameters) {
+      if (p.other_start != 0 && options.calibration.values[scalar] == 0) {
+        BatchEstimate elsewhere = from;
+        options.calibration.values[scalar] = elsewhere.state.effects.values[scalar] = p.other_start;
+        BatchEstimate other = minimumFrom(data, elsewhere, options);
+        if (other.succeeded && (!best.succeeded || other.cost < best.cost)) best = std::move(other);
+        options.calibration.values[scalar] = 0;
+      }
+      scalar += static_cast<std::size_t>(p.size);
+    }
+  }
+  return best;
 }
 
 BatchEstimate described(const BatchData& data, BatchEstimate minimum, const BatchOptions& options) {

@@ -85,6 +85,10 @@ BatchEstimate reestimate(const BatchData& data, const BatchEstimate& from, const
 /// all that follows from it, path, covariances and residuals. What options that differ in their effects alone
 /// do not touch (BatchProblem::touchedBy()) stays as it was.
 BatchEstimate minimumFrom(const BatchData& data, const BatchEstimate& from, const BatchOptions& options);
+/// The best of those from there and, of a camera by itself, from the other starts of effects that were not
+/// estimated yet (Parameter::other_start).
+BatchEstimate bestMinimumFrom(const BatchData& data, const BatchEstimate& from, BatchOptions options);
+
 BatchEstimate described(const BatchData& data, BatchEstimate minimum, const BatchOptions& options);
 
 /// The same with each channel's noise as large as its residuals show, where that is more than stated: sets

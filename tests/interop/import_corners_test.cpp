@@ -7,6 +7,7 @@
 #include "core/files.h"
 #include "core/random.h"
 #include "core/text.h"
+#include "effects/calibration.h"
 #include "support/run_program.h"
 #include "support/shared_data.h"
 
@@ -139,6 +140,19 @@ TEST_F(ImportCorners, TheWaterOfATankThatACameraLooksThroughIsFound) {
   EXPECT_LT(held_out.at("after"), 1.5 * kCornerSigma_px);
   EXPECT_GT(held_out.at("before"), 10 * kCornerSigma_px);
   EXPECT_GT(held_out.at("black_box"), held_out.at("after"));
+
+  // The smoother starts from other places too, where a camera stands by itself: from no water at all it ends
+  // in another minimum.
+  const auto smoothed =
+      test::runFathom("smooth " + (folder_ / "out/tank.rawlog").string() +
+                      " --estimate flat-port-refraction --out " + (folder_ / "smoothed").string());
+  ASSERT_EQ(smoothed.status, 0) << smoothed.err;
+  EXPECT_EQ(smoothed.out.find("noise is left"), std::string::npos) << smoothed.out;
+  const EffectParameters<double> smooth = readCalibration(folder_ / "smoothed/calibration.yaml");
+  const double* port = smooth.of<FlatPortRefraction>();
+  EXPECT_GE(port[0], 0);
+  EXPECT_GE(port[1], 0);
+  EXPECT_NEAR(port[5] + port[1], 0.25, 0.02);
 }
 
 TEST_F(ImportCorners, TheRealTankIsKnownByItsWater) {
@@ -152,7 +166,8 @@ TEST_F(ImportCorners, TheRealTankIsKnownByItsWater) {
   EXPECT_NEAR(slab_m, 0.25, 0.03);
   const double before_px = result.at("heldout").at("before"), after_px = result.at("heldout").at("after");
   EXPECT_LT(after_px, 0.1 * before_px);
-  EXPECT_LT(after_px, 0.3);
+  // A camera calibrated anew leaves pixels; what is left here is what the budget allows boards to be folded by.
+  EXPECT_LT(after_px, 0.25 * result.at("heldout").at("black_box").get<double>());
 }
 
 TEST_F(ImportCorners, WrongInputIsOneLine) {
