@@ -6,14 +6,12 @@
 
 #include "core/chi_square.h"
 #include "core/stable_sort.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/covariate.h"
 #include "diagnosis/screening.h"
 
 namespace fathom {
 namespace {
-
-constexpr double kFailed_p = 0.002;
-constexpr double kLeastChange = 0.1;  // below, a strong effect's own curvature shows
 
 /// The covariates of all channels that an effect acts on, by name.
 std::map<std::string, Covariate> covariatesOf(const Linearization& linear, const Eigen::VectorXd& change) {

@@ -5,17 +5,12 @@
 #include <stdexcept>
 
 #include "core/stable_sort.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/onset.h"
 #include "diagnosis/screening.h"
 
 namespace fathom {
 namespace {
-
-// What is stated holds 95 % of the mass; and a rival from which the recording differs by no more than what
-// one in a hundred recordings is off by (lambda (1 - c), discrepancy.md).
-constexpr double kExcluded = 2.94, kSeparable = 5.4;
-constexpr std::size_t kRivals = 4;
-constexpr double kVanished = 2;  // sqrt(lambda) of what would never have been named
 
 /// The same effect, of the same instruments.
 bool isSameKind(const Candidate& a, const Candidate& b) { return a.effect == b.effect && a.only == b.only; }

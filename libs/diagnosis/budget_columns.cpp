@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/linear_algebra.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/covariate.h"
 #include "effects/catalogue.h"
 
@@ -14,14 +15,6 @@ namespace fathom {
 namespace {
 
 using Each = VarianceComponent::Each;
-
-// A field's nodes: so many to a length of correlation, and along one covariate at most.
-constexpr double kNodesPerLength = 2.0;
-constexpr int kMostNodes = 12;
-constexpr double kDropped = 1e-4;  // of a field's variance
-// Of the noise's variance: a value that readings cannot see better, be it as large as it may, needs no
-// column.
-constexpr double kLeastTold = 0.3;
 
 /// What each row changes by, of one unit's worth.
 using Change = std::vector<std::pair<Eigen::Index, double>>;

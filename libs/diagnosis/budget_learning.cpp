@@ -5,11 +5,10 @@
 #include <stdexcept>
 
 #include "core/text.h"
+#include "diagnosis/constants.h"
 
 namespace fathom {
 namespace {
-
-constexpr double kBetweenVehicles = 0.5;  // of the declared variance of ln sigma
 
 /// Of a normal variable.
 struct Normal {

@@ -5,16 +5,12 @@
 #include <set>
 
 #include "core/text.h"
+#include "diagnosis/constants.h"
 #include "effects/drawn.h"
 #include "effects/peak.h"
 #include "effects/sensor_kinds.h"
 
 namespace fathom {
-namespace {
-
-constexpr double kClearlySigmas = 3;
-
-}  // namespace
 
 std::string nameOf(const Candidate& candidate) {
   std::string name{allEffects()[candidate.effect].id};

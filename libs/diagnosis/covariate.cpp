@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/constants.h"
 #include "effects/registry.h"
 
 namespace fathom {
 namespace {
-
-constexpr double kLeastSpread = 1e-6;  // below, a covariate is constant
 
 Covariate component(std::string name, std::string unit, Vector3d RowInfo::*member, int axis) {
   return {std::move(name), std::move(unit),

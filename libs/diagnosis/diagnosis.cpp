@@ -10,6 +10,7 @@
 #include "core/stable_sort.h"
 #include "core/text.h"
 #include "diagnosis/alternatives.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/fits.h"
 #include "diagnosis/nominal.h"
 #include "diagnosis/shown_noise.h"
@@ -18,18 +19,6 @@
 
 namespace fathom {
 namespace {
-
-constexpr double kFarFromLinear = 100;  // support from which on an effect may be
-constexpr double kFarShare = 0.3;       // of the largest support: what may be right then
-constexpr double kUnderestimated = 5;   // ln odds: by the budget as declared, where the readings show less
-constexpr std::size_t kLooked = 40, kContenders = 5;
-constexpr double kLessNoise = 0.9;    // times the noise taken before: less than chance
-constexpr std::size_t kTogether = 3;  // effects that are looked for at once
-constexpr double kEvenOdds = 0;       // ln: of what is less likely than not nothing is said
-// Of the likelihood that an effect gains, on stretches that it was not fitted to. Where these could not show
-// a tenth of it, since poses follow it there, it has to gain that much where it was fitted, and over more
-// than a few images: that share of the recording.
-constexpr double kConfirmed = 0.3, kShownAtAll = 0.1, kUnseen = 50, kUnseenShare = 0.25;
 
 /// To compare what a camera by itself shows: its noise.
 double cameraNoise(const NoiseModel& noise) {

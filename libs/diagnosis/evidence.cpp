@@ -7,15 +7,11 @@
 #include <memory>
 
 #include "core/linear_algebra.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/error_budget.h"
 
 namespace fathom {
 namespace {
-
-// Ends where another step would gain so little of ln of the likelihood; no step is longer than
-// a factor of e^3.
-constexpr int kMostSteps = 100, kMostHalvings = 20;
-constexpr double kConverged = 0.01, kLongestStep = 3.0;
 
 std::vector<Eigen::Index> columnsIn(const Eigen::VectorXd& sigma) {
   std::vector<Eigen::Index> columns;

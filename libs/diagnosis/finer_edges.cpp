@@ -3,13 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/constants.h"
+
 namespace fathom {
-namespace {
-
-constexpr double kEdge_s = 1.0 / 3;  // as often as images usually come
-constexpr int kMostPerSegment = 32;  // of a long recording, whose parts are long
-
-}  // namespace
 
 FinerEdges::FinerEdges(const WhitenedModel& model, Interval span, int segments)
     : linear_(model.linear()), span_(span), segments_(segments), share_(model.scoreShares()) {

@@ -6,16 +6,11 @@
 
 #include "core/parallel.h"
 #include "core/text.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/onset.h"
 
 namespace fathom {
 namespace {
-
-constexpr double kContenderMargin = 8;  // ln odds to first order, plus a share of the largest:
-constexpr double kContenderShare = 0.25;
-constexpr double kMayLast = 0.3;       // of its best part's evidence
-constexpr double kPlainlyNeeded = 30;  // sqrt(lambda): what robust losses leave of it decides all the same
-constexpr std::size_t kKept = 1;       // models: each as large as all readings' derivatives
 
 /// The same for the same effects, in whatever order.
 std::string keyOf(const std::vector<Candidate>& effects) {
@@ -78,7 +73,7 @@ std::vector<Refit> Fits::of(const std::vector<Asked>& all) {
     const Asked& one = all[left[i]];
     Refit& fit = *fits[left[i]];
     fit = refit(data_, one.from->estimate, base_, one.effects, one.from->noise);
-    if (left.size() > kKept) fit.model.reset();
+    if (left.size() > kKeptModels) fit.model.reset();
   });
   letModelsGo();
   std::vector<Refit> copies;
@@ -91,7 +86,7 @@ void Fits::letModelsGo() {
   for (auto& [name, cached] : fitted_)
     if (cached.fit.model) kept.push_back(&cached);
   std::sort(kept.begin(), kept.end(), [](const Cached* a, const Cached* b) { return a->asked > b->asked; });
-  for (std::size_t i = kKept; i < kept.size(); ++i) kept[i]->fit.model.reset();
+  for (std::size_t i = kKeptModels; i < kept.size(); ++i) kept[i]->fit.model.reset();
 }
 
 Refit Fits::without(const Refit& from, std::vector<Candidate> effects, std::size_t one) {

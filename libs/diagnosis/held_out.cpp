@@ -11,6 +11,7 @@
 #include "core/random.h"
 #include "diagnosis/bare.h"
 #include "diagnosis/black_box.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/placebo.h"
 #include "diagnosis/residual_metrics.h"
 #include "effects/catalogue.h"
@@ -19,10 +20,6 @@
 namespace fathom {
 namespace {
 
-constexpr int kStretches = 3;  // of a fold, between those of others: an effect for a part is in most
-constexpr int kParts = 2;      // of a stretch, that are drawn anew by the bootstrap
-constexpr int kResamples = 1000;
-constexpr int kFloorDraws = 8;
 /// Columns of what is left of a fold's rows; after the draws of noise, one without each effect, and what each
 /// changes by itself.
 constexpr Eigen::Index kBefore = 0, kAfter = 1, kBlackBox = 2, kFirstDraw = 3;
@@ -58,11 +55,12 @@ class Stretches {
 
   int count() const { return count_; }
   bool areOfTime() const { return !is_instant_; }
-  int foldOf(const RowInfo& row) const { return partOf(row) / kParts % folds_; }
+  int foldOf(const RowInfo& row) const { return partOf(row) / kPartsOfStretch % folds_; }
   /// Stretch by stretch.
   int partOf(const RowInfo& row) const {
     const double at = is_instant_ ? static_cast<double>(row.marker) : row.t_s;
-    return std::clamp(static_cast<int>((at - first_) / span_ * kParts), 0, count_ * kParts - 1);
+    return std::clamp(static_cast<int>((at - first_) / span_ * kPartsOfStretch), 0,
+                      count_ * kPartsOfStretch - 1);
   }
   double begin_s(int stretch) const { return first_ + stretch * span_; }
   double length_s() const { return is_instant_ ? 0 : span_; }
@@ -158,7 +156,7 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
       channels_(channelsOf(model_, model_.whitened(without_.columns) * without_.values)),
       stretches_(data, options.folds),
       random_(options.seed),
-      pieces_(static_cast<std::size_t>(stretches_.count()) * kParts) {
+      pieces_(static_cast<std::size_t>(stretches_.count()) * kPartsOfStretch) {
   sigma_ = trainedSigmas(bare_, effects, found);
   columns_ = model_.whitened(fathom::columnsOf(bare_, effects));
   for (const Candidate& effect : effects) {
@@ -325,8 +323,8 @@ HeldOut HoldOut::summary(Channel channel, const std::vector<double>& resampled) 
   for (double& limit : held.after_ci95) limit *= unit;
   for (int stretch = 0; stretches_.areOfTime() && stretch < stretches_.count(); ++stretch) {
     std::vector<const Piece*> own;
-    for (int k = 0; k < kParts; ++k) {
-      const int part = stretch * kParts + k;
+    for (int k = 0; k < kPartsOfStretch; ++k) {
+      const int part = stretch * kPartsOfStretch + k;
       own.push_back(&pieces_[static_cast<std::size_t>(part)]);
     }
     held.blocks.push_back({stretches_.begin_s(stretch), stretches_.begin_s(stretch + 1),

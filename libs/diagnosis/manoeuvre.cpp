@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/text.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/manoeuvre_readings.h"
 #include "diagnosis/screening.h"
 #include "effects/catalogue.h"
@@ -15,14 +16,10 @@ namespace fathom {
 namespace {
 
 constexpr double kDuration_s = Manoeuvre::kDuration_s;
-// From which separation on the better one is ahead by half of what decides (alternatives.cpp), 2.7 in ln
-// likelihood, in 39 of 40 recordings: s² / 2 - 2 s.
-constexpr double kToldApart = 5;
 
 double wave(double t_s, double period_s) { return std::sin(2 * std::numbers::pi * t_s / period_s); }
 /// Begins and ends at rest, without a jerk.
 double eased(double t_s) {
-  constexpr double kEase_s = 5;
   const double x = std::clamp(std::min(t_s, kDuration_s - t_s) / kEase_s, 0.0, 1.0);
   return x * x * x * (10 - 15 * x + 6 * x * x);
 }

@@ -6,14 +6,12 @@
 #include <optional>
 #include <tuple>
 
+#include "diagnosis/constants.h"
 #include "imaging/camera_geometry.h"
 #include "imaging/true_camera.h"
 
 namespace fathom {
 namespace {
-
-constexpr double kImageInterval_s = 1;
-constexpr double kNearest_m = 0.2;  // nothing nearer is recognized
 
 /// What stands for a channel's measurements, at another time.
 BatchReading movedTo(BatchReading reading, double begin_s, double knot_s, const Pose& pose) {

@@ -13,15 +13,12 @@
 #include "core/random.h"
 #include "core/stable_sort.h"
 #include "core/text.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/screening.h"
 #include "effects/registry.h"
 
 namespace fathom {
 namespace {
-
-constexpr int kSpectrumDraws = 16;
-constexpr std::size_t kShortestSpectrum = 64;
-constexpr std::size_t kImagesTogether = 64;
 
 /// "2.1 to 2.4 m".
 std::string rangeOf(double low, double high, const std::string& unit) {

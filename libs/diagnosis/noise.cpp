@@ -4,13 +4,9 @@
 #include <cmath>
 
 #include "core/median.h"
+#include "diagnosis/constants.h"
 
 namespace fathom {
-namespace {
-
-constexpr double kLeastSeen = 0.1;  // of a place; less counts as that
-
-}  // namespace
 
 double partVariance(const RowInfo& row) {
   if (row.channel != kChannel<Pixels> || !(row.reflected > 0)) return 0;

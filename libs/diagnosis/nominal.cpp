@@ -3,15 +3,10 @@
 #include <stdexcept>
 
 #include "core/text.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/shown_noise.h"
 
 namespace fathom {
-namespace {
-
-constexpr int kNoisePasses = 2;
-constexpr double kTolerance = 0.01;  // of a likelihood: a hundredth of what decides
-
-}  // namespace
 
 NominalFit nominalFit(const BatchData& data, const StartPath& start,
                       const EffectParameters<double>& calibration, const ErrorBudget& budget,
@@ -23,7 +18,7 @@ NominalFit nominalFit(const BatchData& data, const StartPath& start,
     return nominal;
   };
   nominal.options.calibration = calibration;
-  nominal.options.cost_tolerance = kTolerance;
+  nominal.options.cost_tolerance = kCostTolerance;
   BatchEstimate estimate = estimateBatch(data, start, nominal.options);
   try {
     for (int pass = 0; pass < kNoisePasses; ++pass) {

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <optional>
 
+#include "diagnosis/constants.h"
 #include "diagnosis/evidence.h"
 
 namespace fathom {
 namespace {
-
-constexpr double kFinest_s = 0.1;
 
 /// The edges of a candidate that are times of the recording.
 std::vector<double*> edgesOf(Candidate& candidate) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/linear_algebra.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/screening.h"
 
 namespace fathom {

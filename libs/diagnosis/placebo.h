@@ -1,10 +1,9 @@
 #pragma once
 
+#include "diagnosis/constants.h"
 #include "diagnosis/rows_alone.h"
 
 namespace fathom {
-
-inline constexpr int kPlacebos = 20;  ///< draws of noise
 
 /// The best of all candidates on each draw of noise, and what it gains on stretches it was not trained on.
 class Placebo {

@@ -5,11 +5,10 @@
 #include <utility>
 
 #include "core/linear_algebra.h"
+#include "diagnosis/constants.h"
 
 namespace fathom {
 namespace {
-
-constexpr double kRidge = 1e-4;  // of a column's length, where a stretch by itself says nothing
 
 /// The nuisances of some rows, each held a little: a stretch by itself may not determine them all.
 Nuisances nuisancesOf(const Nuisances& all, const std::vector<Eigen::Index>& rows) {

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <set>
 
+#include "diagnosis/constants.h"
 #include "effects/catalogue.h"
 #include "estimation/sparse.h"
 
 namespace fathom {
 namespace {
-
-constexpr int kWeightRounds = 4;
-constexpr int kPeaks = 16;  // over the recording: narrower ones are noise until they are found
 
 /// Of an effect that comes and goes, whenever it may be: one peak beside another.
 std::vector<Candidate> peaksOf(const Linearization& linear) {

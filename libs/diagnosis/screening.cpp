@@ -9,19 +9,11 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "core/stable_sort.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/finer_edges.h"
 #include "effects/drawn.h"
 
 namespace fathom {
-namespace {
-
-constexpr double kLeastKept = 1e-4;  // of a direction's length: less is rounding
-constexpr int kAlarmDraws = 200, kDrawsAtOnce = 40;
-constexpr double kImpossible = -1e6;    // ln of odds
-constexpr std::size_t kFinerTried = 4;  // parts with finer edges, of each family
-constexpr std::size_t kKeptSets = 60;   // of a size, to which another effect is added
-
-}  // namespace
 
 PriorOdds::PriorOdds(const Linearization& linear, int segments)
     : segments_(segments),

@@ -5,18 +5,11 @@
 
 #include "core/median.h"
 #include "core/random.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/saturated.h"
 
 namespace fathom {
 namespace {
-
-constexpr int kNoiseDraws = 16;
-constexpr int kCorrelationRounds = 5, kPartRounds = 3;
-constexpr std::size_t kFewestRows = 30;  // fewer show no noise of their own
-constexpr double kClearSigmas = 4;       // from which on a correlation is more than chance
-constexpr double kLargestCorrelation = 0.95;
-constexpr double kCounted = 0.1;         // of Poisson's variance: where there are no specks there is less
-constexpr double kLeastOfStated = 0.01;  // of the variance of light: a mean of rounded numbers is no better
 
 /// Sums over a channel of squares and of neighbours' products.
 struct Moments {

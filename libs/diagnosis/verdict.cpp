@@ -6,19 +6,11 @@
 #include "core/stable_sort.h"
 #include "core/text.h"
 #include "diagnosis/black_box.h"
+#include "diagnosis/constants.h"
 #include "effects/catalogue.h"
 
 namespace fathom {
 namespace {
-
-constexpr double kUnexplained_p = 0.01;
-constexpr double kExplained = 0.95;   // of what can be taken away
-constexpr double kBursts = 3;         // ln odds: twenty to one
-constexpr double kMostLogOdds = 300;  // beyond, its exponential is no double
-constexpr double kDetectable = 18;    // information times prior variance: 5 % over the catalogue, power 90 %
-constexpr double kLeastShare = 0.2;   // of the catalogue to be within reach, for "none" to mean something
-constexpr double kNoisier = 1.5, kQuieter = 0.5;  // than stated, worth a remark
-constexpr std::size_t kToldFailures = 3;
 
 /// "scale = 0.01 ± 0.0004, …".
 std::string textOf(const std::vector<EffectEstimate>& estimates, const EffectInfo& effect) {

@@ -4,15 +4,13 @@
 
 #include "core/linear_algebra.h"
 #include "diagnosis/bare.h"
+#include "diagnosis/constants.h"
 #include "diagnosis/whitened_model.h"
 #include "estimation/nuisances.h"
 #include "estimation/sparse.h"
 
 namespace fathom {
 namespace {
-
-constexpr int kRounds = 2;     // of scales and sizes
-constexpr int kReweighed = 4;  // robust weights, at most
 
 /// Of the scalars that say how large an effect is: as large as one expects; of the others: as they are held.
 Eigen::VectorXd usualSizes(const Linearization& linear, const std::vector<Candidate>& effects) {
@@ -145,7 +143,7 @@ Likeliest likeliest(const ReducedFit& hypothesis, const Linearization& linear,
   sigma.resize(q + usual.size());
   // What effects of any size can explain is not the budget's, to begin with.
   sigma << hypothesis.budget.sigma, EffectEvidence::kSizes.back() * usual;
-  for (int round = 0; round < (effects.empty() ? 1 : kRounds); ++round) {
+  for (int round = 0; round < (effects.empty() ? 1 : kScaleRounds); ++round) {
     found.scales = likeliestScales(hypothesis.all.gram, hypothesis.all.score, sigma, groups);
     for (std::size_t k = 0; k < groups.size(); ++k) {
       groups[k].start = found.scales[k];

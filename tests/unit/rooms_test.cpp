@@ -181,5 +181,15 @@ TEST(Rooms, NoComponentIncludesItselfThroughOthers) {
   EXPECT_EQ(inCycles(app), std::set<std::string>{});
 }
 
+// Each with its source: constants.h. Places of columns are no numbers that anything is decided by.
+TEST(Rooms, WhatTheDiagnosisDecidesByIsInOneFile) {
+  const std::regex number(R"(constexpr (double|float|int|std::size_t)\s+k\w+\s*=\s*-?[0-9])");
+  ASSERT_TRUE(std::regex_search(readTextFile(kSource / "libs/diagnosis/constants.h"), number));
+  for (const auto& file : fs::directory_iterator(kSource / "libs/diagnosis"))
+    if (file.path().extension() == ".cpp") {
+      EXPECT_FALSE(std::regex_search(readTextFile(file.path()), number)) << file.path().filename();
+    }
+}
+
 }  // namespace
 }  // namespace fathom
