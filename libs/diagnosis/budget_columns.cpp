@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/linear_algebra.h"
+#include "core/text.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/covariate.h"
 #include "effects/catalogue.h"
@@ -94,43 +95,36 @@ std::vector<Change> changesBy(const Linearization& linear, const VarianceCompone
   throw unknown(component, "`" + name.first + "` is neither an effect nor a channel");
 }
 
-/// Rows that have a value of their own, by whose it is.
-std::vector<Change> apart(const Linearization& linear, Each each, const Change& change) {
-  std::map<std::pair<int, std::ptrdiff_t>, Change> by_owner;
-  std::map<Instance, int> instances;
-  for (const auto& [i, value] : change) {
-    const RowInfo& row = linear.rows[static_cast<std::size_t>(i)];
-    std::pair<int, std::ptrdiff_t> owner;
-    switch (each) {
-      case Each::recording:
-        break;
-      case Each::sensor:
-        owner.first = sensorKindOf(row.channel);
-        break;
-      case Each::instrument:
-        owner.first = instances.try_emplace(row.instance, static_cast<int>(instances.size())).first->second;
-        break;
-      case Each::marker:
-        owner.first = row.marker_id;
-        break;
-      case Each::place:
-        owner = {row.place, row.component};
-        break;
-      case Each::spot:
-        owner.second = row.place;
-        break;
-      case Each::image:
-        owner.second = row.image;
-        break;
-      case Each::reading:
-        owner.second = static_cast<std::ptrdiff_t>(row.reading);
-        break;
-    }
-    by_owner[owner].emplace_back(i, value);
+/// Whose a row's value is. Instruments are numbered as they come.
+Owner ownerOf(const RowInfo& row, Each each, std::map<Instance, int>& instances) {
+  switch (each) {
+    case Each::recording:
+      break;
+    case Each::sensor:
+      return {sensorKindOf(row.channel), 0};
+    case Each::instrument:
+      return {instances.try_emplace(row.instance, static_cast<int>(instances.size())).first->second, 0};
+    case Each::marker:
+      return {row.marker_id, 0};
+    case Each::place:
+      return {row.place, row.component};
+    case Each::spot:
+      return {row.place, 0};
+    case Each::image:
+      return {0, row.image};
+    case Each::reading:
+      return {0, static_cast<std::ptrdiff_t>(row.reading)};
   }
-  std::vector<Change> changes;
-  for (auto& [owner, own] : by_owner) changes.push_back(std::move(own));
-  return changes;
+  return {0, 0};
+}
+
+/// Rows that have a value of their own, by whose it is.
+std::map<Owner, Change> byOwner(const Linearization& linear, Each each, const Change& change) {
+  std::map<Owner, Change> by_owner;
+  std::map<Instance, int> instances;
+  for (const auto& [i, value] : change)
+    by_owner[ownerOf(linear.rows[static_cast<std::size_t>(i)], each, instances)].emplace_back(i, value);
+  return by_owner;
 }
 
 /// Nodes along one covariate.
@@ -248,7 +242,8 @@ class Field {
 
 }  // namespace
 
-Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const VarianceComponent& component) {
+OwnedColumns columnsOf(const Linearization& linear, const VarianceComponent& component) {
+  OwnedColumns all_columns;
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::Index columns = 0;
   const auto add = [&](Eigen::Index row, Eigen::Index column, double value) {
@@ -262,10 +257,11 @@ Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const Varianc
         const auto first = static_cast<std::size_t>(all.front().first);
         covariates = covariatesOf(linear, linear.rows[first].channel);
       }
-      for (const Change& change : apart(linear, component.each, all)) {
+      for (const auto& [owner, change] : byOwner(linear, component.each, all)) {
         if (!component.smooth) {
           for (const auto& [row, value] : change) add(row, columns, value);
           ++columns;
+          all_columns.owners.push_back(owner);
           continue;
         }
         const Eigen::MatrixXd own = Field(linear, *component.smooth, covariates, change)
@@ -274,21 +270,39 @@ Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const Varianc
           for (Eigen::Index k = 0; k < own.cols(); ++k)
             add(change[static_cast<std::size_t>(r)].first, columns + k, own(r, k));
         columns += own.cols();
+        all_columns.owners.resize(static_cast<std::size_t>(columns), owner);
       }
     }
-  Eigen::SparseMatrix<double> matrix(std::ssize(linear.rows), columns);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  return matrix;
+  all_columns.columns.resize(std::ssize(linear.rows), columns);
+  all_columns.columns.setFromTriplets(entries.begin(), entries.end());
+  return all_columns;
+}
+
+std::string whereIs(const Owner& owner, Each each, const Linearization& linear) {
+  if (each == Each::marker) return print("marker %d", owner.first);
+  std::map<Instance, int> instances;
+  Vector2d sum = Vector2d::Zero();
+  int count = 0;
+  for (const RowInfo& row : linear.rows) {
+    const bool has_place = (each == Each::place || each == Each::spot) && row.point_panel.allFinite();
+    if (!(has_place || each == Each::image) || ownerOf(row, each, instances) != owner) continue;
+    if (each == Each::image) return print("the image at %.1f s", row.t_s);
+    sum += row.point_panel;
+    ++count;
+  }
+  return count == 0 ? "" : print("%.2f m, %.2f m of the panel", sum.x() / count, sum.y() / count);
 }
 
 HeldColumns localFirst(const HeldColumns& held, const ErrorBudget& budget) {
-  HeldColumns sorted{{held.columns.rows(), held.columns.cols()}, Eigen::VectorXd(held.sigma.size()), {}, 0};
+  HeldColumns sorted{
+      {held.columns.rows(), held.columns.cols()}, Eigen::VectorXd(held.sigma.size()), {}, {}, {}, 0};
   std::vector<Eigen::Index> local, others;
   Eigen::Index first = 0;
   for (std::size_t k = 0; k < held.sizes.size(); first += held.sizes[k++]) {
     auto& own = budget.components[k].each == Each::image ? local : others;
     for (Eigen::Index c = 0; c < held.sizes[k]; ++c) own.push_back(first + c);
   }
+  for (; first < held.sigma.size(); ++first) others.push_back(first);
   sorted.local = std::ssize(local);
   local.insert(local.end(), others.begin(), others.end());
   sorted.columns.reserve(held.columns.nonZeros());

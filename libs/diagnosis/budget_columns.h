@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/error_budget.h"
@@ -8,20 +10,37 @@
 
 namespace fathom {
 
+/// Whose value one is, among those of its component: a marker's, a place's in a colour, an image's, …
+using Owner = std::pair<int, std::ptrdiff_t>;
+
 /// Columns over a linearization's rows of what is estimated too, each with the sigma that holds it.
 struct HeldColumns {
   Eigen::SparseMatrix<double> columns;
   Eigen::VectorXd sigma;
-  std::vector<Eigen::Index> sizes;  ///< of each component's share of them
-  Eigen::Index local = 0;           ///< so many, the first, have readings of one image each
+  /// Of each component's share of them, in the components' order; behind them come those of owners that are
+  /// apart (NoiseModel::apart).
+  std::vector<Eigen::Index> sizes;
+  std::vector<Owner> owners;          ///< of all of them
+  std::vector<std::size_t> of_apart;  ///< the components of those behind
+  Eigen::Index local = 0;             ///< so many, the first, have readings of one image each
 };
 /// The same with those of one image each before the others; `sizes` are of no use then.
 HeldColumns localFirst(const HeldColumns& held, const ErrorBudget& budget);
+
+/// Columns of a component, and whose they are.
+struct OwnedColumns {
+  Eigen::SparseMatrix<double> columns;
+  std::vector<Owner> owners;
+};
 
 /// What a component of the budget can do to a linearization's readings: columns over its rows, of values that
 /// are independent of each other, each of sigma VarianceComponent::sigma (in its unit). No column where no
 /// reading shows it. Throws std::invalid_argument where an effect, parameter, channel or covariate that it
 /// names is none.
-Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const VarianceComponent& component);
+OwnedColumns columnsOf(const Linearization& linear, const VarianceComponent& component);
+
+/// Where an owner is: "marker 583", "0.31 m, -0.22 m of the panel", "the image at 12.1 s"; empty where it is
+/// the whole recording or a sensor.
+std::string whereIs(const Owner& owner, VarianceComponent::Each each, const Linearization& linear);
 
 }  // namespace fathom

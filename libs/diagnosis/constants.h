@@ -52,7 +52,7 @@ inline constexpr int kStretches = 3;
 inline constexpr int kPartsOfStretch = 2;
 inline constexpr int kResamples = 1000;  ///< usual for 95 % intervals (Efron & Tibshirani 1993)
 inline constexpr int kFloorDraws = 8;    ///< of noise, for the floor. Chosen
-inline constexpr int kPlacebos = 20;     ///< draws of noise: its 95th percentile is the largest but one
+inline constexpr int kPlacebos = 20;     ///< draws of noise: the largest is their 95th percentile
 inline constexpr double kRidge =
     1e-4;  ///< of a column's length, where a stretch by itself says nothing. Chosen
 
@@ -103,6 +103,11 @@ inline constexpr int kMostSteps = 100, kMostHalvings = 20;
 inline constexpr double kConverged = 0.01, kLongestStep = 3;
 inline constexpr int kScaleRounds = 2;  ///< of scales and sizes. Chosen, for time
 inline constexpr int kReweighed = 4;    ///< rounds of robust weights, at most. Chosen, for time
+
+/// An owner's value is not of its kind where the largest sigma that the budget has for it would give any of
+/// them one like it so rarely; but where so large a share of the owners are so, it is the kind that is
+/// otherwise. How many are expected to be, of the owners. Chosen.
+inline constexpr double kApart_p = 1e-3, kMostApart = 0.25, kExpectedApart = 0.01;
 
 // The noise.
 

@@ -14,19 +14,36 @@ double partVariance(const RowInfo& row) {
 }
 
 HeldColumns budgetColumns(const Linearization& linear, const NoiseModel& noise) {
+  struct Column {
+    const Eigen::SparseMatrix<double>* from;
+    Eigen::Index column;
+    Owner owner;
+  };
+  const std::size_t count = noise.budget.components.size();
+  std::vector<OwnedColumns> components;
+  std::vector<Column> columns, behind;
   HeldColumns held;
-  std::vector<Eigen::Triplet<double>> entries;
-  int width = 0;
-  for (std::size_t k = 0; k < noise.budget.components.size(); ++k) {
-    const Eigen::SparseMatrix<double> own = columnsOf(linear, noise.budget.components[k]);
-    for (Eigen::Index c = 0; c < own.cols(); ++c)
-      for (Eigen::SparseMatrix<double>::InnerIterator e(own, c); e; ++e)
-        entries.emplace_back(static_cast<int>(e.row()), width + static_cast<int>(c), e.value());
-    width += static_cast<int>(own.cols());
-    held.sizes.push_back(own.cols());
+  components.reserve(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const OwnedColumns& own = components.emplace_back(columnsOf(linear, noise.budget.components[k]));
+    const auto before = std::ssize(columns);
+    for (Eigen::Index c = 0; c < own.columns.cols(); ++c) {
+      const Owner& owner = own.owners[static_cast<std::size_t>(c)];
+      const bool is_apart = noise.sigmaApart(k, owner).has_value();
+      (is_apart ? behind : columns).push_back({&own.columns, c, owner});
+      if (is_apart) held.of_apart.push_back(k);
+    }
+    held.sizes.push_back(std::ssize(columns) - before);
   }
-  held.columns.resize(std::ssize(linear.rows), width);
-  held.columns.setFromTriplets(entries.begin(), entries.end());
+  columns.insert(columns.end(), behind.begin(), behind.end());
+  held.columns.resize(std::ssize(linear.rows), std::ssize(columns));
+  for (const Column& one : columns) {
+    held.columns.startVec(std::ssize(held.owners));
+    for (Eigen::SparseMatrix<double>::InnerIterator e(*one.from, one.column); e; ++e)
+      held.columns.insertBack(e.row(), std::ssize(held.owners)) = e.value();
+    held.owners.push_back(one.owner);
+  }
+  held.columns.finalize();
   return heldBy(std::move(held), noise);
 }
 
@@ -35,7 +52,18 @@ HeldColumns heldBy(HeldColumns budget, const NoiseModel& noise) {
   Eigen::Index first = 0;
   for (std::size_t k = 0; k < budget.sizes.size(); first += budget.sizes[k++])
     budget.sigma.segment(first, budget.sizes[k]).setConstant(noise.sigmaOf(k));
+  for (const std::size_t k : budget.of_apart) {
+    budget.sigma[first] =
+        noise.sigmaApart(k, budget.owners[static_cast<std::size_t>(first)]).value_or(noise.sigmaOf(k));
+    ++first;
+  }
   return budget;
+}
+
+std::optional<double> NoiseModel::sigmaApart(std::size_t component, const Owner& owner) const {
+  if (apart.empty()) return {};
+  const auto found = apart[component].find(owner);
+  return found == apart[component].end() ? std::nullopt : std::optional(found->second);
 }
 
 NoiseModel NoiseModel::declared() const {

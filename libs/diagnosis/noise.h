@@ -2,6 +2,8 @@
 
 #include <array>
 #include <limits>
+#include <map>
+#include <optional>
 
 #include "diagnosis/budget_columns.h"
 #include "diagnosis/evidence.h"
@@ -32,13 +34,18 @@ struct NoiseModel {
   ErrorBudget budget;
   /// Of its components, as a recording shows them; none: as declared.
   std::vector<EstimatedScale> scales;
+  /// By component (none: of none), owners whose values are not of the others' kind: growth on two markers is
+  /// no way in which prints scatter. Each with a sigma of its own.
+  std::vector<std::map<Owner, double>> apart;
 
   const ChannelNoise& of(Channel channel) const { return channels[indexOf(channel)]; }
   /// What a component's values scatter by, in its unit.
   double sigmaOf(std::size_t component) const {
     return scales.empty() ? budget.components[component].sigma : scales[component].scale;
   }
-  /// With the budget as declared.
+  /// Of an owner that is apart.
+  std::optional<double> sigmaApart(std::size_t component, const Owner& owner) const;
+  /// With the budget as declared, but for what is apart.
   NoiseModel declared() const;
   /// Has a problem take readings for that noisy.
   void applyTo(ProblemOptions& options) const;

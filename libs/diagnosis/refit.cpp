@@ -112,6 +112,7 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
     fit.weight = weigh(linear, budget, effects, fit.estimate.state, noise);
     fit.noise = noise;
     fit.noise.scales = fit.weight.scales;
+    fit.noise.apart = fit.weight.apart;
     fit.linearized_at = fit.estimate.state;
     for (const RowInfo& row : linear.rows) fit.robust_weights.push_back(row.robust_weight);
     fit.model =

@@ -59,6 +59,9 @@ struct BudgetEntry {
   /// ln of how much likelier the readings are so than were it just what 99 % of such are at most.
   double beyond = 0;
   bool bursts = false;  ///< it would have to be beyond, by odds of twenty to one
+  /// Where values are that are not of the others' kind, and how large the largest of them is.
+  std::vector<std::string> apart;
+  double largest_apart = 0;
 };
 
 /// A hypothesis and how likely it is, of all that were looked at.

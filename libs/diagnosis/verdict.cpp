@@ -60,19 +60,40 @@ double beyondOf(const ChannelNoise& noise, double largest) {
   return ratio > 1 ? static_cast<double>(noise.rows) * (0.5 * (ratio * ratio - 1) - std::log(ratio)) : 0;
 }
 
+/// Who is apart: where, and by how much that counts.
+void addApart(BudgetEntry& entry, const VarianceComponent& component, const std::map<Owner, double>& apart,
+              const Linearization& nominal) {
+  for (const auto& [owner, sigma] : apart) {
+    const double ratio = std::max(1.0, sigma / (component.sigma * component.factor));
+    entry.beyond += 0.5 * (ratio * ratio - 1) - std::log(ratio);
+    entry.largest_apart = std::max(entry.largest_apart, sigma);
+    const std::string where = whereIs(owner, component.each, nominal);
+    if (!where.empty() && std::find(entry.apart.begin(), entry.apart.end(), where) == entry.apart.end())
+      entry.apart.push_back(where);
+  }
+}
+
 /// What the budget's components and the channels' noise turned out to be.
-std::vector<BudgetEntry> budgetOf(const NoiseModel& noise) {
+std::vector<BudgetEntry> budgetOf(const NoiseModel& noise, const Linearization& nominal) {
   std::vector<BudgetEntry> entries;
   for (std::size_t k = 0; k < noise.scales.size(); ++k) {
     const VarianceComponent& c = noise.budget.components[k];
     const EstimatedScale& own = noise.scales[k];
-    entries.push_back({c.name, c.unit, c.source, c.sigma, own.scale, own.log_sd, own.beyond, false});
+    entries.push_back({c.name, c.unit, c.source, c.sigma, own.scale, own.log_sd, own.beyond, false, {}, 0});
+    if (!noise.apart.empty()) addApart(entries.back(), c, noise.apart[k], nominal);
   }
   for (const Channel channel : kEveryChannel)
     if (const ChannelNoise& own = noise.of(channel); own.rows > 0 && channel != kChannel<Prior>)
-      entries.push_back({"noise of " + nameOf(channel), "of the sigma stated", "data sheet", 1, own.scale,
+      entries.push_back({"noise of " + nameOf(channel),
+                         "of the sigma stated",
+                         "data sheet",
+                         1,
+                         own.scale,
                          1 / std::sqrt(2 * static_cast<double>(own.rows)),
-                         beyondOf(own, noise.budget.noise_factor), false});
+                         beyondOf(own, noise.budget.noise_factor),
+                         false,
+                         {},
+                         0});
   for (BudgetEntry& entry : entries) entry.bursts = entry.beyond > kBursts;
   return entries;
 }
@@ -91,6 +112,17 @@ std::string textOf(const Mismatch& map) {
 std::string textOf(const FoundEffect& found, const InteractionTest& test) {
   return print("%s would have to change with %s, by %.0f %% over one standard deviation of it",
                nameOf(found.candidate).c_str(), test.against.c_str(), 100 * test.relative_change);
+}
+
+/// "marker-scale, 0.01 where 0.002 is ordinary, at marker 583 and 3 more".
+std::string textOf(const BudgetEntry& entry) {
+  std::string text =
+      print("%s, %.2g%s where %.2g is ordinary", entry.component.c_str(),
+            entry.apart.empty() ? entry.estimate : entry.largest_apart,
+            (entry.unit == "1" ? "" : " " + entry.unit).c_str(), entry.prior);
+  if (!entry.apart.empty()) text += ", at " + entry.apart[0];
+  if (entry.apart.size() > 1) text += print(" and %zu more", entry.apart.size() - 1);
+  return text;
 }
 
 /// A correction that would still take something away.
@@ -115,10 +147,8 @@ std::vector<Left> leftBeside(const Diagnosis& diagnosis) {
                        100 * std::abs(test.relative_change)});
   for (const BudgetEntry& entry : diagnosis.budget)
     if (entry.bursts)
-      all.push_back({entry.beyond, 1 + 2 * entry.beyond, 1,
-                     print("%s, %.2g %s where %.2g is ordinary", entry.component.c_str(), entry.estimate,
-                           entry.unit.c_str(), entry.prior),
-                     entry.unit, entry.estimate});
+      all.push_back({entry.beyond, 1 + 2 * entry.beyond, 1, textOf(entry), entry.unit,
+                     entry.apart.empty() ? entry.estimate : entry.largest_apart});
   stableSort(all, [](const Left& a, const Left& b) { return a.log_likelihood > b.log_likelihood; });
   return all;
 }
@@ -257,7 +287,7 @@ void judgeNothingFound(Diagnosis& diagnosis, const Linearization& nominal) {
 void judge(Diagnosis& diagnosis, const Linearization& nominal) {
   remarkOnNoise(diagnosis);
   remarkOnAllowance(diagnosis);
-  diagnosis.budget = budgetOf(diagnosis.noise);
+  diagnosis.budget = budgetOf(diagnosis.noise, nominal);
   shareOut(diagnosis);
   const std::vector<std::string> failures = failuresOf(diagnosis);
   if (!failures.empty())

@@ -1,7 +1,9 @@
 #include "diagnosis/weight.h"
 
 #include <cmath>
+#include <map>
 
+#include "core/chi_square.h"
 #include "core/linear_algebra.h"
 #include "diagnosis/bare.h"
 #include "diagnosis/constants.h"
@@ -165,6 +167,53 @@ double logPriorOf(const std::vector<EstimatedScale>& scales, const std::vector<S
   return sum;
 }
 
+/// Whether its owners are somewhere on the panel.
+bool hasPlace(VarianceComponent::Each each) {
+  return each == VarianceComponent::Each::marker || each == VarianceComponent::Each::place ||
+         each == VarianceComponent::Each::spot;
+}
+
+/// Adds the owners whose values are not of their component's kind; whether there are any.
+bool setApart(NoiseModel& noise, const HeldColumns& budget, const Eigen::VectorXd& values) {
+  noise.apart.resize(budget.sizes.size());
+  bool has_more = false;
+  Eigen::Index column = 0;
+  for (std::size_t k = 0; k < budget.sizes.size(); ++k) {
+    struct Sum {
+      double square = 0;
+      int count = 0;
+    };
+    std::map<Owner, Sum> sums;
+    for (const Eigen::Index end = column + budget.sizes[k]; column < end; ++column) {
+      Sum& sum = sums[budget.owners[static_cast<std::size_t>(column)]];
+      sum.square += values[column] * values[column];
+      ++sum.count;
+    }
+    const VarianceComponent& component = noise.budget.components[k];
+    if (!hasPlace(component.each)) continue;
+    const double largest = component.sigma * component.factor;
+    const auto owners = static_cast<double>(sums.size() + noise.apart[k].size());
+    std::map<Owner, double> all = noise.apart[k];
+    for (const auto& [owner, sum] : sums)
+      if (chiSquareLogTail(sum.count, sum.square / (largest * largest)) < std::log(kApart_p / owners))
+        all[owner] = std::sqrt(sum.square / sum.count);
+    if (all.size() == noise.apart[k].size() || static_cast<double>(all.size()) > kMostApart * owners)
+      continue;
+    noise.apart[k] = std::move(all);
+    has_more = true;
+  }
+  return has_more;
+}
+
+/// ln of how likely it is beforehand that these owners are apart, the further the less.
+double logPriorOfApart(const NoiseModel& noise) {
+  double sum = 0;
+  for (std::size_t k = 0; k < noise.apart.size(); ++k)
+    for (const auto& [owner, sigma] : noise.apart[k])
+      sum += std::log(kExpectedApart * std::min(1.0, noise.budget.components[k].sigma / sigma));
+  return sum;
+}
+
 /// By how much a robust loss exceeds half the square of what is left of the readings that it makes light of.
 double robustShare(const Linearization& linear, const Eigen::VectorXd& left) {
   double sum = 0;
@@ -177,8 +226,9 @@ double robustShare(const Linearization& linear, const Eigen::VectorXd& left) {
 }  // namespace
 
 Weight weigh(Linearization& linear, HeldColumns& budget, const std::vector<Candidate>& effects,
-             const BatchState& state, const NoiseModel& noise) {
+             const BatchState& state, const NoiseModel& assumed) {
   Weight weight;
+  NoiseModel noise = assumed;
   Likeliest found;
   for (int round = 0;; ++round) {
     const ReducedFit hypothesis(linear, effects, state, noise, budget);
@@ -188,12 +238,17 @@ Weight weigh(Linearization& linear, HeldColumns& budget, const std::vector<Candi
     found = likeliest(hypothesis, linear, effects, groups);
     const Split& split = found.split;
     const Eigen::VectorXd left = hypothesis.leftBy(split);
-    if (round + 1 < kReweighed && reweigh(linear, budget, left)) continue;
+    if (round + 1 < kReweighed) {
+      const bool has_others = reweigh(linear, budget, left), has_more = setApart(noise, budget, split.budget);
+      if (has_more) budget = budgetColumns(linear, noise);
+      if (has_others || has_more) continue;
+    }
+    weight.apart = noise.apart;
     weight.scales =
         estimatedScales(hypothesis.all.gram, hypothesis.all.score, found.sigma, groups, found.scales);
     weight.log_evidence = -0.5 * hypothesis.nuisances.project(hypothesis.residual).squaredNorm() -
                           robustShare(linear, hypothesis.W * left) + logPriorOf(weight.scales, groups) +
-                          split.of_budget + split.effects.log_bayes_factor +
+                          logPriorOfApart(noise) + split.of_budget + split.effects.log_bayes_factor +
                           logOfPositive(linear, effects, split.effects.evidence);
     return weight;
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include "diagnosis/candidate.h"
@@ -13,6 +14,7 @@ namespace fathom {
 struct Weight {
   double log_evidence = 0;
   std::vector<EstimatedScale> scales;  ///< of the budget's components, the likeliest beside these effects
+  std::vector<std::map<Owner, double>> apart;  ///< see NoiseModel
 };
 
 /// `linear`: at the state, with the effects among its unknowns, weighted (applyRobustWeights()); `budget`:
@@ -21,6 +23,6 @@ struct Weight {
 /// with the priors of EffectEvidence, everything else with flat ones. Throws Singular where readings weigh so
 /// much that rounding is all that is left of them.
 Weight weigh(Linearization& linear, HeldColumns& budget, const std::vector<Candidate>& effects,
-             const BatchState& state, const NoiseModel& noise);
+             const BatchState& state, const NoiseModel& assumed);
 
 }  // namespace fathom

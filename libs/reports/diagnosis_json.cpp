@@ -215,6 +215,7 @@ Json budgetJson(const std::vector<BudgetEntry>& budget) {
                     {"estimate", entry.estimate},
                     {"sigma", entry.estimate * entry.log_sd},
                     {"bursts", entry.bursts},
+                    {"apart", entry.apart},
                     {"source", entry.source}});
   return list;
 }

@@ -213,17 +213,26 @@ void addElsewhere(const DiagnosisStory& story, HtmlReport& report) {
   report.table(elsewhereTable(story));
 }
 
+std::string burstText(const BudgetEntry& entry) {
+  if (entry.apart.empty()) return entry.bursts ? "yes" : "no";
+  std::string text = print("%.2g at ", entry.largest_apart);
+  for (std::size_t i = 0; i < entry.apart.size(); ++i) text += (i > 0 ? "; " : "") + entry.apart[i];
+  return text;
+}
+
 void addBudget(const Diagnosis& d, HtmlReport& report) {
   Table table{{"component", "declared", "in this recording", "unit", "bursts", "source"}, {}};
   for (const BudgetEntry& entry : d.budget)
     table.rows.push_back({entry.component, print("%.3g", entry.prior),
                           print("%.2g ± %.1g", entry.estimate, entry.estimate * entry.log_sd), entry.unit,
-                          entry.bursts ? "yes" : "no", entry.source});
+                          burstText(entry), entry.source});
   report.subheading("The error budget");
   report.table(
       table,
       "What readings may differ by for no reason that has a name: declared (one sigma), and as large as "
-      "it is in this recording. A component that would have to be beyond what 99 % of such are bursts.");
+      "it is in this recording. A component that would have to be beyond what 99 % of such are bursts, all "
+      "of "
+      "it or where single values are not of the others' kind.");
 }
 
 void addNoise(const DiagnosisStory& story, HtmlReport& report) {

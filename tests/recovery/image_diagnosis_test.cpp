@@ -114,6 +114,29 @@ INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenImageEffect,
                                          "vignetting", "gamma", "dark-offset", "turbidity-plume",
                                          "motion-blur", "marine-snow", "dvl-latency"));
 
+// Growth on two places of a panel: no effect is named for it, it is said where, and the other places' prints
+// are as even as they were.
+TEST(ImageDiagnosis, WhatIsOnSinglePlacesIsSaidWithItsPlace) {
+  if (test::kSanitized)
+    GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
+  test::DiagnosisRun dive;
+  dive.run = test::lightDive();
+  dive.change_light = [](std::vector<ImagePatch>& patches) {
+    std::set<int> covered;
+    for (const ImagePatch& patch : patches)
+      if (patch.surface == ImagePatch::Surface::white && covered.size() < 2) covered.insert(patch.place);
+    for (ImagePatch& patch : patches)
+      if (covered.contains(patch.place)) patch.albedo /= 0.7;  // as the map has it
+  };
+  const Diagnosis diagnosis = diagnose(dive.input());
+  EXPECT_TRUE(diagnosis.effects.empty()) << diagnosis.why;
+  EXPECT_EQ(diagnosis.verdict, Verdict::unexplained) << diagnosis.why;
+  EXPECT_NE(diagnosis.why.find("print"), std::string::npos) << diagnosis.why;
+  EXPECT_NE(diagnosis.why.find("of the panel"), std::string::npos) << diagnosis.why;
+  for (const BudgetEntry& entry : diagnosis.budget)
+    if (entry.component.starts_with("print-")) EXPECT_LT(entry.estimate, entry.prior) << entry.component;
+}
+
 // A number that three images have in common is one, not three.
 TEST(ImageDiagnosis, FlakesThatAreSeenAgainTellLess) {
   if (test::kSanitized)

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "core/random.h"
 #include "effects/catalogue.h"
-#include "support/batch_runs.h"
+#include "support/linear_run.h"
 
 namespace fathom {
 namespace {
@@ -14,9 +17,7 @@ constexpr Interval kOdd{4.0, 6.0};
 
 /// A run whose DVL reads a fifth too much for two seconds.
 WhitenedModel oddRun() {
-  const BatchInput input = test::BatchRun(kDuration_s).input();
-  const BatchEstimate estimate = estimateBatch(input.data, input.start, {});
-  Linearization linear = linearize(input.data, *problemAt(input.data, estimate, {}));
+  Linearization linear = test::LinearRun(kDuration_s).linear();
   const Candidate scale{kEffectIndex<DvlScale>, {}, {}, {}, {}};
   const Eigen::VectorXd column = columnsOf(linear, {scale}) * Eigen::VectorXd::Ones(1);
   for (std::size_t i = 0; i < linear.rows.size(); ++i)
@@ -59,6 +60,45 @@ TEST(Screening, TriesNoPartWhoseBestExplanationDidNotHold) {
     EXPECT_TRUE(part.from_s < kOdd.from_s - 0.5 * kSegment_s || part.to_s > kOdd.to_s + 0.5 * kSegment_s)
         << nameOf(tested.candidate);
   }
+}
+
+// Of an effect that lasts or is on from one edge to another: all that may be are together as likely as it is,
+// one of so many.
+TEST(PriorOdds, OfAnEffectsTimesMakeOneEffect) {
+  const Linearization linear = test::LinearRun(6.0).linear();
+  const PriorOdds prior(linear, kSegments);
+  Candidate candidate{kEffectIndex<DvlScale>, {}, {}, {}, {}};
+  double sum = std::exp(prior.logOf(candidate));
+  for (int from = 0; from < kSegments; ++from)
+    for (int to = from + 1; to <= kSegments; ++to) {
+      candidate.active_s = {static_cast<double>(from), static_cast<double>(to)};
+      sum += std::exp(prior.logOf(candidate));
+    }
+  double effects = 0;
+  for (const EffectInfo& effect : allEffects()) effects += canShow(linear, effect.index);
+  EXPECT_NEAR(sum, 1 / effects, 1e-12);
+}
+
+// Readings that differ from the model by noise alone reach what one in ten is said to reach about so often:
+// of 40 draws 4, 12 with a probability of 3e-4.
+TEST(Screening, SaysHowOftenChanceIsSoLikely) {
+  constexpr int kDraws = 40, kCoarse = 4;
+  const test::LinearRun run(6.0);
+  const WhitenedModel model = run.model();
+  const double usual_best = Screening(model, kCoarse).chance(1).evidenceOf(0.1);
+  Random random(5);
+  int reached = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Linearization linear = model.linear();
+    linear.residual = random.normals(linear.residual.size(), 1);
+    double best = -1e300;
+    for (const TestedCandidate& tested :
+         Screening(WhitenedModel(WhitenedModel::Weighted{}, std::move(linear), {}), kCoarse).candidates())
+      best = std::max(best, tested.log_evidence);
+    reached += best >= usual_best;
+  }
+  EXPECT_LE(reached, 12);
+  EXPECT_GE(reached, 1);
 }
 
 }  // namespace

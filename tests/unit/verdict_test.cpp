@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "diagnosis/budget_file.h"
@@ -81,6 +82,25 @@ TEST(Verdict, ABudgetThatBurstsIsAMismatchWithAPlace) {
   EXPECT_TRUE(diagnosis.budget[0].bursts);
   EXPECT_NEAR(diagnosis.remainder.share, 80.0 / 1080, 1e-9);
   EXPECT_NE(diagnosis.why.find(diagnosis.budget[0].component), std::string::npos) << diagnosis.why;
+}
+
+// Growth on one marker, 0.6 where prints differ by 0.02: said where, and the others are as ordinary as
+// before.
+TEST(Verdict, WhoIsApartIsAMismatchWithAPlace) {
+  Diagnosis diagnosis = found(0);
+  const auto& components = diagnosis.noise.budget.components;
+  const auto of_markers = std::find_if(components.begin(), components.end(), [](const auto& component) {
+    return component.each == VarianceComponent::Each::marker;
+  });
+  ASSERT_NE(of_markers, components.end());
+  diagnosis.noise.apart.resize(components.size());
+  diagnosis.noise.apart[static_cast<std::size_t>(of_markers - components.begin())] = {
+      {{583, 0}, 100 * of_markers->sigma}};
+  diagnosis = judged(std::move(diagnosis));
+  EXPECT_EQ(diagnosis.verdict, Verdict::unexplained);
+  EXPECT_NE(diagnosis.why.find(of_markers->name), std::string::npos) << diagnosis.why;
+  EXPECT_NE(diagnosis.why.find("marker 583"), std::string::npos) << diagnosis.why;
+  EXPECT_NE(diagnosis.remainder.where.find("marker 583"), std::string::npos);
 }
 
 TEST(Verdict, ABudgetThatBurstsByLittleIsARemark) {

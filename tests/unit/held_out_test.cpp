@@ -1,0 +1,79 @@
+#include "diagnosis/held_out.h"
+
+#include <gtest/gtest.h>
+
+#include "diagnosis/placebo.h"
+#include "effects/catalogue.h"
+#include "support/linear_run.h"
+
+namespace fathom {
+namespace {
+
+Candidate lasting(std::size_t effect) { return {effect, {}, {}, {}, {}}; }
+
+HeldOutGain gainOf(const test::LinearRun& run, const std::vector<Candidate>& effects) {
+  HeldOutOptions options;
+  options.yardsticks = false;
+  return holdOut(run.linear(), effects, run.estimate.state, {}, run.input.data, options).gain;
+}
+
+// A score on readings that were fitted is half a chi-square of as many degrees as there are parameters, 0.5
+// of each; on others it is as far below zero or more. So much over three recordings is no chance: its
+// standard deviation is sqrt(0.5) for each parameter.
+TEST(HeldOut, WhatIsNotThereGainsNothing) {
+  const std::vector<Candidate> effects{lasting(kEffectIndex<InsMisalignment>),
+                                       lasting(kEffectIndex<DvlLeverArm>),
+                                       lasting(kEffectIndex<AccelerometerBias>)};
+  double gain = 0;
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    for (const double own : gainOf(test::LinearRun(12.0, seed), effects).by_effect) gain += own;
+  }
+  EXPECT_LT(gain, 0);
+}
+
+// Each image shows a lens by itself, so that held-out stretches see most of it: by what their poses,
+// estimated anew, follow of it they gain less than all readings together.
+TEST(HeldOut, WhatIsThereGainsMuchOfWhatItExplains) {
+  const test::LinearRun run(12.0);
+  Linearization linear = run.linear();
+  const Candidate lens = lasting(kEffectIndex<LensDistortion>);
+  const Eigen::SparseMatrix<double> columns = columnsOf(linear, {lens});
+  constexpr double kK1 = 0.1;
+  linear.residual -= kK1 * columns.col(0);
+  HeldOutOptions options;
+  options.yardsticks = false;
+  const HeldOutGain gain = holdOut(linear, {lens}, run.estimate.state, {}, run.input.data, options).gain;
+  const Reduced reduced = WhitenedModel(linear, {}).reduce({lens});
+  const double all = 0.5 * kK1 * kK1 * reduced.gram(0, 0);
+  ASSERT_GT(all, 50);
+  EXPECT_GT(gain.by_effect[0], 0.25 * all);
+  EXPECT_LT(gain.by_effect[0], 1.2 * all);
+}
+
+/// What each of the draws gains, by itself.
+double gainOfDraw(const WhitenedModel& model, const Eigen::VectorXd& draw, const RowsAlone& train,
+                  const RowsAlone& test) {
+  Placebo alone(model, draw.replicate(1, kPlacebos), 1);
+  alone.take(0, train, test);
+  return alone.percentile95();
+}
+
+TEST(Placebo, IsBeatenByOneInTwentyAtMost) {
+  const test::LinearRun run(6.0);
+  const WhitenedModel model = run.model();
+  std::vector<Eigen::Index> even, odd;
+  for (Eigen::Index i = 0; i < model.residual().size(); ++i) (i / 40 % 2 == 0 ? even : odd).push_back(i);
+  const RowsAlone train(model, even), test(model, odd);
+  Random random(3);
+  const Eigen::MatrixXd noise = random.normals(model.residual().size(), kPlacebos);
+  Placebo placebo(model, noise, 1);
+  placebo.take(0, train, test);
+  const double limit = placebo.percentile95();
+  int beaten = 0;
+  for (Eigen::Index draw = 0; draw < kPlacebos; ++draw)
+    beaten += gainOfDraw(model, noise.col(draw), train, test) > limit;
+  EXPECT_LE(beaten, kPlacebos / 20);
+}
+
+}  // namespace
+}  // namespace fathom
