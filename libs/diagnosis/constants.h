@@ -13,6 +13,9 @@ namespace fathom {
 inline constexpr double kExplained = 0.95;
 /// ln of the odds that a component of the budget is beyond its limit. Chosen: twenty to one.
 inline constexpr double kBursts = 3;
+/// ln of the likelihood from which on a part of a recording is noisier than the rest. Chosen: more than for
+/// having looked at every part.
+inline constexpr double kNoisierPart = 10;
 /// Of a map of what is left: below, it is unlikely by chance. Chosen: one in a hundred.
 inline constexpr double kUnexplained_p = 0.01;
 /// Information times prior variance, from which on a usual size would have shown. Derived: 5 % over the whole

@@ -12,6 +12,8 @@
 namespace fathom {
 namespace {
 
+constexpr double kUnheld = std::numeric_limits<double>::infinity();
+
 bool areAllPossible(const Refit& fit) {
   return std::all_of(fit.estimates.begin(), fit.estimates.end(), [](const EffectEstimate& estimate) {
     return canBeFound(estimate.scalar, estimate.value, estimate.sigma);
@@ -39,18 +41,11 @@ void holdAtNothing(Refit& fit) {
     if (found.image < 0 && !isPossible(parameterOf(found.scalar), found.value)) found.value = 0;
 }
 
-/// One least-squares step with the noise as it is: readings of a sensor have some of it in common, which the
-/// estimate did not know.
-void finish(Refit& fit) {
-  const Eigen::VectorXd step = fit.model->nuisances().step(fit.model->residual());
+/// What the effects' unknowns are after a step; where in it each is.
+std::vector<Eigen::Index> addEstimates(Refit& fit, const Eigen::VectorXd& step) {
   std::vector<Eigen::Index> columns;
   const Linearization& linear = fit.model->linear();
   BatchState& state = fit.estimate.state;
-  const auto priorOf = [&](std::size_t scalar) {
-    for (const EffectColumn& column : linear.columns)
-      if (column.scalar == scalar) return column.prior_sigma;
-    return std::numeric_limits<double>::infinity();
-  };
   for (const UnknownBlock& block : linear.blocks) {
     if (block.kind == UnknownBlock::Kind::draw) {
       const Draw& draw = linear.draws[block.index];
@@ -65,17 +60,33 @@ void finish(Refit& fit) {
     for (std::size_t k = 0; k < scalars.size(); ++k) {
       columns.push_back(block.column + static_cast<Eigen::Index>(k));
       fit.estimates.push_back(
-          {block.index, scalars[k], fit.estimate.state.effects.values[scalars[k]] + step[columns.back()], 0});
+          {block.index, scalars[k], state.effects.values[scalars[k]] + step[columns.back()], 0});
     }
   }
+  return columns;
+}
+
+/// Of each estimate, by the linearization's priors.
+Eigen::VectorXd priorSigmasOf(const Refit& fit) {
+  Eigen::VectorXd sigma = Eigen::VectorXd::Constant(std::ssize(fit.estimates), kUnheld);
+  for (Eigen::Index k = 0; k < sigma.size(); ++k)
+    for (const EffectColumn& column : fit.model->linear().columns)
+      if (column.scalar == fit.estimates[static_cast<std::size_t>(k)].scalar) sigma[k] = column.prior_sigma;
+  return sigma;
+}
+
+/// One least-squares step with the noise as it is: readings of a sensor have some of it in common, which the
+/// estimate did not know.
+void finish(Refit& fit) {
+  const std::vector<Eigen::Index> columns =
+      addEstimates(fit, fit.model->nuisances().step(fit.model->residual()));
   fit.succeeded = true;
   if (columns.empty()) return;
   fit.covariance = fit.model->nuisances().covariance(columns);
-  fit.prior_sigma.resize(std::ssize(columns));
+  fit.prior_sigma = priorSigmasOf(fit);
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     fit.estimates[i].sigma = std::sqrt(fit.covariance(k, k));
-    fit.prior_sigma[k] = priorOf(fit.estimates[i].scalar);
   }
   fit.succeeded = areAllPossible(fit);
   if (!fit.succeeded) {
@@ -83,6 +94,7 @@ void finish(Refit& fit) {
     return;
   }
   holdAtNothing(fit);
+  BatchState& state = fit.estimate.state;
   for (const EffectEstimate& found : fit.estimates)
     if (found.image < 0)
       state.effects.values[found.scalar] = found.value;

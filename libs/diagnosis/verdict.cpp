@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/stable_sort.h"
 #include "core/text.h"
 #include "diagnosis/black_box.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/covariate.h"
 #include "effects/catalogue.h"
 
 namespace fathom {
@@ -73,6 +75,53 @@ void addApart(BudgetEntry& entry, const VarianceComponent& component, const std:
   }
 }
 
+/// Where a channel's readings scatter most beside the others: "image y 380 to 470 px"; empty where it is the
+/// same everywhere.
+std::string noisiestPart(const Linearization& linear, Channel channel) {
+  std::string where;
+  double most = kNoisierPart;
+  for (const Covariate& covariate : covariatesOf(linear, channel)) {
+    const std::vector<double> limits = binLimits(linear, channel, covariate);
+    if (limits.size() < 3) continue;
+    std::vector<double> square(limits.size() - 1), rows(limits.size() - 1);
+    for (std::size_t i = 0; i < linear.rows.size(); ++i)
+      if (linear.rows[i].channel == channel)
+        if (const auto bin = binOf(limits, covariate.of(linear.rows[i]))) {
+          // In full: what a robust fit makes light of is noise all the same.
+          square[*bin] +=
+              std::pow(linear.residual[static_cast<Eigen::Index>(i)], 2) / linear.rows[i].robust_weight;
+          ++rows[*bin];
+        }
+    const double all = std::accumulate(square.begin(), square.end(), 0.0),
+                 count = std::accumulate(rows.begin(), rows.end(), 0.0);
+    for (std::size_t bin = 0; bin < rows.size(); ++bin) {
+      const double ratio = (square[bin] / rows[bin]) / ((all - square[bin]) / (count - rows[bin]));
+      const double log_likelihood = 0.5 * rows[bin] * (ratio - 1 - std::log(ratio));
+      if (!(ratio > 1 && log_likelihood > most)) continue;
+      most = log_likelihood;
+      where = print("%s %.3g to %.3g", covariate.name.c_str(), limits[bin] * covariate.scale,
+                    limits[bin + 1] * covariate.scale) +
+              (covariate.unit == "1" ? "" : " " + covariate.unit);
+    }
+  }
+  return where;
+}
+
+BudgetEntry entryOf(Channel channel, const ChannelNoise& noise, double factor, const Linearization& nominal) {
+  BudgetEntry entry;
+  entry.component = "noise of " + nameOf(channel);
+  entry.unit = "of the sigma stated";
+  entry.source = "data sheet";
+  entry.prior = 1;
+  entry.estimate = entry.largest_apart = noise.scale;
+  entry.log_sd = 1 / std::sqrt(2 * static_cast<double>(noise.rows));
+  entry.beyond = beyondOf(noise, factor);
+  if (entry.beyond > kBursts)
+    if (const std::string where = noisiestPart(nominal, channel); !where.empty())
+      entry.apart.push_back(where);
+  return entry;
+}
+
 /// What the budget's components and the channels' noise turned out to be.
 std::vector<BudgetEntry> budgetOf(const NoiseModel& noise, const Linearization& nominal) {
   std::vector<BudgetEntry> entries;
@@ -84,16 +133,7 @@ std::vector<BudgetEntry> budgetOf(const NoiseModel& noise, const Linearization& 
   }
   for (const Channel channel : kEveryChannel)
     if (const ChannelNoise& own = noise.of(channel); own.rows > 0 && channel != kChannel<Prior>)
-      entries.push_back({"noise of " + nameOf(channel),
-                         "of the sigma stated",
-                         "data sheet",
-                         1,
-                         own.scale,
-                         1 / std::sqrt(2 * static_cast<double>(own.rows)),
-                         beyondOf(own, noise.budget.noise_factor),
-                         false,
-                         {},
-                         0});
+      entries.push_back(entryOf(channel, own, noise.budget.noise_factor, nominal));
   for (BudgetEntry& entry : entries) entry.bursts = entry.beyond > kBursts;
   return entries;
 }
@@ -116,10 +156,9 @@ std::string textOf(const FoundEffect& found, const InteractionTest& test) {
 
 /// "marker-scale, 0.01 where 0.002 is ordinary, at marker 583 and 3 more".
 std::string textOf(const BudgetEntry& entry) {
-  std::string text =
-      print("%s, %.2g%s where %.2g is ordinary", entry.component.c_str(),
-            entry.apart.empty() ? entry.estimate : entry.largest_apart,
-            (entry.unit == "1" ? "" : " " + entry.unit).c_str(), entry.prior);
+  std::string text = print("%s, %.2g%s where %.2g is ordinary", entry.component.c_str(),
+                           entry.apart.empty() ? entry.estimate : entry.largest_apart,
+                           (entry.unit == "1" ? "" : " " + entry.unit).c_str(), entry.prior);
   if (!entry.apart.empty()) text += ", at " + entry.apart[0];
   if (entry.apart.size() > 1) text += print(" and %zu more", entry.apart.size() - 1);
   return text;
