@@ -110,7 +110,7 @@ inline constexpr int kReweighed = 4;    ///< rounds of robust weights, at most. 
 /// An owner's value is not of its kind where the largest sigma that the budget has for it would give any of
 /// them one like it so rarely; but where so large a share of the owners are so, it is the kind that is
 /// otherwise. How many are expected to be, of the owners. Chosen.
-inline constexpr double kApart_p = 1e-3, kMostApart = 0.25, kExpectedApart = 0.01;
+inline constexpr double kApart_p = 1e-3, kMostApart = 0.1, kExpectedApart = 0.01;
 
 // The noise.
 
