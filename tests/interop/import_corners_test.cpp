@@ -166,7 +166,8 @@ TEST_F(ImportCorners, TheRealTankIsKnownByItsWater) {
   EXPECT_NEAR(slab_m, 0.25, 0.03);
   const double before_px = result.at("heldout").at("before"), after_px = result.at("heldout").at("after");
   EXPECT_LT(after_px, 0.1 * before_px);
-  // A camera calibrated anew leaves pixels; what is left here is what the budget allows boards to be folded by.
+  // A camera calibrated anew leaves pixels; what is left here is what the budget allows boards to be folded
+  // by.
   EXPECT_LT(after_px, 0.25 * result.at("heldout").at("black_box").get<double>());
 }
 
