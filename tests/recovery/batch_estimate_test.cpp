@@ -100,14 +100,13 @@ TEST(BatchEstimate, NothingIsThinnerThanNothing) {
     test::BatchRun run(12.0);
     run.seed = seed;
     const BatchInput input = run.input();
-    const BatchEstimate estimate =
-        estimateBatch(input.data, input.start,
-                      test::estimating(test::effectsFrom(
-                          "{id: flat-port-refraction, distance_m: 0, glass_m: 0, tilt_deg: 0}")));
+    const BatchEstimate estimate = estimateBatch(
+        input.data, input.start,
+        test::estimating(
+            test::effectsFrom("{id: flat-port-refraction, distance_m: 0, glass_m: 0, tilt_deg: 0}")));
     ASSERT_TRUE(estimate.succeeded) << estimate.failure;
     for (const EffectEstimate& e : estimate.effects)
-      if (parameterOf(e.scalar).positive)
-        EXPECT_GE(e.value, 0) << seed << " " << parameterOf(e.scalar).name;
+      if (parameterOf(e.scalar).positive) EXPECT_GE(e.value, 0) << seed << " " << parameterOf(e.scalar).name;
   }
 }
 
