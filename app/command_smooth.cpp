@@ -47,7 +47,7 @@ void readEffects(const SmoothOptions& options, BatchOptions& batch) {
 /// Channels of which more is left than their noise: what the recording contradicts.
 std::vector<std::string> contradictions(const BatchEstimate& estimate) {
   constexpr double kContradicts = 1.5;     // times the noise that was taken, as `diagnose` remarks on it
-  constexpr std::size_t kFewestRows = 30;  // of fewer the ratio is known to less than a tenth
+  constexpr std::size_t kFewestRows = 30;  // of so many the ratio is known to sqrt(1 / 60)
   std::vector<std::string> all;
   for (const auto& [channel, r] : estimate.residuals)
     if (channel != kChannel<Prior> && r.rows >= kFewestRows && r.rms > kContradicts * r.expected_rms)

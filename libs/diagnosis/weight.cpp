@@ -1,5 +1,6 @@
 #include "diagnosis/weight.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -8,6 +9,7 @@
 #include "diagnosis/bare.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/whitened_model.h"
+#include "effects/catalogue.h"
 #include "estimation/nuisances.h"
 #include "estimation/sparse.h"
 
@@ -167,10 +169,15 @@ double logPriorOf(const std::vector<EstimatedScale>& scales, const std::vector<S
   return sum;
 }
 
-/// Whether its owners are somewhere on the panel.
-bool hasPlace(VarianceComponent::Each each) {
-  return each == VarianceComponent::Each::marker || each == VarianceComponent::Each::place ||
-         each == VarianceComponent::Each::spot;
+/// Whether its owners are somewhere on the panel, and no effect of the catalogue is one of them elsewhere: a
+/// marker that was moved is named.
+bool mayBeApart(const VarianceComponent& component) {
+  const bool has_place = component.each == VarianceComponent::Each::marker ||
+                         component.each == VarianceComponent::Each::place ||
+                         component.each == VarianceComponent::Each::spot;
+  return has_place && std::none_of(component.by.begin(), component.by.end(), [](const std::string& by) {
+           return findEffect(by.substr(0, by.find('.'))) != nullptr;
+         });
 }
 
 /// Adds the owners whose values are not of their component's kind; whether there are any.
@@ -190,7 +197,7 @@ bool setApart(NoiseModel& noise, const HeldColumns& budget, const Eigen::VectorX
       ++sum.count;
     }
     const VarianceComponent& component = noise.budget.components[k];
-    if (!hasPlace(component.each)) continue;
+    if (!mayBeApart(component)) continue;
     const double largest = component.sigma * component.factor;
     const auto owners = static_cast<double>(sums.size() + noise.apart[k].size());
     std::map<Owner, double> all = noise.apart[k];

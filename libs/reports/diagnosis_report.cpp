@@ -230,9 +230,9 @@ void addBudget(const Diagnosis& d, HtmlReport& report) {
   report.table(
       table,
       "What readings may differ by for no reason that has a name: declared (one sigma), and as large as "
-      "it is in this recording. A component that would have to be beyond what 99 % of such are bursts, all "
+      "it is in this recording. A component that would have to be beyond what 99 % of such are bursts: all "
       "of "
-      "it or where single values are not of the others' kind.");
+      "it, or where single values are not of the others' kind.");
 }
 
 void addNoise(const DiagnosisStory& story, HtmlReport& report) {
