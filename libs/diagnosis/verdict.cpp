@@ -240,7 +240,7 @@ void remarkOnYardstick(Diagnosis& diagnosis) {
       std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(),
                   [](const FoundEffect& found) { return !BlackBox::isRemedy(found.candidate.effect); });
   if (is_physics && diagnosis.heldout.gain.over_black_box_ci95[0] <= 0)
-    diagnosis.remarks.push_back(
+    diagnosis.remarks.emplace_back(
         "a correction without physics (splines, camera or mounting calibrated anew) fits stretches that it "
         "was not fitted to as well");
 }
