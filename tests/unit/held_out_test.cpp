@@ -17,13 +17,12 @@ HeldOutGain gainOf(const test::LinearRun& run, const std::vector<Candidate>& eff
   return holdOut(run.linear(), effects, run.estimate.state, {}, run.input.data, options).gain;
 }
 
-// A score on readings that were fitted is half a chi-square of as many degrees as there are parameters, 0.5
-// of each; on others it is as far below zero or more. So much over three recordings is no chance: its
-// standard deviation is sqrt(0.5) for each parameter.
+// What was fitted to readings gains on them half of each parameter, and as much less on others. Effects that
+// each image shows by itself, since where poses follow them held-out stretches tell little: here it is -12,
+// and +14 where held-out stretches are trained on too.
 TEST(HeldOut, WhatIsNotThereGainsNothing) {
-  const std::vector<Candidate> effects{lasting(kEffectIndex<InsMisalignment>),
-                                       lasting(kEffectIndex<DvlLeverArm>),
-                                       lasting(kEffectIndex<AccelerometerBias>)};
+  const std::vector<Candidate> effects{lasting(kEffectIndex<LensDistortion>),
+                                       lasting(kEffectIndex<PanelShape>)};
   double gain = 0;
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     for (const double own : gainOf(test::LinearRun(12.0, seed), effects).by_effect) gain += own;
