@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/text.h"
+#include "diagnosis/constants.h"
 #include "effects/calibration.h"
 #include "effects/catalogue.h"
 #include "inputs/batch_recording.h"
@@ -46,11 +47,9 @@ void readEffects(const SmoothOptions& options, BatchOptions& batch) {
 
 /// Channels of which more is left than their noise: what the recording contradicts.
 std::vector<std::string> contradictions(const BatchEstimate& estimate) {
-  constexpr double kContradicts = 1.5;     // times the noise that was taken, as `diagnose` remarks on it
-  constexpr std::size_t kFewestRows = 30;  // of so many the ratio is known to sqrt(1 / 60)
   std::vector<std::string> all;
   for (const auto& [channel, r] : estimate.residuals)
-    if (channel != kChannel<Prior> && r.rows >= kFewestRows && r.rms > kContradicts * r.expected_rms)
+    if (channel != kChannel<Prior> && r.rows >= kFewestRows && r.rms > kNoisier * r.expected_rms)
       all.push_back(
           print("of %s %.3g times the noise is left: something is missing (`fathom diagnose`), or "
                 "there is a better minimum elsewhere (--calibration says where to start)",

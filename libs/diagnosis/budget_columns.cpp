@@ -285,8 +285,7 @@ std::string whereIs(const Owner& owner, Each each, const Linearization& linear) 
   int count = 0;
   for (const RowInfo& row : linear.rows) {
     const bool has_place = (each == Each::place || each == Each::spot) && row.point_panel.allFinite();
-    if (!(has_place || each == Each::image) || ownerOf(row, each, instances) != owner) continue;
-    if (each == Each::image) return print("the image at %.1f s", row.t_s);
+    if (!has_place || ownerOf(row, each, instances) != owner) continue;
     sum += row.point_panel;
     ++count;
   }

@@ -39,8 +39,7 @@ struct OwnedColumns {
 /// names is none.
 OwnedColumns columnsOf(const Linearization& linear, const VarianceComponent& component);
 
-/// Where an owner is: "marker 583", "0.31 m, -0.22 m of the panel", "the image at 12.1 s"; empty where it is
-/// the whole recording or a sensor.
+/// Where on the panel an owner is: "marker 583", "0.31 m, -0.22 m of the panel"; empty where it is not on it.
 std::string whereIs(const Owner& owner, VarianceComponent::Each each, const Linearization& linear);
 
 }  // namespace fathom

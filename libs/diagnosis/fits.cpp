@@ -27,6 +27,11 @@ std::string keyOf(const std::vector<Candidate>& effects) {
   return key;
 }
 
+std::vector<Candidate> allBut(std::size_t one, std::vector<Candidate> effects) {
+  effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(one));
+  return effects;
+}
+
 }  // namespace
 
 double leastOfContenders(double largest) {
@@ -89,17 +94,11 @@ void Fits::letModelsGo() {
   for (std::size_t i = kKeptModels; i < kept.size(); ++i) kept[i]->fit.model.reset();
 }
 
-Refit Fits::without(const Refit& from, std::vector<Candidate> effects, std::size_t one) {
-  effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(one));
-  return of(from, effects);
-}
+Refit Fits::without(const Refit& from, std::size_t one) { return of(from, allBut(one, from.effects)); }
 
 void Fits::makeWithoutEach(const Refit& fit) {
   std::vector<std::vector<Candidate>> rests;
-  for (std::size_t i = 0; i < fit.effects.size(); ++i) {
-    rests.push_back(fit.effects);
-    rests.back().erase(rests.back().begin() + static_cast<std::ptrdiff_t>(i));
-  }
+  for (std::size_t i = 0; i < fit.effects.size(); ++i) rests.push_back(allBut(i, fit.effects));
   of(fit, rests);
 }
 
@@ -125,8 +124,7 @@ std::vector<Refit> Fits::settled(std::vector<Refit> all) {
       // What lasts was screened with intervals already, but for what is of one marker.
       if (effects[i][e].isForGood() && !effects[i][e].marker_id) continue;
       whose.push_back(i);
-      rests.push_back({&all[i], effects[i]});
-      rests.back().effects.erase(rests.back().effects.begin() + static_cast<std::ptrdiff_t>(e));
+      rests.push_back({&all[i], allBut(e, effects[i])});
     }
     const std::vector<Refit> fitted = of(rests);
     parallelFor(whose.size(), [&](std::size_t k) {

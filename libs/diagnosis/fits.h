@@ -34,8 +34,7 @@ class Fits {
     return of(from, std::vector<std::vector<Candidate>>{effects}).front();
   }
   /// With one effect fewer; without any: the nominal one.
-  Refit without(const Refit& from, std::vector<Candidate> effects, std::size_t one);
-  Refit without(const Refit& from, std::size_t one) { return without(from, from.effects, one); }
+  Refit without(const Refit& from, std::size_t one);
   /// Makes those at once, to be asked for.
   void makeWithoutEach(const Refit& fit);
 
