@@ -1,5 +1,5 @@
-# BLIS::BLIS: the BLAS that picks its kernels by what the processor can do, also one newer than itself, and may be called
-# by several threads at once.
+# BLIS::BLIS: the BLAS that picks its kernels by what the processor can do (of AMD's newer ones core/linear_algebra.cpp
+# does), and may be called by several threads at once.
 find_path(BLIS_INCLUDE_DIR cblas.h)
 find_library(BLIS_LIBRARY blis)
 include(FindPackageHandleStandardArgs)

@@ -1,5 +1,6 @@
 #include "core/linear_algebra.h"
 
+#include <blis.h>
 #include <cblas.h>
 
 #include <Eigen/Cholesky>
@@ -7,8 +8,24 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <string>
 
 namespace fathom {
+namespace {
+
+/// BLIS 0.9 knows AMD's processors by their family, and for a newer one, as are all with AVX-512, takes plain
+/// C, which is four times as slow (BLIS_ARCH_DEBUG=1 tells what it takes).
+[[maybe_unused]] const bool kKernelsChosen = [] {
+#ifdef __x86_64__
+  __builtin_cpu_init();
+  if (__builtin_cpu_is("amd") && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
+    ::setenv("BLIS_ARCH_TYPE", std::to_string(BLIS_ARCH_SKX).c_str(), /*overwrite=*/0);
+#endif
+  return true;
+}();
+
+}  // namespace
 
 struct SymmetricFactors::Factors {
   Eigen::LDLT<Eigen::MatrixXd> ldlt;

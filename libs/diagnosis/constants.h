@@ -104,6 +104,9 @@ inline constexpr double kBetweenVehicles = 0.5;
 /// step is longer than a factor of e^3. Chosen.
 inline constexpr int kMostSteps = 100, kMostHalvings = 20;
 inline constexpr double kConverged = 0.01, kLongestStep = 3;
+/// Steps before that one is mixed with; what is longer (a factor of e) overshoots by no steady share. Chosen.
+inline constexpr int kAccelerated = 2;
+inline constexpr double kUnsteadyStep = 1;
 inline constexpr int kScaleRounds = 2;  ///< of scales and sizes. Chosen, for time
 inline constexpr int kReweighed = 4;    ///< rounds of robust weights, at most. Chosen, for time
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "core/parallel.h"
 #include "core/progress.h"
 #include "core/stable_sort.h"
 #include "core/text.h"
@@ -336,12 +337,19 @@ void Course::accept(Refit better) {
 bool Course::takeNoise(const NoiseModel& shown) {
   BatchOptions base = fits_.base();
   shown.applyTo(base.problem);
-  Refit nominal = refit(data_, fits_.nominal().estimate, base, {}, shown);
-  Refit present = refit(data_, final_.estimate, base, final_.effects, shown);
+  Refit nominal, present;
+  parallelFor(2, [&](int i) {
+    if (i == 0)
+      nominal = refit(data_, fits_.nominal().estimate, base, {}, shown);
+    else
+      present = refit(data_, final_.estimate, base, final_.effects, shown);
+  });
   if (!nominal.succeeded || !present.succeeded) return false;
   // Where readings contradict each other there are many minima: no effect is to profit from a better one.
-  Refit back = refit(data_, present.estimate, base, {}, shown);
-  if (back.succeeded && back.weight.log_evidence > nominal.weight.log_evidence) nominal = std::move(back);
+  const BatchEstimate back = minimumFrom(data_, present.estimate, nominal.options);
+  if (back.succeeded && back.cost < nominal.estimate.cost - kCostTolerance)
+    nominal = refit(data_, back, base, {}, shown);
+  if (!nominal.succeeded) return false;
   fits_.beginWith(std::move(nominal), std::move(base), shown);
   final_ = fits_.onlyNeeded(std::move(present));
   if (fits_.logOdds(final_) < fits_.threshold()) final_ = fits_.nominal();

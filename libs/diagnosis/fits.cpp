@@ -76,9 +76,8 @@ std::vector<Refit> Fits::of(const std::vector<Asked>& all) {
   }
   parallelFor(left.size(), [&](std::size_t i) {
     const Asked& one = all[left[i]];
-    Refit& fit = *fits[left[i]];
-    fit = refit(data_, one.from->estimate, base_, one.effects, one.from->noise);
-    if (left.size() > kKeptModels) fit.model.reset();
+    *fits[left[i]] = refit(data_, one.from->estimate, base_, one.effects, one.from->noise,
+                           left.size() > kKeptModels ? Model::none : Model::kept);
   });
   letModelsGo();
   std::vector<Refit> copies;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -11,8 +10,6 @@
 
 namespace fathom {
 namespace {
-
-constexpr double kUnheld = std::numeric_limits<double>::infinity();
 
 bool areAllPossible(const Refit& fit) {
   return std::all_of(fit.estimates.begin(), fit.estimates.end(), [](const EffectEstimate& estimate) {
@@ -41,53 +38,25 @@ void holdAtNothing(Refit& fit) {
     if (found.image < 0 && !isPossible(parameterOf(found.scalar), found.value)) found.value = 0;
 }
 
-/// What the effects' unknowns are after a step; where in it each is.
-std::vector<Eigen::Index> addEstimates(Refit& fit, const Eigen::VectorXd& step) {
-  std::vector<Eigen::Index> columns;
-  const Linearization& linear = fit.model->linear();
-  BatchState& state = fit.estimate.state;
-  for (const UnknownBlock& block : linear.blocks) {
-    if (block.kind == UnknownBlock::Kind::draw) {
-      const Draw& draw = linear.draws[block.index];
-      const std::size_t effect = effectOf(draw.scalar);
-      if (!fit.options.problem.estimate[effect]) continue;
-      columns.push_back(block.column);
-      fit.estimates.push_back({effect, draw.scalar, state.draws[draw] + step[block.column], 0,
-                               static_cast<std::ptrdiff_t>(draw.image)});
-    }
-    if (block.kind != UnknownBlock::Kind::effect) continue;
-    const std::vector<std::size_t> scalars = continuousScalars(block.index);
-    for (std::size_t k = 0; k < scalars.size(); ++k) {
-      columns.push_back(block.column + static_cast<Eigen::Index>(k));
-      fit.estimates.push_back(
-          {block.index, scalars[k], state.effects.values[scalars[k]] + step[columns.back()], 0});
-    }
-  }
-  return columns;
-}
-
-/// Of each estimate, by the linearization's priors.
-Eigen::VectorXd priorSigmasOf(const Refit& fit) {
-  Eigen::VectorXd sigma = Eigen::VectorXd::Constant(std::ssize(fit.estimates), kUnheld);
-  for (Eigen::Index k = 0; k < sigma.size(); ++k)
-    for (const EffectColumn& column : fit.model->linear().columns)
-      if (column.scalar == fit.estimates[static_cast<std::size_t>(k)].scalar) sigma[k] = column.prior_sigma;
-  return sigma;
-}
-
-/// One least-squares step with the noise as it is: readings of a sensor have some of it in common, which the
+/// The effects as they are with the noise as it is: readings of a sensor have some of it in common, which the
 /// estimate did not know.
-void finish(Refit& fit) {
-  const std::vector<Eigen::Index> columns =
-      addEstimates(fit, fit.model->nuisances().step(fit.model->residual()));
-  fit.succeeded = true;
-  if (columns.empty()) return;
-  fit.covariance = fit.model->nuisances().covariance(columns);
-  fit.prior_sigma = priorSigmasOf(fit);
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    fit.estimates[i].sigma = std::sqrt(fit.covariance(k, k));
-  }
+void addEstimates(Refit& fit, const Linearization& linear) {
+  const Evidence& found = fit.weight.effects;
+  const EffectParameters<double>& at = fit.estimate.state.effects;
+  for (const Candidate& candidate : fit.effects)
+    for (const CandidateColumn& own : columnsOf(linear, candidate.effect)) {
+      const auto k = std::ssize(fit.estimates);
+      const std::size_t scalar = linear.columns[own.column].scalar;
+      const double from = own.image >= 0 ? 0 : at.values[scalar] - sizeOf(scalar, at.values[scalar]);
+      fit.estimates.push_back(
+          {candidate.effect, scalar, from + found.value[k], std::sqrt(found.covariance(k, k)), own.image});
+    }
+  fit.covariance = found.covariance;
+  fit.prior_sigma = priorSigmas(linear, fit.effects);
+}
+
+void finish(Refit& fit, const Linearization& linear) {
+  addEstimates(fit, linear);
   fit.succeeded = areAllPossible(fit);
   if (!fit.succeeded) {
     fit.estimate.failure = "less than nothing of an effect would have to be there";
@@ -106,7 +75,7 @@ void finish(Refit& fit) {
 }  // namespace
 
 Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions& base,
-            const std::vector<Candidate>& effects, const NoiseModel& noise) {
+            const std::vector<Candidate>& effects, const NoiseModel& noise, Model model) {
   Refit fit;
   fit.effects = effects;
   fit.options = base;
@@ -127,13 +96,14 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
     fit.noise.apart = fit.weight.apart;
     fit.linearized_at = fit.estimate.state;
     for (const RowInfo& row : linear.rows) fit.robust_weights.push_back(row.robust_weight);
-    fit.model =
-        std::make_shared<WhitenedModel>(WhitenedModel::Weighted{}, std::move(linear), fit.noise, budget);
+    finish(fit, linear);
+    if (model == Model::kept)
+      fit.model =
+          std::make_shared<WhitenedModel>(WhitenedModel::Weighted{}, std::move(linear), fit.noise, budget);
   } catch (const std::runtime_error& e) {
+    fit.succeeded = false;
     fit.estimate.failure = e.what();
-    return fit;
   }
-  finish(fit);
   return fit;
 }
 

@@ -31,9 +31,11 @@ struct Refit {
 /// A fit's model: its own, or made again where that was let go.
 std::shared_ptr<const WhitenedModel> modelOf(const BatchData& data, const Refit& fit);
 
+/// Whether a fit's model, which takes half as long as the fit, is wanted.
+enum class Model { kept, none };
 /// Everything estimated from where another fit ended; `base`: with the effects known already.
 Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions& base,
-            const std::vector<Candidate>& effects, const NoiseModel& noise);
+            const std::vector<Candidate>& effects, const NoiseModel& noise, Model model = Model::kept);
 
 /// A fit's estimates with those of what was drawn for each image replaced by one of their spread: what they
 /// scatter by about their mean, beyond their own sigmas.

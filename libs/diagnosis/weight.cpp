@@ -64,6 +64,8 @@ struct Split {
   double of_budget = 0;  ///< ln of its Bayes factor
   SizedSet effects;
   Eigen::VectorXd budget;  ///< its values, beside those of the effects
+  Eigen::MatrixXd gram;    ///< of the effects, as the budget leaves them
+  Eigen::VectorXd score;
 };
 Split splitOf(const Reduced& all, const Eigen::VectorXd& scatter, const Eigen::VectorXd& usual,
               const std::vector<Eigen::Index>& widths) {
@@ -76,8 +78,9 @@ Split splitOf(const Reduced& all, const Eigen::VectorXd& scatter, const Eigen::V
   const Eigen::MatrixXd MB = M.solve(B);
   Split split;
   split.of_budget = 0.5 * (g.dot(M.solve(g)) - M.logDeterminant());
-  split.effects = bestSizes(all.gram.bottomRightCorner(p, p) - B.transpose() * MB,
-                            all.score.tail(p) - MB.transpose() * g, usual, widths);
+  split.gram = all.gram.bottomRightCorner(p, p) - transposedTimes(B, MB);
+  split.score = all.score.tail(p) - MB.transpose() * g;
+  split.effects = bestSizes(split.gram, split.score, usual, widths);
   const Eigen::VectorXd beside = g + B * split.effects.evidence.value;
   split.budget = -scatter.cwiseProduct(M.solve(beside));
   return split;
@@ -251,6 +254,7 @@ Weight weigh(Linearization& linear, HeldColumns& budget, const std::vector<Candi
       if (has_others || has_more) continue;
     }
     weight.apart = noise.apart;
+    weight.effects = evidenceOf(split.gram, split.score, priorSigmas(linear, effects));
     weight.scales =
         estimatedScales(hypothesis.all.gram, hypothesis.all.score, found.sigma, groups, found.scales);
     weight.log_evidence = -0.5 * hypothesis.nuisances.project(hypothesis.residual).squaredNorm() -

@@ -15,6 +15,9 @@ struct Weight {
   double log_evidence = 0;
   std::vector<EstimatedScale> scales;  ///< of the budget's components, the likeliest beside these effects
   std::vector<std::map<Owner, double>> apart;  ///< see NoiseModel
+  /// Of the effects' columns one behind the other (columnsOf()), held as they are declared: how far sizes are
+  /// from nothing, all else from the state.
+  Evidence effects;
 };
 
 /// `linear`: at the state, with the effects among its unknowns, weighted (applyRobustWeights()); `budget`:

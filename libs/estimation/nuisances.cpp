@@ -48,7 +48,7 @@ Nuisances::Nuisances(const Eigen::SparseMatrix<double>& J, const AtEnd& at_end)
   across_.resize(sparse.cols(), full());
   eliminate(full_, across_);
   if (full() == 0) return;
-  last_.compute(denseTransposedTimes(full_, full_) - gramOf(across_));
+  last_.compute(denseGramOf(full_) - gramOf(across_));
   if (!last_.succeeded()) throw Singular("the nuisances' derivative lacks rank");
 }
 
@@ -100,7 +100,7 @@ Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::Vec
 Reduced Nuisances::reduceOfLeft(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& left) const {
   Eigen::VectorXd norms(C.cols());
   for (Eigen::Index c = 0; c < norms.size(); ++c) norms[c] = C.col(c).norm();
-  return {Eigen::MatrixXd(C.transpose() * C) - gramOf(forward(C)), C.transpose() * left, norms};
+  return {denseGramOf(C) - gramOf(forward(C)), C.transpose() * left, norms};
 }
 
 std::vector<Reduced> Nuisances::reduceEach(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r,

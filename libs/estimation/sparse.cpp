@@ -76,6 +76,25 @@ Eigen::MatrixXd denseTransposedTimes(const Eigen::SparseMatrix<double>& A,
   return product;
 }
 
+/// The same, of the lower half: a row's entries of the tile with each that is not before them.
+Eigen::MatrixXd denseGramOf(const Eigen::SparseMatrix<double>& A) {
+  constexpr Eigen::Index kTile = 64;
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> rows = A;
+  const int *first_of = rows.outerIndexPtr(), *column = rows.innerIndexPtr();
+  const double* value = rows.valuePtr();
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(A.cols(), A.cols());
+  parallelFor((A.cols() + kTile - 1) / kTile, [&](Eigen::Index tile) {
+    const auto first = static_cast<int>(tile * kTile), behind = static_cast<int>((tile + 1) * kTile);
+    for (Eigen::Index row = 0; row < rows.rows(); ++row) {
+      const int end = first_of[row + 1];
+      for (auto b = static_cast<int>(std::lower_bound(column + first_of[row], column + end, first) - column);
+           b < end && column[b] < behind; ++b)
+        for (int a = b; a < end; ++a) gram(column[a], column[b]) += value[a] * value[b];
+    }
+  });
+  return gram.selfadjointView<Eigen::Lower>();
+}
+
 Eigen::SparseMatrix<double> sideBySide(const Eigen::SparseMatrix<double>& a,
                                        const Eigen::SparseMatrix<double>& b) {
   Eigen::SparseMatrix<double> both(a.rows(), a.cols() + b.cols());

@@ -13,6 +13,9 @@ Eigen::SparseMatrix<double> transposedTimes(const Eigen::SparseMatrix<double>& A
 Eigen::MatrixXd denseTransposedTimes(const Eigen::SparseMatrix<double>& A,
                                      const Eigen::SparseMatrix<double>& B);
 
+/// A^T A so.
+Eigen::MatrixXd denseGramOf(const Eigen::SparseMatrix<double>& A);
+
 /// Columns of b behind those of a.
 Eigen::SparseMatrix<double> sideBySide(const Eigen::SparseMatrix<double>& a,
                                        const Eigen::SparseMatrix<double>& b);
