@@ -62,6 +62,9 @@ struct BudgetEntry {
   /// Where values are that are not of the others' kind, and how large the largest of them is.
   std::vector<std::string> apart;
   double largest_apart = 0;
+  /// Of a noise that bursts: the share of readings far beyond what the others scatter by, where that is more
+  /// than the budget has, and what these do (in `unit`).
+  double outlier_share = 0, others = 0;
 };
 
 /// A hypothesis and how likely it is, of all that were looked at.

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/stable_sort.h"
 #include "core/text.h"
 #include "diagnosis/black_box.h"
+#include "diagnosis/budget_entries.h"
 #include "diagnosis/constants.h"
-#include "diagnosis/covariate.h"
 #include "effects/catalogue.h"
 
 namespace fathom {
@@ -56,88 +55,6 @@ void remarkOnNoise(Diagnosis& diagnosis) {
           print("%s: %.2f times the noise stated", nameOf(channel).c_str(), noise.scale));
 }
 
-/// Of so many readings of one sigma, were it not more than `largest`.
-double beyondOf(const ChannelNoise& noise, double largest) {
-  const double ratio = noise.scale / largest;
-  return ratio > 1 ? static_cast<double>(noise.rows) * (0.5 * (ratio * ratio - 1) - std::log(ratio)) : 0;
-}
-
-/// Who is apart: where, and by how much that counts.
-void addApart(BudgetEntry& entry, const VarianceComponent& component, const std::map<Owner, double>& apart,
-              const Linearization& nominal) {
-  for (const auto& [owner, sigma] : apart) {
-    const double ratio = std::max(1.0, sigma / (component.sigma * component.factor));
-    entry.beyond += 0.5 * (ratio * ratio - 1) - std::log(ratio);
-    entry.largest_apart = std::max(entry.largest_apart, sigma);
-    const std::string where = whereIs(owner, component.each, nominal);
-    if (!where.empty() && std::find(entry.apart.begin(), entry.apart.end(), where) == entry.apart.end())
-      entry.apart.push_back(where);
-  }
-}
-
-/// Where a channel's readings scatter most beside the others: "image y 380 to 470 px"; empty where it is the
-/// same everywhere.
-std::string noisiestPart(const Linearization& linear, Channel channel) {
-  std::string where;
-  double most = kNoisierPart;
-  for (const Covariate& covariate : covariatesOf(linear, channel)) {
-    const std::vector<double> limits = binLimits(linear, channel, covariate);
-    if (limits.size() < 3) continue;
-    std::vector<double> square(limits.size() - 1), rows(limits.size() - 1);
-    for (std::size_t i = 0; i < linear.rows.size(); ++i)
-      if (linear.rows[i].channel == channel)
-        if (const auto bin = binOf(limits, covariate.of(linear.rows[i]))) {
-          // In full: what a robust fit makes light of is noise all the same.
-          square[*bin] +=
-              std::pow(linear.residual[static_cast<Eigen::Index>(i)], 2) / linear.rows[i].robust_weight;
-          ++rows[*bin];
-        }
-    const double all = std::accumulate(square.begin(), square.end(), 0.0),
-                 count = std::accumulate(rows.begin(), rows.end(), 0.0);
-    for (std::size_t bin = 0; bin < rows.size(); ++bin) {
-      const double ratio = (square[bin] / rows[bin]) / ((all - square[bin]) / (count - rows[bin]));
-      const double log_likelihood = 0.5 * rows[bin] * (ratio - 1 - std::log(ratio));
-      if (!(ratio > 1 && log_likelihood > most)) continue;
-      most = log_likelihood;
-      where = print("%s %.3g to %.3g", covariate.name.c_str(), limits[bin] * covariate.scale,
-                    limits[bin + 1] * covariate.scale) +
-              (covariate.unit == "1" ? "" : " " + covariate.unit);
-    }
-  }
-  return where;
-}
-
-BudgetEntry entryOf(Channel channel, const ChannelNoise& noise, double factor, const Linearization& nominal) {
-  BudgetEntry entry;
-  entry.component = "noise of " + nameOf(channel);
-  entry.unit = "of the sigma stated";
-  entry.source = "data sheet";
-  entry.prior = 1;
-  entry.estimate = entry.largest_apart = noise.scale;
-  entry.log_sd = 1 / std::sqrt(2 * static_cast<double>(noise.rows));
-  entry.beyond = beyondOf(noise, factor);
-  if (entry.beyond > kBursts)
-    if (const std::string where = noisiestPart(nominal, channel); !where.empty())
-      entry.apart.push_back(where);
-  return entry;
-}
-
-/// What the budget's components and the channels' noise turned out to be.
-std::vector<BudgetEntry> budgetOf(const NoiseModel& noise, const Linearization& nominal) {
-  std::vector<BudgetEntry> entries;
-  for (std::size_t k = 0; k < noise.scales.size(); ++k) {
-    const VarianceComponent& c = noise.budget.components[k];
-    const EstimatedScale& own = noise.scales[k];
-    entries.push_back({c.name, c.unit, c.source, c.sigma, own.scale, own.log_sd, own.beyond, false, {}, 0});
-    if (!noise.apart.empty()) addApart(entries.back(), c, noise.apart[k], nominal);
-  }
-  for (const Channel channel : kEveryChannel)
-    if (const ChannelNoise& own = noise.of(channel); own.rows > 0 && channel != kChannel<Prior>)
-      entries.push_back(entryOf(channel, own, noise.budget.noise_factor, nominal));
-  for (BudgetEntry& entry : entries) entry.bursts = entry.beyond > kBursts;
-  return entries;
-}
-
 bool isLeft(const Mismatch& map) { return map.material && map.log_p < std::log(kUnexplained_p); }
 
 /// Of log likelihood, what a correction by one covariate would still take away beyond chance.
@@ -161,6 +78,11 @@ std::string textOf(const BudgetEntry& entry) {
                            (entry.unit == "1" ? "" : " " + entry.unit).c_str(), entry.prior);
   if (!entry.apart.empty()) text += ", at " + entry.apart[0];
   if (entry.apart.size() > 1) text += print(" and %zu more", entry.apart.size() - 1);
+  if (entry.outlier_share > 0)
+    text += print(
+        "; %.2g %% of its readings are outliers, as where something is hidden or covered, the others "
+        "%.2g",
+        100 * entry.outlier_share, entry.others);
   return text;
 }
 

@@ -216,6 +216,7 @@ Json budgetJson(const std::vector<BudgetEntry>& budget) {
                     {"sigma", entry.estimate * entry.log_sd},
                     {"bursts", entry.bursts},
                     {"apart", entry.apart},
+                    {"outlier_share", entry.outlier_share},
                     {"source", entry.source}});
   return list;
 }

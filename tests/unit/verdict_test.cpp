@@ -125,6 +125,28 @@ TEST(Verdict, WithoutAnEffectABurstIsAllThatIsLeft) {
   EXPECT_NE(diagnosis.why.find("noise of dvl"), std::string::npos) << diagnosis.why;
 }
 
+// One in ten pixels is of something before the panel, 40 times as far off as the others, which are as stated.
+TEST(Verdict, OutliersOfANoiseThatBurstsAreSaid) {
+  const auto textWith = [](int outliers) {
+    Diagnosis diagnosis = found(0);
+    Linearization nominal;
+    nominal.rows.resize(200);
+    nominal.residual.resize(200);
+    for (int i = 0; i < 200; ++i) {
+      nominal.rows[static_cast<std::size_t>(i)].channel = kChannel<Pixels>;
+      nominal.residual[i] = (i % 2 == 0 ? 1 : -1) * (i < outliers ? 10 : 0.25) * (0.6 + 0.004 * i);
+    }
+    ChannelNoise& noise = diagnosis.noise.channels[indexOf(kChannel<Pixels>)];
+    noise.rows = 200;
+    noise.scale = 4;
+    judge(diagnosis, nominal);
+    EXPECT_EQ(diagnosis.verdict, Verdict::unexplained);
+    return diagnosis.why;
+  };
+  EXPECT_NE(textWith(20).find("10 % of its readings are outliers"), std::string::npos) << textWith(20);
+  EXPECT_EQ(textWith(1).find("outliers"), std::string::npos) << textWith(1);  // fewer than the budget's
+}
+
 TEST(Verdict, TheHypothesesMassIsOne) {
   Diagnosis diagnosis = found(30);
   Candidate other;
