@@ -149,12 +149,12 @@ int complain(const std::string& what, int status) {
 }
 
 /// Large matrices come and go by thousands. Given back each time, the system clears their pages anew, which
-/// is a fifth of what a diagnosis of images takes.
+/// is a fifth of what a diagnosis of images takes. What is larger still, as a text that grows, would leave
+/// holes.
 void keepFreedMemory() {
 #ifdef __GLIBC__
-  constexpr int kLargest = 1 << 30;
-  mallopt(M_MMAP_THRESHOLD, kLargest);
-  mallopt(M_TRIM_THRESHOLD, kLargest);
+  mallopt(M_MMAP_THRESHOLD, 64 << 20);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
   mallopt(M_ARENA_MAX, 2);
 #endif
 }

@@ -16,7 +16,7 @@ inline constexpr double kBursts = 3;
 /// ln of the likelihood from which on a part of a recording is noisier than the rest. Chosen: more than for
 /// having looked at every part.
 inline constexpr double kNoisierPart = 10;
-/// sigmas, by the median, beyond which a reading is none of the others' kind. Chosen: by chance one in a
+/// Sigmas, by the median, beyond which a reading is none of the others' kind. Chosen: by chance one in a
 /// million. The second: a normal curve's sigma in units of its absolute values' median. Derived.
 inline constexpr double kOutlierSigmas = 5, kNormalPerMedian = 1.4826;
 /// Of a map of what is left: below, it is unlikely by chance. Chosen: one in a hundred.

@@ -99,8 +99,8 @@ ceres::Solver::Summary solve(const BatchProblem& problem, const std::vector<Batc
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.max_num_iterations = options.max_iterations;
   solver.function_tolerance = 1e-9;
-  // Steps of Gauss-Newton until one fails: damped, a path of minutes takes three to five times as many to bend
-  // where no reading is near, and seems to have settled before.
+  // Steps of Gauss-Newton until one fails: damped, a path of minutes takes three to five times as many to
+  // bend where no reading is near, and seems to have settled before.
   solver.initial_trust_region_radius = 1e12;
   solver.max_num_consecutive_invalid_steps = 30;  // each halves the radius, the next quarters it, ...
   solver.num_threads = 1;

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "diagnosis/budget_file.h"
 #include "diagnosis/manoeuvre.h"
 #include "effects/catalogue.h"
 #include "support/batch_runs.h"
@@ -52,6 +55,32 @@ TEST(MismatchMaps, SayWhereWithTheUnitUnlessThereIsNone) {
     EXPECT_FALSE(map.where.ends_with(" 1")) << map.where;
   }
   EXPECT_TRUE(any);
+}
+
+// What is read from the reduced system is what a step of all unknowns at once says, budget and all.
+TEST(Refit, ItsEffectsAreThoseOfTheWholeLinearModel) {
+  const WhitenedRun run;
+  const Candidate scale{kEffectIndex<DvlScale>, {}, {}, {}, {}},
+      latency{kEffectIndex<CameraLatency>, {}, {}, {}, {}};
+  NoiseModel noise;
+  noise.budget = fieldBudget();
+  const Refit fit = refit(run.input.data, run.estimate, {}, {scale, latency}, noise);
+  ASSERT_TRUE(fit.succeeded) << fit.estimate.failure;
+  const Nuisances& nuisances = fit.model->nuisances();
+  const Eigen::VectorXd step = nuisances.step(fit.model->residual());
+  int compared = 0;
+  for (const UnknownBlock& block : fit.model->linear().blocks) {
+    if (block.kind != UnknownBlock::Kind::effect) continue;
+    const std::size_t scalar = continuousScalars(block.index)[0];
+    const double sigma = std::sqrt(nuisances.covariance({block.column})(0, 0));
+    for (const EffectEstimate& found : fit.estimates) {
+      if (found.scalar != scalar) continue;
+      ++compared;
+      EXPECT_NEAR(found.sigma, sigma, 1e-6 * sigma);
+      EXPECT_NEAR(found.value, fit.linearized_at.effects.values[scalar] + step[block.column], 1e-4 * sigma);
+    }
+  }
+  EXPECT_EQ(compared, 2);
 }
 
 TEST(SizedEffect, HasItsOwnEffectsValues) {

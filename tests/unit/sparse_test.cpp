@@ -29,6 +29,18 @@ TEST(Sparse, TransposedTimesIsTheProduct) {
   EXPECT_EQ(transposedTimes(sparse(5, 3, random), Eigen::SparseMatrix<double>(5, 0)).cols(), 0);
 }
 
+// As many columns as are added up at once, one fewer, one more, several times so many.
+TEST(Sparse, TheDenseGramIsTheProduct) {
+  Random random(2);
+  for (const Eigen::Index columns : {0, 1, 63, 64, 65, 200}) {
+    const Eigen::SparseMatrix<double> A = sparse(50, columns, random);
+    const Eigen::MatrixXd expected = Eigen::MatrixXd(A).transpose() * Eigen::MatrixXd(A);
+    const Eigen::MatrixXd gram = denseGramOf(A);
+    ASSERT_EQ(gram.cols(), columns);
+    EXPECT_LT((gram - expected).norm(), 1e-12) << columns;
+  }
+}
+
 TEST(Sparse, HeldColumnsAreEstimatedWithTheirPrior) {
   Random random(3);
   const Eigen::SparseMatrix<double> J = sparse(40, 7, random), C = sparse(40, 5, random);

@@ -138,7 +138,7 @@ TEST(Verdict, OutliersOfANoiseThatBurstsAreSaid) {
     }
     ChannelNoise& noise = diagnosis.noise.channels[indexOf(kChannel<Pixels>)];
     noise.rows = 200;
-    noise.scale = 4;
+    noise.scale = 8;
     judge(diagnosis, nominal);
     EXPECT_EQ(diagnosis.verdict, Verdict::unexplained);
     return diagnosis.why;
