@@ -170,15 +170,8 @@ Refit Fits::lastingWhereBetter(Refit fit) {
 }
 
 Refit Fits::onlyNeeded(Refit fit) {
-  const auto isPlain = [&](std::size_t i) { return sqrtLambda(fit, fit.effects[i].effect) > kPlainlyNeeded; };
   for (std::size_t i = 0; fit.effects.size() > 1 && i < fit.effects.size();) {
-    if (i == 0) {  // at once, to be asked for
-      std::vector<std::vector<Candidate>> rests;
-      for (std::size_t k = 0; k < fit.effects.size(); ++k)
-        if (!isPlain(k)) rests.push_back(allBut(k, fit.effects));
-      of(fit, rests);
-    }
-    if (isPlain(i)) {
+    if (sqrtLambda(fit, fit.effects[i].effect) > kPlainlyNeeded) {
       ++i;
       continue;
     }
