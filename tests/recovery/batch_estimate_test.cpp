@@ -132,6 +132,19 @@ TEST(BatchEstimate, DoesNotTellOneShiftOfTimeFromTheSame) {
   }
 }
 
+// A path that only its start holds: damped steps (a trust region that starts at Ceres's 1e4) take 11.
+TEST(BatchEstimate, SettlesInAFewSteps) {
+  test::BatchRun run(60.0);
+  run.vehicle.depth.reset();
+  BatchInput input = run.input();
+  input.data.markers.clear();
+  const BatchEstimate estimate =
+      estimateBatch(input.data, input.start,
+                    test::estimating(test::effectsFrom("{id: dvl-lever-arm, offset_m: [0, 0, 0]}")));
+  ASSERT_TRUE(estimate.succeeded) << estimate.failure;
+  EXPECT_LE(estimate.iterations, 8);
+}
+
 TEST(BatchEstimate, NeedsNoNavigation) {
   test::BatchRun run(30.0);
   run.vehicle.ins.reset();
