@@ -161,6 +161,13 @@ void addDiagnose(const RunContext& context) {
   command->add_flag(
       "!--no-open-water", options->recording.open_water,
       "What is above the horizon, beside the panels, is not endless water: a tank's wall, a ship's hull");
+  command
+      ->add_option(
+          "--light-images", options->recording.most_lit,
+          "Images in which light is compared, at most, spread evenly over the recording; corners count "
+          "in all")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   addFitOptions(*command, *options);
   command
       ->add_option("--judge", options->judge,

@@ -126,8 +126,7 @@ class DepthCheck {
     const auto& p = stream_.pressures;
     for (std::size_t i = 2; i < p.size(); ++i)
       seconds.push_back(std::abs(p[i].value - 2 * p[i - 1].value + p[i - 2].value));
-    constexpr double kMedianOfAbsoluteNormal = 0.6745;
-    return upperMedian(seconds) / kMedianOfAbsoluteNormal / std::sqrt(6.0);
+    return sigmaByMedian(seconds) / std::sqrt(6.0);
   }
 
   const Instance instance_;

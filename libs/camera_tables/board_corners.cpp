@@ -82,6 +82,7 @@ PanelMap boardOf(const Grid& grid, const std::string& name, int first_id) {
     marker.family = kFamily;
     marker.id = id++;
     marker.size_m = s;
+    marker.look.saddle_corners = true;
     marker.T_panel_marker.position = {(column + 0.5) * s, -(row + 0.5) * s, 0};
     board.markers.push_back(marker);
   }

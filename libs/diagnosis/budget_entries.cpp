@@ -73,7 +73,7 @@ void noteOutliers(BudgetEntry& entry, const Linearization& nominal, Channel chan
       sizes.push_back(std::abs(nominal.residual[static_cast<Eigen::Index>(i)]) /
                       std::sqrt(nominal.rows[i].robust_weight));
   if (sizes.empty()) return;
-  const double others = kNormalPerMedian * upperMedian(sizes);
+  const double others = sigmaByMedian(sizes);
   const auto beyond =
       std::count_if(sizes.begin(), sizes.end(), [&](double size) { return size > kOutlierSigmas * others; });
   const double share = static_cast<double>(beyond) / static_cast<double>(sizes.size());

@@ -17,8 +17,8 @@ inline constexpr double kBursts = 3;
 /// having looked at every part.
 inline constexpr double kNoisierPart = 10;
 /// Sigmas, by the median, beyond which a reading is none of the others' kind. Chosen: by chance one in a
-/// million. The second: a normal curve's sigma in units of its absolute values' median. Derived.
-inline constexpr double kOutlierSigmas = 5, kNormalPerMedian = 1.4826;
+/// million.
+inline constexpr double kOutlierSigmas = 5;
 /// Of a map of what is left: below, it is unlikely by chance. Chosen: one in a hundred.
 inline constexpr double kUnexplained_p = 0.01;
 /// Information times prior variance, from which on a usual size would have shown. Derived: 5 % over the whole

@@ -381,6 +381,7 @@ HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {
 void Course::report() {
   diagnosis_.noise = final_.noise;
   diagnosis_.log_odds = fits_.logOdds(final_);
+  diagnosis_.log_likelihood_gain = final_.weight.log_evidence - fits_.nominal().weight.log_evidence;
   diagnosis_.before = described(data_, fits_.nominal().estimate, fits_.nominal().options);
   diagnosis_.before_options = fits_.nominal().options;
   diagnosis_.after = described(data_, final_.estimate, final_.options);

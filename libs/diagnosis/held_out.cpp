@@ -5,6 +5,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "core/parallel.h"
 #include "core/progress.h"
@@ -95,9 +96,11 @@ class HoldOut {
                   what.is_positive);
   }
   /// The same, but what is drawn for each image is found in the held-out images themselves.
-  Eigen::VectorXd valuesWithDraws(const Fitted& what, const Reduced& trained, const RowsAlone& test) const;
+  Eigen::VectorXd valuesWithDraws(const Fitted& what, const Reduced& trained,
+                                  const std::optional<RowsAlone>& test) const;
   Eigen::VectorXd changeBy(const std::vector<Eigen::Index>& columns, const Eigen::VectorXd& values) const;
   void add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& left);
+  void shareOut(const HeldOutGain& gain, const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& left);
   bool isPrior(Eigen::Index row) const {
     return row >= std::ssize(bare_.rows) ||
            bare_.rows[static_cast<std::size_t>(row)].channel == kChannel<Prior>;
@@ -201,8 +204,11 @@ HeldOutGain HoldOut::holdOutFold(int fold) {
     if (is_test || isPrior(i)) in_test.push_back(i);
     if (!is_test) in_train.push_back(i);
   }
-  const RowsAlone train(model_, std::move(in_train)), test(model_, std::move(in_test));
-  if (placebo_) placebo_->take(fold, train, test);
+  const RowsAlone train(model_, std::move(in_train));
+  const bool has_draws = std::find(is_draw_.begin(), is_draw_.end(), true) != is_draw_.end();
+  std::optional<RowsAlone> test;
+  if (has_draws || options_.yardsticks) test.emplace(model_, std::move(in_test));
+  if (placebo_) placebo_->take(fold, train);
   const Reduced trained = train.reduce(columns_);
   const Fitted all = physics({});
   const Eigen::VectorXd all_values = valuesWithDraws(all, trained, test);
@@ -220,15 +226,29 @@ HeldOutGain HoldOut::holdOutFold(int fold) {
     const std::vector<Eigen::Index> own = columnsOf(static_cast<std::size_t>(e));
     with.col(first_alone + e) = changeBy(own, all_values(own));
   }
-  const Eigen::MatrixXd left = test.project(with);
+  // Of the likelihood of what is held out, given what is not: p(all) / p(trained), all that is unknown being
+  // as well as it can in each. What both show of the panel or the lens is held against them once.
+  const Eigen::MatrixXd all_left = model_.nuisances().project(with), trained_left = train.project(with);
+  const auto added = [&](const auto& of) {
+    return 0.5 * (of(all_left).squaredNorm() - of(trained_left).squaredNorm());
+  };
+  const auto addedBy = [&](Eigen::Index column) {
+    return added([&](const Eigen::MatrixXd& left) { return left.col(column); });
+  };
   HeldOutGain gain;
+  gain.physics = addedBy(kBefore) - addedBy(kAfter);
+  gain.black_box = addedBy(kBefore) - addedBy(kBlackBox);
   for (Eigen::Index e = 0; e < count; ++e) {
-    const auto without = left.col(first_without + e);
-    gain.by_effect.push_back(0.5 * (without.squaredNorm() - left.col(kAfter).squaredNorm()));
-    gain.expected_by_effect.push_back(
-        0.5 * std::min((without - left.col(kAfter)).squaredNorm(), left.col(first_alone + e).squaredNorm()));
+    const double changed = added([&](const Eigen::MatrixXd& left) {
+      return Eigen::VectorXd(left.col(first_without + e) - left.col(kAfter));
+    });
+    gain.by_effect.push_back(addedBy(first_without + e) - addedBy(kAfter));
+    gain.expected_by_effect.push_back(std::min(changed, addedBy(first_alone + e)));
   }
-  add(test.rows(), left);
+  if (options_.yardsticks) {
+    add(test->rows(), test->project(with));
+    shareOut(gain, test->rows(), all_left);
+  }
   return gain;
 }
 
@@ -241,7 +261,7 @@ Eigen::VectorXd HoldOut::changeBy(const std::vector<Eigen::Index>& columns,
 }
 
 Eigen::VectorXd HoldOut::valuesWithDraws(const Fitted& what, const Reduced& trained,
-                                         const RowsAlone& test) const {
+                                         const std::optional<RowsAlone>& test) const {
   struct Part {
     std::vector<Eigen::Index> places, columns;  // in `what`, and of all
   } drawn, lasting;
@@ -254,7 +274,7 @@ Eigen::VectorXd HoldOut::valuesWithDraws(const Fitted& what, const Reduced& trai
   Eigen::VectorXd values = valuesOf(what, trained);
   if (drawn.places.empty()) return values;
   const Eigen::VectorXd kept = values(lasting.places);
-  const Reduced own = test.reduce(columns_);
+  const Reduced own = test.value().reduce(columns_);
   const Eigen::VectorXd score = own.score(drawn.columns) + own.gram(drawn.columns, lasting.columns) * kept;
   values(drawn.places) = fitted(own.gram(drawn.columns, drawn.columns), score, what.sigma(drawn.places));
   return values;
@@ -274,8 +294,30 @@ void HoldOut::add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& 
     sums.black_box += square(kBlackBox) / info.robust_weight;
     if (placebo_) sums.floor += left.row(k).segment(kFirstDraw, kFloorDraws).squaredNorm() / kFloorDraws;
     ++sums.rows;
-    piece.physics += 0.5 * (square(kBefore) - square(kAfter));
-    piece.black_box += 0.5 * (square(kBefore) - square(kBlackBox));
+  }
+}
+
+/// A fold's gains to the pieces whose rows they show in; what shows in other rows evenly.
+void HoldOut::shareOut(const HeldOutGain& gain, const std::vector<Eigen::Index>& rows,
+                       const Eigen::MatrixXd& left) {
+  std::set<Piece*> own;
+  double physics = gain.physics, black_box = gain.black_box;  // what is left of them
+  for (const Eigen::Index row : rows) {
+    if (isPrior(row)) continue;
+    Piece& piece =
+        pieces_[static_cast<std::size_t>(stretches_.partOf(bare_.rows[static_cast<std::size_t>(row)]))];
+    own.insert(&piece);
+    const auto lost = [&](Eigen::Index what) {
+      return 0.5 * (left(row, kBefore) * left(row, kBefore) - left(row, what) * left(row, what));
+    };
+    piece.physics += lost(kAfter);
+    piece.black_box += lost(kBlackBox);
+    physics -= lost(kAfter);
+    black_box -= lost(kBlackBox);
+  }
+  for (Piece* piece : own) {
+    piece->physics += physics / static_cast<double>(own.size());
+    piece->black_box += black_box / static_cast<double>(own.size());
   }
 }
 
@@ -361,9 +403,9 @@ HeldOutResult HoldOut::run() {
   std::map<Channel, std::vector<double>> resampled;
   resample(result, resampled);
   for (const Channel channel : channels_) result.channels.push_back(summary(channel, resampled[channel]));
-  for (const Piece* piece : filled_) {
-    result.gain.physics += piece->physics;
-    result.gain.black_box += piece->black_box;
+  for (const HeldOutGain& own : by_fold) {
+    result.gain.physics += own.physics;
+    result.gain.black_box += own.black_box;
   }
   if (placebo_) result.gain.placebo = placebo_->percentile95();
   return result;

@@ -26,7 +26,8 @@ struct HeldOut {
   std::vector<Block> blocks;  ///< none of a single image, of which markers are held out
 };
 
-/// ln of the held-out predictive density over that of the model with nothing added, all channels.
+/// ln of the predictive density of what is held out, given all the rest, over that of the model with nothing
+/// added; all channels.
 struct HeldOutGain {
   double physics = 0, black_box = 0;
   std::vector<double> by_effect;  ///< what each adds to all the others

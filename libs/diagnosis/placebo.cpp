@@ -2,14 +2,13 @@
 
 #include <algorithm>
 
-#include "core/linear_algebra.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/screening.h"
 
 namespace fathom {
 
 Placebo::Placebo(const WhitenedModel& model, const Eigen::MatrixXd& noise, int folds)
-    : noise_(noise), folds_(static_cast<std::size_t>(folds)) {
+    : noise_(noise), trained_(static_cast<std::size_t>(folds)) {
   const Linearization& linear = model.linear();
   const std::vector<Candidate> candidates = lastingCandidates(linear);
   columns_ = model.whitened(columnsOf(linear, candidates));
@@ -20,16 +19,17 @@ Placebo::Placebo(const WhitenedModel& model, const Eigen::MatrixXd& noise, int f
     size_.push_back(std::ssize(columnsOf(linear, candidate.effect)));
     first += size_.back();
   }
+  all_ = {model.nuisances().reduceEach(columns_, model.residual(), size_),
+          model.nuisances().scores(columns_, noise_)};
 }
 
-void Placebo::take(int fold, const RowsAlone& train, const RowsAlone& test) {
-  folds_[static_cast<std::size_t>(fold)] = {train.reduceEach(columns_, size_),
-                                            test.reduceEach(columns_, size_), train.scores(columns_, noise_),
-                                            test.scores(columns_, noise_)};
+void Placebo::take(int fold, const RowsAlone& train) {
+  trained_[static_cast<std::size_t>(fold)] = {train.reduceEach(columns_, size_),
+                                              train.scores(columns_, noise_)};
 }
 
 double Placebo::percentile95() const {
-  if (folds_.empty()) return 0;
+  if (trained_.empty()) return 0;
   std::vector<double> gains;
   for (Eigen::Index draw = 0; draw < kPlacebos; ++draw) {
     double best = -1e300, gain = 0;
@@ -47,24 +47,23 @@ double Placebo::percentile95() const {
 
 double Placebo::evidenceOf(std::size_t candidate, Eigen::Index draw) const {
   const Eigen::Index k = first_[candidate], n = size_[candidate];
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
-  Eigen::VectorXd g = Eigen::VectorXd::Zero(n);
-  for (const Fold& fold : folds_) {
-    A += fold.test[candidate].gram;
-    g += fold.g_test.col(draw).segment(k, n);
-  }
-  return EffectEvidence(A, sigma_.segment(k, n)).best(g).log_bayes_factor;
+  return EffectEvidence(all_.each[candidate].gram, sigma_.segment(k, n))
+      .best(all_.scores.col(draw).segment(k, n))
+      .log_bayes_factor;
 }
 
+/// What all rows say of its value as trained, beyond those that it was trained on.
 double Placebo::gainOf(std::size_t candidate, Eigen::Index draw) const {
   const Eigen::Index k = first_[candidate], n = size_[candidate];
   double gain = 0;
-  for (const Fold& fold : folds_) {
-    Eigen::MatrixXd A = fold.train[candidate].gram;
-    A.diagonal() += sigma_.segment(k, n).array().square().inverse().matrix();
-    const Eigen::VectorXd value = -solveSymmetric(A, fold.g_train.col(draw).segment(k, n));
-    gain -=
-        fold.g_test.col(draw).segment(k, n).dot(value) + 0.5 * value.dot(fold.test[candidate].gram * value);
+  for (const Seen& train : trained_) {
+    const Eigen::VectorXd score = train.scores.col(draw).segment(k, n);
+    const Eigen::VectorXd value = fitted(train.each[candidate].gram, score, sigma_.segment(k, n));
+    const auto told = [&](const Eigen::MatrixXd& gram, const Eigen::VectorXd& its_score) {
+      return -its_score.dot(value) - 0.5 * value.dot(gram * value);
+    };
+    gain += told(all_.each[candidate].gram, all_.scores.col(draw).segment(k, n)) -
+            told(train.each[candidate].gram, score);
   }
   return gain;
 }

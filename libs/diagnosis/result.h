@@ -25,9 +25,10 @@ std::string nameOf(Verdict verdict);
 struct FoundEffect {
   Candidate candidate;
   std::vector<EffectEstimate> estimates;
-  double sqrt_lambda = 0;          ///< its size in units of what the recording could resolve at best
-  double log_odds = 0;             ///< for it, against the model without it, everything refitted
-  double confidence = 0;           ///< that it is this one: by its odds and those of all others in its place
+  double sqrt_lambda = 0;  ///< its size in units of what the recording could resolve at best
+  double log_odds = 0;     ///< for it, against the model without it, everything refitted
+  double confidence = 0;   ///< that it is this one: by its odds and those of all others in its place, and by
+                           ///< what is left on the same readings beside it
   double log_likelihood_gain = 0;  ///< over the model without it, all that is unknown integrated out
   double bic_gain = 0;             ///< what the BIC approximates: twice that
   double heldout_log_likelihood_gain = 0;
@@ -89,6 +90,7 @@ struct Diagnosis {
   double alarm_p = 1;
   std::string most_improbable;
   double log_odds = 0;              ///< of all effects that were found together, against none
+  double log_likelihood_gain = 0;   ///< of all together, all that is unknown integrated out
   std::vector<Mismatch> mismatch;   ///< of the nominal model, worst first
   std::vector<Mismatch> remaining;  ///< of the final one
   std::vector<FoundEffect> effects;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/stable_sort.h"
 #include "core/text.h"
@@ -93,6 +94,7 @@ struct Left {
   int dof = 0;
   std::string where, unit;
   double size = 0;
+  std::optional<Channel> channel{};  ///< whose readings it is in; nothing: of several
 };
 
 /// What matters of it, the largest first: beside the effects, or beyond the budget.
@@ -100,7 +102,8 @@ std::vector<Left> leftBeside(const Diagnosis& diagnosis) {
   std::vector<Left> all;
   for (const Mismatch& map : diagnosis.remaining)
     if (isLeft(map))
-      all.push_back({leftBy(map), map.statistic_value, map.dof, textOf(map), map.raw_unit, map.size_raw});
+      all.push_back(
+          {leftBy(map), map.statistic_value, map.dof, textOf(map), map.raw_unit, map.size_raw, map.channel});
   for (const FoundEffect& found : diagnosis.effects)
     for (const InteractionTest& test : found.interactions)
       if (test.failed)
@@ -119,7 +122,8 @@ void shareOut(Diagnosis& diagnosis) {
   double taken = 0, by_effects = 0;
   for (const FoundEffect& found : diagnosis.effects)
     by_effects += std::max(0.0, found.heldout_log_likelihood_gain);
-  taken = std::max(diagnosis.heldout.gain.physics, 0.0);
+  // Held-out stretches, each given all the others, may gain more in sum than all of it at once.
+  taken = std::max(std::min(diagnosis.heldout.gain.physics, diagnosis.log_likelihood_gain), 0.0);
   const std::vector<Left> beside = leftBeside(diagnosis);
   const double left = beside.empty() ? 0 : beside.front().log_likelihood;
   if (left > 0)
@@ -165,6 +169,14 @@ void remarkOnYardstick(Diagnosis& diagnosis) {
     diagnosis.remarks.emplace_back(
         "a correction without physics (splines, camera or mounting calibrated anew) fits stretches that it "
         "was not fitted to as well");
+}
+
+/// Chance, too, finds something that fits.
+void remarkOnPlacebo(Diagnosis& diagnosis) {
+  if (!diagnosis.effects.empty() && diagnosis.heldout.gain.physics <= diagnosis.heldout.gain.placebo)
+    diagnosis.remarks.emplace_back(
+        "on stretches that it was not fitted to, what was found gains no more than the best of all effects "
+        "does by chance where nothing is missing");
 }
 
 void judgeExplained(Diagnosis& diagnosis) {
@@ -217,6 +229,30 @@ void weighHypotheses(Diagnosis& diagnosis) {
   stableSort(diagnosis.posterior, [](const Hypothesis& a, const Hypothesis& b) { return a.mass > b.mass; });
 }
 
+bool actsOn(std::size_t effect, Channel channel, const Linearization& linear) {
+  for (std::size_t k = 0; k < linear.columns.size(); ++k) {
+    if (linear.columns[k].effect != effect) continue;
+    for (std::size_t i = 0; i < linear.rows.size(); ++i)
+      if (linear.rows[i].channel == channel &&
+          linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) != 0)
+        return true;
+  }
+  return false;
+}
+
+/// Where something else shows besides, what is named and acts on the same readings may be but what imitates
+/// a part of it: the likelier, the more is left.
+void doubtImitations(Diagnosis& diagnosis, const Linearization& nominal) {
+  if (diagnosis.verdict != Verdict::unexplained || diagnosis.effects.empty()) return;
+  const std::optional<Channel> channel = leftBeside(diagnosis).front().channel;
+  double something_else = 0;
+  for (const Hypothesis& hypothesis : diagnosis.posterior)
+    if (hypothesis.is_something_else) something_else += hypothesis.mass;
+  for (FoundEffect& found : diagnosis.effects)
+    if (!channel || actsOn(found.candidate.effect, *channel, nominal))
+      found.confidence *= 1 - diagnosis.remainder.share * something_else;
+}
+
 /// Whether a usual size of a candidate, its prior sigma, would have shown in the recording.
 bool isWithinReach(const TestedCandidate& tested, const Linearization& nominal) {
   return std::any_of(tested.one_step.begin(), tested.one_step.end(), [&](const EffectEstimate& one) {
@@ -257,9 +293,11 @@ void judge(Diagnosis& diagnosis, const Linearization& nominal) {
     judgeExplained(diagnosis);
   else
     judgeNothingFound(diagnosis, nominal);
+  remarkOnPlacebo(diagnosis);
   remarkOnYardstick(diagnosis);
   tellAlternatives(diagnosis);
   weighHypotheses(diagnosis);
+  doubtImitations(diagnosis, nominal);
 }
 
 }  // namespace fathom

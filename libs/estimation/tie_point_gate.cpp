@@ -12,8 +12,10 @@
 namespace fathom {
 namespace {
 
-double medianOf(const Eigen::VectorXd& values) {
-  return upperMedian(std::vector<double>(values.begin(), values.end()));
+/// What they scatter by, but for a few that are far off; at least as stated.
+double scatterOf(const Eigen::VectorXd& left) {
+  const Eigen::VectorXd absolute = left.cwiseAbs();
+  return std::max(1.0, sigmaByMedian({absolute.begin(), absolute.end()}));
 }
 
 /// What pairs of nominal cameras contradict themselves by, in sigmas of the scatter: the right one moved to
@@ -21,7 +23,7 @@ double medianOf(const Eigen::VectorXd& values) {
 /// mounting is uncertain. Not finite where lines of sight are parallel.
 Eigen::VectorXd contradictionsOf(const std::vector<BatchTiePoint>& points, const CameraSheet& sheet) {
   constexpr int kRounds = 20;
-  constexpr double kSigmaByMedian = 1.4826, kRobust = 1.5;  // Huber's, in sigmas
+  constexpr double kRobust = 1.5;  // Huber's, in sigmas
   std::vector<int> columns(6);
   std::iota(columns.begin(), columns.end(), kRightColumn);
   Eigen::VectorXd nominal(std::ssize(points));
@@ -43,14 +45,14 @@ Eigen::VectorXd contradictionsOf(const std::vector<BatchTiePoint>& points, const
   prior << Vector3d::Constant(sheet.right_position_sigma_m), Vector3d::Constant(sheet.right_angle_sigma_rad);
   Eigen::VectorXd left = nominal;
   for (int round = 0; round < kRounds; ++round) {
-    const double sigma = std::max(1.0, kSigmaByMedian * medianOf(left.cwiseAbs()));
+    const double sigma = scatterOf(left);
     const Eigen::ArrayXd weight = (kRobust * sigma / left.array().abs()).min(1.0) / (sigma * sigma);
     Matrix6d normal = J.transpose() * weight.matrix().asDiagonal() * J;
     normal.diagonal() += prior.cwiseAbs2().cwiseInverse();
     const Vector6d moved = -solveSymmetric(normal, J.transpose() * (weight * nominal.array()).matrix());
     left = nominal + J * moved;
   }
-  sizes(meeting) = left / std::max(1.0, kSigmaByMedian * medianOf(left.cwiseAbs()));
+  sizes(meeting) = left / scatterOf(left);
   return sizes;
 }
 

@@ -62,6 +62,14 @@ std::array<Vector2<T>, 4> shrunk(const std::array<Vector2<T>, 4>& corners, const
   return moved;
 }
 
+/// Corners as white that spreads over black moves them.
+template <class T>
+std::array<Vector2<T>, 4> withWhiteSpread(const std::array<Vector2<T>, 4>& corners, const T& by_px,
+                                          const std::string& family, const MarkerLook& look) {
+  if (look.saddle_corners) return corners;
+  return shrunk<T>(corners, isBrightSquare(family, look) ? T(-by_px) : by_px);
+}
+
 /// Whether anything can make white spread over black.
 template <class T>
 bool anySpreadsWhite(const EffectParameters<T>& effects) {
@@ -89,8 +97,7 @@ std::array<Vector2<T>, 4> predictDetectedCorners(const KinematicState<T>& state,
                                                  double t_s, const Pose& T_left_right = {}) {
   auto corners = predictCorners(state, panel, marker, camera, T_robot_camera, effects, t_s, T_left_right);
   if (!anySpreadsWhite(effects)) return corners;
-  const T spread_px = spreadOfWhite_px(light, effects, t_s);
-  return shrunk<T>(corners, isBrightSquare(marker.family, marker.look) ? T(-spread_px) : spread_px);
+  return withWhiteSpread<T>(corners, spreadOfWhite_px(light, effects, t_s), marker.family, marker.look);
 }
 
 // Without derivatives: compiled once, in detected_corners.cpp.

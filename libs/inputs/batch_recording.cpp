@@ -1,5 +1,6 @@
 #include "inputs/batch_recording.h"
 
+#include <map>
 #include <memory>
 
 #include "core/files.h"
@@ -56,15 +57,30 @@ TiePoints tiePointsOf(const fs::path& rawlog, std::vector<std::string>& remarks)
   return readTiePoints(file);
 }
 
+/// Those of so many moments, spread evenly over all that there are; both eyes of a pair. Returns how many
+/// moments there were.
+std::size_t keepSpread(std::vector<PosedImage>& posed, std::size_t moments) {
+  std::map<std::size_t, std::size_t> numbers;  // of entries, counted as they come
+  for (const PosedImage& image : posed) numbers.try_emplace(image.entry, numbers.size());
+  const std::size_t all = numbers.size();
+  if (all > moments)
+    std::erase_if(posed, [&](const PosedImage& image) {
+      const std::size_t k = numbers[image.entry];
+      return k * moments / all == (k + 1) * moments / all;
+    });
+  return all;
+}
+
 /// The images where they show panels, reduced to patches.
-void addPatches(const EffectParameters<double>& effects, bool open_water, BatchRecording& recording) {
+void addPatches(const EffectParameters<double>& effects, const BatchRecordingOptions& options,
+                BatchRecording& recording) {
   const FoundMarkers& found = recording.found;
   BatchData& data = recording.input.data;
   const std::vector<PanelMap>& panels = data.panels;
   if (!data.vehicle.camera || data.markers.empty()) return;
   const LandmarkCalibration calibration{effects, data.time_zero};
   const Sightings sightings = solveSightings(found.entries, found.detections, panels, calibration);
-  const PosedImages images = posedImages(found.entries, found.detections, sightings, panels, calibration);
+  PosedImages images = posedImages(found.entries, found.detections, sightings, panels, calibration);
   if (images.posed.empty()) return;
   if (const auto quality = jpegQuality(images.posed.front().image.file)) {
     // Its blocks err alike, by several times the noise of a patch.
@@ -72,8 +88,11 @@ void addPatches(const EffectParameters<double>& effects, bool open_water, BatchR
         print("images are JPEG of quality %d: their pixels are not compared", *quality));
     return;
   }
+  if (const std::size_t all = keepSpread(images.posed, options.most_lit); all > options.most_lit)
+    recording.remarks.push_back(print(
+        "light is compared in %zu images of %zu, spread evenly (--light-images)", options.most_lit, all));
   const CleanPairMaker maker({data.vehicle, panels, {}, effects, {}});
-  ImagePatches patches = imagePatches(images.posed, maker, data.time_zero, startWater, open_water);
+  ImagePatches patches = imagePatches(images.posed, maker, data.time_zero, startWater, options.open_water);
   if (!patches.rejected.empty())
     recording.remarks.push_back(print("pixels of %zu images are not compared; %s: %s",
                                       patches.rejected.size(), patches.rejected[0].file.filename().c_str(),
@@ -121,8 +140,7 @@ BatchRecording readBatchRecording(const BatchRecordingOptions& options,
   BatchDataOptions beside;
   beside.tie_points = tiePointsOf(options.rawlog, recording.remarks);
   recording.input = batchInput(open, recording.found.detections, vehicle, panels, calibration, start, beside);
-  if (options.pixels && !givenCornersOf(options.rawlog))
-    addPatches(calibration, options.open_water, recording);
+  if (options.pixels && !givenCornersOf(options.rawlog)) addPatches(calibration, options, recording);
   return recording;
 }
 

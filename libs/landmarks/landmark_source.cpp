@@ -14,8 +14,7 @@ namespace {
 void takeBack(double spread_px, const std::vector<PanelMap>& panels, std::vector<Detection>& detections) {
   const MarkerLook look = panels.empty() ? MarkerLook{} : panels.front().look();
   for (Detection& detection : detections)
-    detection.corners_px =
-        shrunk(detection.corners_px, isBrightSquare(detection.family, look) ? spread_px : -spread_px);
+    detection.corners_px = withWhiteSpread(detection.corners_px, -spread_px, detection.family, look);
 }
 
 std::vector<CameraDetections> seenIn(const ImageEntry& entry, const Detections& detections,

@@ -71,7 +71,8 @@ std::string formatPanelMap(const PanelMap& map) {
   if (const MarkerLook look = map.look(); look != MarkerLook{}) {
     out << YAML::Key << "marker_look" << YAML::Value;
     writeFlow(out, {{"border_cells", std::to_string(look.border_width)},
-                    {"white_on_black", look.white_on_black ? "true" : "false"}});
+                    {"white_on_black", look.white_on_black ? "true" : "false"},
+                    {"saddle_corners", look.saddle_corners ? "true" : "false"}});
   }
   out << YAML::Key << "markers" << YAML::Value << YAML::BeginSeq;
   for (const Marker& marker : map.markers) writeMarker(out, marker);

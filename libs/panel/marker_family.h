@@ -30,6 +30,9 @@ struct MarkerPattern {
 struct MarkerLook {
   int border_width = 1;  ///< of the border, cells: 1 or 2; 2 (Kalibr's grids) for plain families only
   bool white_on_black = false;
+  /// Its corners are saddle points, where squares of a checkerboard meet: white that grows over black, or a
+  /// camera's response, moves none of them.
+  bool saddle_corners = false;
 
   friend bool operator==(const MarkerLook&, const MarkerLook&) = default;
 };

@@ -39,6 +39,7 @@ MarkerLook readLook(const YamlMap& y) {
   if (given.has("border_cells")) look.border_width = given.integer("border_cells");
   if (look.border_width != 1 && look.border_width != 2) throw given.error("border_cells", "must be 1 or 2");
   if (given.has("white_on_black")) look.white_on_black = given.flag("white_on_black");
+  if (given.has("saddle_corners")) look.saddle_corners = given.flag("saddle_corners");
   return look;
 }
 

@@ -214,6 +214,8 @@ void addElsewhere(const DiagnosisStory& story, HtmlReport& report) {
 }
 
 std::string burstText(const BudgetEntry& entry) {
+  if (entry.outlier_share > 0)
+    return print("yes; %.2g %% are outliers, the others %.2g", 100 * entry.outlier_share, entry.others);
   if (entry.apart.empty()) return entry.bursts ? "yes" : "no";
   std::string text = print("%.2g at ", entry.largest_apart);
   for (std::size_t i = 0; i < entry.apart.size(); ++i) text += (i > 0 ? "; " : "") + entry.apart[i];

@@ -55,7 +55,7 @@ class Planner {
   void layOutDives() {
     const auto add = [&](const auto& plans, std::size_t count) {
       for (std::size_t i = 0; i < count; ++i)
-        dives_.push_back(plannedDive(plans[i % plans.size()], extent_.first_seed + i));
+        dives_.push_back(plannedDive(plans[i % plans.size()], extent_.first_seed + i, extent_.ordinary));
     };
     add(kCornerDives, extent_.corner_dives);
     add(kImageDives, extent_.image_dives);
@@ -141,11 +141,11 @@ class Planner {
     }
   }
 
-  /// By a world richer than the model; three in five without images.
+  /// By a world richer than the model, if not by an ordinary one; three in five without images.
   void addNulls() {
     for (std::size_t i = 0; i < extent_.nulls; ++i) {
       ProofCase& c = add(ProofCase::Kind::null, print("null-%zu", i), nextDive(i % 5 >= 3));
-      c.generator["rich"] = true;
+      c.generator["rich"] = extent_.ordinary == 0;
     }
   }
 

@@ -18,6 +18,8 @@ struct Extent {
   std::size_t pairs = 40, nulls = 100, outside = 30, intervals = 40;
   std::size_t decoy_dives = 5, decoys_a_dive = 8;
   std::uint64_t first_seed = 1;
+  /// Imperfections that every recording has, in units of the generator's: within the error budget.
+  double ordinary = 0;
 };
 Extent wholeProof();
 /// A sample of it that a continuous integration has time for.

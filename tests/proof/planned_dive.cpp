@@ -38,10 +38,11 @@ nlohmann::json parametersOf(const Hidden& hidden, double stated_exposure_s) {
 
 }  // namespace
 
-PlannedDive plannedDive(const DivePlan& plan, std::uint64_t seed) {
+PlannedDive plannedDive(const DivePlan& plan, std::uint64_t seed, double ordinary) {
   PlannedDive dive;
   dive.images = plan.images;
   dive.duration_s = plan.duration_s;
+  dive.ordinary = ordinary;
   dive.json = {{"manoeuvre", plan.manoeuvre},
                {"seed", seed},
                {"duration_s", plan.duration_s},
@@ -57,6 +58,7 @@ nlohmann::json generatorCase(const std::string& name, const PlannedDive& dive, s
           {"seed", seed},
           {"noise", true},
           {"rich", false},
+          {"ordinary", dive.ordinary},
           {"effects", nlohmann::json::array()},
           {"outside", nlohmann::json::array()}};
 }

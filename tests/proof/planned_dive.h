@@ -22,10 +22,11 @@ struct DivePlan {
 struct PlannedDive {
   nlohmann::json json;  ///< as the generator has it
   bool images = false;
-  double duration_s = 0;
+  double duration_s = 0, ordinary = 0;
   std::optional<Resolution> resolution;
 };
-PlannedDive plannedDive(const DivePlan& plan, std::uint64_t seed);
+/// `ordinary`: see Extent.
+PlannedDive plannedDive(const DivePlan& plan, std::uint64_t seed, double ordinary = 0);
 
 /// The dive with nothing hidden, noise and all.
 nlohmann::json generatorCase(const std::string& name, const PlannedDive& dive, std::uint64_t seed);

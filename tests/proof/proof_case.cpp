@@ -14,10 +14,8 @@ nlohmann::ordered_json toJson(const ProofCase& c) {
                        {"inseparable", e.inseparable},
                        {"nearest", e.nearest},
                        {"runner_up", e.runner_up}});
-  return {{"name", c.name},          {"kind", kKinds[static_cast<std::size_t>(c.kind)]},
-          {"stratum", c.stratum},    {"effects", effects},
-          {"lambda", c.lambda},      {"left", c.left},
-          {"generator", c.generator}};
+  return {{"name", c.name},     {"kind", nameOf(c.kind)}, {"stratum", c.stratum},    {"effects", effects},
+          {"lambda", c.lambda}, {"left", c.left},         {"generator", c.generator}};
 }
 
 ProofCase caseOf(const nlohmann::json& json) {

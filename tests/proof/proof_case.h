@@ -40,6 +40,7 @@ struct ProofCase {
 };
 
 inline constexpr std::array kKinds{"effect", "pair", "null", "outside", "interval", "decoy"};
+inline const char* nameOf(ProofCase::Kind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 
 nlohmann::ordered_json toJson(const ProofCase& proof_case);
 /// Throws nlohmann::json::exception.

@@ -32,6 +32,9 @@ struct Options {
                     fs::path(FATHOM_BINARY_DIR) / "app/fathom"};
   bool quick = false, keep = false;
   std::uint64_t first_seed = 1;
+  double ordinary = 0;
+  std::optional<std::size_t> nulls;
+  std::vector<std::string> kinds;  ///< empty: all, and real recordings
   std::string share = "1/1";
   fs::path expect;  ///< a result.json before; empty: none
 
@@ -59,6 +62,8 @@ std::vector<ProofCase> planOf(const Options& options) {
   if (fs::exists(file)) return readPlan(file);
   Extent extent = options.quick ? quickProof() : wholeProof();
   extent.first_seed = options.first_seed;
+  extent.ordinary = options.ordinary;
+  if (options.nulls) extent.nulls = *options.nulls;
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const ProofCase& c : planProof(extent, options.programs, options.out / "plan"))
     json.push_back(toJson(c));
@@ -218,8 +223,14 @@ void run(Options options, const std::string& command_line) {
   options.out = fs::absolute(options.out);
   fs::create_directories(options.out);
   const Share share = shareOf("--share", options.share);
-  const Work work{planOf(options), realRecordings(Options::realData(), options.quick)};
+  Work work{planOf(options), realRecordings(Options::realData(), options.quick)};
   if (work.real.empty()) std::cout << "no real recordings: ../shared/data is not there\n";
+  if (!options.kinds.empty()) {
+    std::erase_if(work.cases, [&](const ProofCase& c) {
+      return std::count(options.kinds.begin(), options.kinds.end(), nameOf(c.kind)) == 0;
+    });
+    work.real.clear();
+  }
   const std::size_t sealed = work.cases.size();
   try {
     forEachIndex(sealed + work.real.size(), "recordings", [&](std::size_t i) {
@@ -246,6 +257,11 @@ int main(int argc, char** argv) {
   app.add_option("--out", options.out, "Folder")->capture_default_str();
   app.add_flag("--quick", options.quick, "A sample: a few minutes");
   app.add_option("--first-seed", options.first_seed, "Another proof of the same kind")->capture_default_str();
+  app.add_option("--ordinary", options.ordinary,
+                 "Imperfections within the error budget in every recording, in units of the generator's")
+      ->capture_default_str();
+  app.add_option("--nulls", options.nulls, "So many recordings that hide nothing");
+  app.add_option("--kind", options.kinds, "Only these")->check(CLI::IsMember(fathom::proof::kKinds));
   app.add_option("--share", options.share, "Of the recordings, on one of several machines: 2/5")
       ->capture_default_str();
   app.add_option("--fathom", options.programs.fathom, "The program to be proved")->capture_default_str();

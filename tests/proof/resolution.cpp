@@ -47,9 +47,10 @@ std::vector<Candidate> rivalsAmong(const std::vector<Candidate>& candidates, con
 Resolution::Resolution(const BatchInput& null) {
   const NominalFit nominal = nominalFit(null.data, null.start, {}, fieldBudget(), 1);
   if (!nominal.failure.empty()) throw Error("a dive that hides nothing", "", nominal.failure);
-  noise_ = nominal.noise;
+  // By the budget as it is declared: how little of it this one recording shows is no measure.
+  noise_ = nominal.noise.declared();
   options_ = nominal.options;
-  model_ = nominal.fit.model;
+  model_ = std::shared_ptr<const WhitenedModel>(new WhitenedModel(nominal.fit.model->under(noise_)));
   exposure_s_ = statedExposure_s(null.data.vehicle);
   span_ = {null.data.first_s, null.data.last_s};
   const std::set<int> ids = markersOf(model_->linear());

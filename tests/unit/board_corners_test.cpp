@@ -59,6 +59,7 @@ TEST(BoardCorners, MarkersAreWhereTheCornersWere) {
     const BoardCorners corners = chessCorners(numberedTable(4, upward));
     ASSERT_EQ(corners.boards.size(), 1U);
     ASSERT_EQ(corners.boards[0].markers.size(), 12U);
+    EXPECT_TRUE(corners.boards[0].look().saddle_corners);
     ASSERT_EQ(corners.by_image.size(), 4U);
     const Pose& T_board_panel = corners.boards[0].T_odom_panel;
     EXPECT_NEAR(T_board_panel.rotation.determinant(), 1, 1e-12);

@@ -38,5 +38,13 @@ TEST(DetectedCorners, SidesMoveInward) {
   EXPECT_NEAR(normal.dot(rhombus[1]), 1, 1e-12);
 }
 
+// Where two black squares meet, what one side's growth takes away the other's gives back.
+TEST(DetectedCorners, SaddlePointsStayWhereTheyAre) {
+  const std::array<Vector2d, 4> square{Vector2d(10, 10), Vector2d(50, 10), Vector2d(50, 50),
+                                       Vector2d(10, 50)};
+  EXPECT_EQ(withWhiteSpread<double>(square, 0.5, "tag36h11", {}), shrunk<double>(square, 0.5));
+  EXPECT_EQ(withWhiteSpread<double>(square, 0.5, "tag36h11", {.saddle_corners = true}), square);
+}
+
 }  // namespace
 }  // namespace fathom

@@ -30,8 +30,8 @@ TEST(HeldOut, WhatIsNotThereGainsNothing) {
   EXPECT_LT(gain, 0);
 }
 
-// Each image shows a lens by itself, so that held-out stretches see most of it: by what their poses,
-// estimated anew, follow of it they gain less than all readings together.
+// A stretch tells less of an effect, given all others, than all stretches together; those of all folds in sum
+// may tell more, since what all share, as where markers are, each has from the others.
 TEST(HeldOut, WhatIsThereGainsMuchOfWhatItExplains) {
   const test::LinearRun run(12.0);
   Linearization linear = run.linear();
@@ -45,32 +45,32 @@ TEST(HeldOut, WhatIsThereGainsMuchOfWhatItExplains) {
   const Reduced reduced = WhitenedModel(linear, {}).reduce({lens});
   const double all = 0.5 * kK1 * kK1 * reduced.gram(0, 0);
   ASSERT_GT(all, 50);
-  EXPECT_GT(gain.by_effect[0], 0.1 * all);
-  EXPECT_LT(gain.by_effect[0], 1.2 * all);
+  EXPECT_GT(gain.by_effect[0], 0.5 * all);
+  EXPECT_LT(gain.by_effect[0], options.folds * all);
 }
 
 /// What each of the draws gains, by itself.
-double gainOfDraw(const WhitenedModel& model, const Eigen::VectorXd& draw, const RowsAlone& train,
-                  const RowsAlone& test) {
+double gainOfDraw(const WhitenedModel& model, const Eigen::VectorXd& draw, const RowsAlone& train) {
   Placebo alone(model, draw.replicate(1, kPlacebos), 1);
-  alone.take(0, train, test);
+  alone.take(0, train);
   return alone.percentile95();
 }
 
 TEST(Placebo, IsBeatenByOneInTwentyAtMost) {
   const test::LinearRun run(6.0);
   const WhitenedModel model = run.model();
-  std::vector<Eigen::Index> even, odd;
-  for (Eigen::Index i = 0; i < model.residual().size(); ++i) (i / 40 % 2 == 0 ? even : odd).push_back(i);
-  const RowsAlone train(model, even), test(model, odd);
+  std::vector<Eigen::Index> even;
+  for (Eigen::Index i = 0; i < model.residual().size(); ++i)
+    if (i / 40 % 2 == 0) even.push_back(i);
+  const RowsAlone train(model, even);
   Random random(3);
   const Eigen::MatrixXd noise = random.normals(model.residual().size(), kPlacebos);
   Placebo placebo(model, noise, 1);
-  placebo.take(0, train, test);
+  placebo.take(0, train);
   const double limit = placebo.percentile95();
   int beaten = 0;
   for (Eigen::Index draw = 0; draw < kPlacebos; ++draw)
-    beaten += gainOfDraw(model, noise.col(draw), train, test) > limit;
+    beaten += gainOfDraw(model, noise.col(draw), train) > limit;
   EXPECT_LE(beaten, kPlacebos / 20);
 }
 

@@ -44,9 +44,9 @@ TEST(PanelMap, IsReadAsWritten) {
 TEST(PanelMap, HasTheLookOfItsMarkers) {
   BoardFiles files;
   EXPECT_EQ(files.read().look(), MarkerLook{});
-  files.yaml = "marker_look: {border_cells: 2, white_on_black: true}\n" + files.yaml;
+  files.yaml = "marker_look: {border_cells: 2, white_on_black: true, saddle_corners: true}\n" + files.yaml;
   const PanelMap map = files.read();
-  EXPECT_EQ(map.look(), (MarkerLook{2, true}));
+  EXPECT_EQ(map.look(), (MarkerLook{2, true, true}));
   EXPECT_EQ(map.markers.at(1).look, map.look());
   files.yaml = formatPanelMap(map);
   EXPECT_EQ(files.read().look(), map.look());

@@ -22,6 +22,7 @@ Diagnosis found(double left) {
   diagnosis.effects.push_back(effect);
   diagnosis.heldout.gain.physics = 1000;
   diagnosis.log_odds = 990;
+  diagnosis.log_likelihood_gain = 1000;
   Mismatch map;
   map.channel = kChannel<Dvl>;
   map.statistic = "mean residual";
@@ -58,6 +59,45 @@ TEST(Verdict, IsUnexplainedWhereMoreIsLeftAndStillSaysWhatWasFound) {
   EXPECT_NEAR(diagnosis.effects[0].share, 1000.0 / 1080, 1e-9);
   EXPECT_NE(diagnosis.why.find("dvl-scale"), std::string::npos) << diagnosis.why;
   EXPECT_NE(diagnosis.why.find("against speed"), std::string::npos) << diagnosis.why;
+}
+
+TEST(Verdict, WhatHeldOutStretchesGainInSumIsNoMoreThanAllOfIt) {
+  Diagnosis diagnosis = found(80);
+  diagnosis.heldout.gain.physics = 2000;
+  EXPECT_NEAR(judged(std::move(diagnosis)).remainder.share, 80.0 / 1080, 1e-9);
+}
+
+TEST(Verdict, WhatGainsNoMoreThanChanceIsRemarked) {
+  Diagnosis diagnosis = found(0);
+  const auto remarks = [&] {
+    std::size_t count = 0;
+    for (const std::string& remark : judged(diagnosis).remarks)
+      count += remark.find("by chance") != std::string::npos ? 1 : 0;
+    return count;
+  };
+  diagnosis.heldout.gain.placebo = 999;
+  EXPECT_EQ(remarks(), 0u);
+  diagnosis.heldout.gain.placebo = 1001;
+  EXPECT_EQ(remarks(), 1u);
+}
+
+TEST(Verdict, WhatIsNamedMayImitateWhatIsLeft) {
+  const auto confidence = [](double left, bool acts) {
+    Diagnosis diagnosis = found(left);
+    diagnosis.effects[0].confidence = 0.999;
+    Linearization nominal;
+    nominal.rows.resize(1);
+    nominal.rows[0].channel = acts ? kChannel<Dvl> : kChannel<Depth>;
+    nominal.columns.push_back({kEffectIndex<DvlScale>, 0, "", 1, false, false});
+    nominal.residual = Eigen::VectorXd::Zero(1);
+    nominal.C = Eigen::MatrixXd::Ones(1, 1);
+    judge(diagnosis, nominal);
+    return diagnosis.effects[0].confidence;
+  };
+  EXPECT_NEAR(confidence(3000, true), 0.25, 1e-3);
+  EXPECT_NEAR(confidence(80, true), 1000.0 / 1080, 1e-2);
+  EXPECT_EQ(confidence(3000, false), 0.999) << "of another sensor";
+  EXPECT_EQ(confidence(30, true), 0.999) << "explained";
 }
 
 TEST(Verdict, WhatIsImmaterialIsNoRemainder) {
