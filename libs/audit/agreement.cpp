@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "audit/water_column.h"
+#include "core/median.h"
 
 namespace fathom {
 namespace {
@@ -26,16 +27,40 @@ void forEachSpan(const std::vector<InsWindow>& windows, std::size_t length, std:
     if (windows[i + length].t_s - windows[i].t_s < 1.5 * static_cast<double>(length) * kInsWindow_s) f(i);
 }
 
-/// A few velocities that are many times the others are "no measurement" by a number of some driver's own.
+/// By how much each velocity is off the middle one of the five around it; each axis by itself.
+std::vector<Vector3d> offNeighbours(const std::vector<Timed<Vector3d>>& velocities) {
+  constexpr std::size_t kBeside = 2;
+  std::vector<Vector3d> off(velocities.size(), Vector3d::Zero());
+  for (std::size_t k = kBeside; k + kBeside < velocities.size(); ++k)
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double> around;
+      for (std::size_t i = k - kBeside; i <= k + kBeside; ++i) around.push_back(velocities[i].value[axis]);
+      off[k][axis] = velocities[k].value[axis] - upperMedian(around);
+    }
+  return off;
+}
+
+/// A few velocities that are many times the others are "no measurement" by a number of some driver's own; a
+/// few that are far off their neighbours (Hampel 1974) are wrong: one in a hundred is enough to make squares
+/// of a robot that hardly moves say anything.
 DvlStream withoutOutliers(const DvlStream& dvl) {
-  constexpr double kTimes = 5;
+  constexpr double kTimes = 5, kSigmas = 5;
   DvlStream clean{dvl.T_robot_dvl, {}};
   std::vector<double> speeds;
   for (const auto& reading : dvl.velocities) speeds.push_back(reading.value.norm());
   std::sort(speeds.begin(), speeds.end());
   const double most = speeds.empty() ? 0 : kTimes * speeds[speeds.size() * 3 / 4];
-  for (const auto& reading : dvl.velocities)
-    if (reading.value.norm() <= most) clean.velocities.push_back(reading);
+  const std::vector<Vector3d> off = offNeighbours(dvl.velocities);
+  Vector3d usual = Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> sizes;
+    for (const Vector3d& own : off) sizes.push_back(std::abs(own[axis]));
+    if (!sizes.empty()) usual[axis] = kSigmas * sigmaByMedian(std::move(sizes));
+  }
+  for (std::size_t k = 0; k < off.size(); ++k)
+    if (dvl.velocities[k].value.norm() <= most &&
+        ((usual.array() == 0).any() || (off[k].array().abs() <= usual.array()).all()))
+      clean.velocities.push_back(dvl.velocities[k]);
   return clean;
 }
 

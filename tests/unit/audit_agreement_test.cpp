@@ -176,5 +176,24 @@ TEST(Agreement, SaysOfBothClocks) {
   EXPECT_NE(text.find("--correct clock-offset:INS:-1.0"), std::string::npos) << text;
 }
 
+/// One wrong velocity of a hundred, on a robot that turns on the spot, is no clock.
+TEST(Agreement, AFewWrongVelocitiesAreNoClock) {
+  const auto turning = [](double t_s) {
+    return Pose{rotationFromYawPitchRoll(1.4 * std::sin(0.28 * t_s), 0.06 * std::sin(0.5 * t_s),
+                                         0.08 * std::sin(0.6 * t_s)),
+                Vector3d(3 + 0.08 * std::sin(0.4 * t_s), 2 + 0.06 * std::sin(0.3 * t_s),
+                         -12 + 0.05 * std::sin(0.35 * t_s))};
+  };
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    Random random(seed);
+    const std::string text = textOfAll(findingsOf<DvlSample>(turning, aVehicle(false), [&](DvlSample& dvl) {
+      const double size_m_s = random.uniform(0.1, 0.5), chance = random.uniform();
+      const Vector3d way(random.normal(), random.normal(), random.normal());
+      if (chance < 0.01) dvl.velocity_dvl.value() += size_m_s * way.normalized();
+    }));
+    EXPECT_EQ(text.find("clock-offset"), std::string::npos) << seed << ": " << text;
+  }
+}
+
 }  // namespace
 }  // namespace fathom
