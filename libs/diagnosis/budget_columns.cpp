@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <stdexcept>
 
 #include "core/linear_algebra.h"
@@ -129,20 +130,26 @@ std::map<Owner, Change> byOwner(const Linearization& linear, Each each, const Ch
 
 /// Nodes along one covariate.
 struct Axis {
+  static constexpr double kPoint = 1e-3;  // of a length: a mean over no more is a value
+
   Covariate covariate;
   double first = 0, step = 1, length = 1;
   int nodes = 1;
 
-  /// Its mean where one of the two is not a place but many, that scatter normally by so much.
-  double kernel(double apart, double spread = 0) const {
-    const double wide = std::hypot(length, spread);
-    return length / wide * std::exp(-0.5 * std::pow(apart / wide, 2));
+  /// Its mean where one of the two is not a place but all within so much of it.
+  double kernel(double apart, double half = 0) const {
+    const double root = length * std::numbers::sqrt2;
+    if (half < kPoint * length) return std::exp(-std::pow(apart / root, 2));
+    return root * std::sqrt(std::numbers::pi) / (4 * half) *
+           (std::erf((apart + half) / root) - std::erf((apart - half) / root));
   }
+  /// What a row is the mean over, to either side, were all of it as likely.
+  double half(const RowInfo& row) const { return std::numbers::sqrt3 * covariate.spread(row) * unit(row); }
   /// Between a row and each node.
   Eigen::VectorXd kernelOf(const RowInfo& row) const {
-    const double spread = covariate.spread(row) * unit(row);
+    const double beside = half(row);
     Eigen::VectorXd own(nodes);
-    for (int node = 0; node < nodes; ++node) own[node] = kernel(at(row) - first - node * step, spread);
+    for (int node = 0; node < nodes; ++node) own[node] = kernel(at(row) - first - node * step, beside);
     return own;
   }
   double at(const RowInfo& row) const { return covariate.of(row) * unit(row); }
@@ -158,10 +165,12 @@ struct Axis {
 /// of readings of light resolve.
 class Field {
  public:
-  /// `covariates`: those of the change's channel.
+  /// `covariates`: those of the change's channel. `of_places`: it has one value for each place, however much
+  /// of that an image shows.
   Field(const Linearization& linear, const SmoothField& smooth, const std::vector<Covariate>& covariates,
-        const Change& change)
+        const Change& change, bool of_places)
       : linear_(linear) {
+    if (of_places) noteWholePlaces(change);
     for (std::size_t k = 0; k < smooth.over.size(); ++k) {
       const auto found = std::find_if(covariates.begin(), covariates.end(),
                                       [&](const Covariate& c) { return c.name == smooth.over[k]; });
@@ -176,7 +185,7 @@ class Field {
     Eigen::MatrixXd all(std::ssize(change), root_.cols());
     for (Eigen::Index r = 0; r < all.rows(); ++r) {
       const auto& [row, value] = change[static_cast<std::size_t>(r)];
-      all.row(r) = value * at(linear_.rows[static_cast<std::size_t>(row)]);
+      all.row(r) = value * at(where(row));
     }
     const SymmetricEigen told = eigenOf(transposedTimesItself(all));
     Eigen::Index first = 0;
@@ -185,6 +194,21 @@ class Field {
   }
 
  private:
+  void noteWholePlaces(const Change& change) {
+    for (const auto& [i, value] : change) {
+      const RowInfo& row = linear_.rows[static_cast<std::size_t>(i)];
+      if (row.patch < 0) continue;
+      const RowInfo*& whole = whole_places_[row.place];
+      if (whole == nullptr || row.seen_share > whole->seen_share) whole = &row;
+    }
+  }
+  /// The row that tells where a row's value is.
+  const RowInfo& where(Eigen::Index i) const {
+    const RowInfo& row = linear_.rows[static_cast<std::size_t>(i)];
+    const auto whole = row.patch < 0 ? whole_places_.end() : whole_places_.find(row.place);
+    return whole == whole_places_.end() ? row : *whole->second;
+  }
+
   /// Each independent value's share at a row. What has no place in it, as open water on the panel, has
   /// nothing of it.
   Eigen::RowVectorXd at(const RowInfo& row) const {
@@ -201,9 +225,9 @@ class Field {
     Axis axis{covariate, 0, 1, length, 1};
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const auto& [i, value] : change) {
-      const double at = axis.at(linear_.rows[static_cast<std::size_t>(i)]);
-      low = std::min(low, at);
-      high = std::max(high, at);
+      const double at = axis.at(where(i)), half = axis.half(where(i));
+      low = std::min(low, at - half);
+      high = std::max(high, at + half);
     }
     if (!(low <= high)) return axis;
     axis.first = low;
@@ -236,9 +260,18 @@ class Field {
   }
 
   const Linearization& linear_;
+  std::map<int, const RowInfo*> whole_places_;  ///< as they are seen most of, where that is asked for
   std::vector<Axis> axes_;
   Eigen::MatrixXd root_;
 };
+
+/// Of fields over the panel that all places share. How they vary within a place is far less than how evenly
+/// that is printed, which has columns of its own; else what a footprint's mean and spread leave out of those,
+/// where a place is seen in part, looks like a field that is ever rougher.
+bool isOfPlaces(const VarianceComponent& component) {
+  const std::vector<std::string>& over = component.smooth->over;
+  return component.each == Each::recording && std::find(over.begin(), over.end(), "panel x") != over.end();
+}
 
 }  // namespace
 
@@ -264,8 +297,9 @@ OwnedColumns columnsOf(const Linearization& linear, const VarianceComponent& com
           all_columns.owners.push_back(owner);
           continue;
         }
-        const Eigen::MatrixXd own = Field(linear, *component.smooth, covariates, change)
-                                        .columns(change, component.sigma * component.factor);
+        const Eigen::MatrixXd own =
+            Field(linear, *component.smooth, covariates, change, isOfPlaces(component))
+                .columns(change, component.sigma * component.factor);
         for (Eigen::Index r = 0; r < own.rows(); ++r)
           for (Eigen::Index k = 0; k < own.cols(); ++k)
             add(change[static_cast<std::size_t>(r)].first, columns + k, own(r, k));

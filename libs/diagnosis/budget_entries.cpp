@@ -108,7 +108,9 @@ std::vector<BudgetEntry> budgetOf(const NoiseModel& noise, const Linearization& 
     BudgetEntry& entry = entries.emplace_back();
     std::tie(entry.component, entry.unit, entry.source) = std::tie(c.name, c.unit, c.source);
     std::tie(entry.prior, entry.estimate) = std::tie(c.sigma, own.scale);
-    std::tie(entry.log_sd, entry.beyond) = std::tie(own.log_sd, own.beyond);
+    entry.log_sd = own.log_sd;
+    // What 99 % of such are at most is no mismatch, however it is spread.
+    entry.beyond = own.amount > c.sigma * c.factor ? own.beyond : 0;
     if (!noise.apart.empty()) addApart(entry, c, noise.apart[k], nominal);
   }
   for (const Channel channel : kEveryChannel)

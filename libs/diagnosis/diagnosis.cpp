@@ -74,6 +74,7 @@ class Course {
   void locate();
   void attribute();
   void verify();
+  void withdraw();
   void report();
 
   bool insufficient(const std::string& why);
@@ -420,8 +421,26 @@ void Course::verify() {
   if (final_.effects.empty()) return;
   for (std::size_t i = 0; i < final_.effects.size(); ++i) diagnosis_.effects.push_back(describe(i));
   diagnosis_.heldout = heldOut(final_, true);
+  if (diagnosis_.heldout.gain.physics <= diagnosis_.heldout.gain.placebo) {
+    withdraw();
+    return;
+  }
   for (std::size_t i = 0; i < diagnosis_.effects.size(); ++i)
     diagnosis_.effects[i].heldout_log_likelihood_gain = diagnosis_.heldout.gain.by_effect[i];
+}
+
+/// Chance, too, finds something that fits: what gains no more than that where it was not fitted is not named.
+void Course::withdraw() {
+  for (const FoundEffect& found : diagnosis_.effects)
+    diagnosis_.remarks.push_back(
+        nameOf(found.candidate) +
+        " would fit, but gains no more, on stretches that it was not fitted to, than "
+        "the best of all effects does by chance");
+  diagnosis_.effects.clear();
+  diagnosis_.alternatives.clear();
+  diagnosis_.heldout = {};
+  final_ = fits_.nominal();
+  diagnosis_.remaining = diagnosis_.mismatch;
 }
 
 }  // namespace

@@ -171,14 +171,6 @@ void remarkOnYardstick(Diagnosis& diagnosis) {
         "was not fitted to as well");
 }
 
-/// Chance, too, finds something that fits.
-void remarkOnPlacebo(Diagnosis& diagnosis) {
-  if (!diagnosis.effects.empty() && diagnosis.heldout.gain.physics <= diagnosis.heldout.gain.placebo)
-    diagnosis.remarks.emplace_back(
-        "on stretches that it was not fitted to, what was found gains no more than the best of all effects "
-        "does by chance where nothing is missing");
-}
-
 void judgeExplained(Diagnosis& diagnosis) {
   diagnosis.verdict = Verdict::explained;
   diagnosis.why = "The model leaves out " + effectsText(diagnosis) + ".";
@@ -293,7 +285,6 @@ void judge(Diagnosis& diagnosis, const Linearization& nominal) {
     judgeExplained(diagnosis);
   else
     judgeNothingFound(diagnosis, nominal);
-  remarkOnPlacebo(diagnosis);
   remarkOnYardstick(diagnosis);
   tellAlternatives(diagnosis);
   weighHypotheses(diagnosis);

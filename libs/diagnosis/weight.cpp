@@ -164,6 +164,18 @@ Likeliest likeliest(const ReducedFit& hypothesis, const Linearization& linear,
   return found;
 }
 
+/// See EstimatedScale::amount. Over all its columns C of values u, |C u| by |C|: as much as values of one
+/// each would do on average.
+void noteAmounts(std::vector<EstimatedScale>& scales, const HeldColumns& budget,
+                 const Eigen::VectorXd& values) {
+  Eigen::Index first = 0;
+  for (std::size_t k = 0; k < scales.size(); first += budget.sizes[k++]) {
+    const auto own = budget.columns.middleCols(first, budget.sizes[k]);
+    const double of_one = own.norm();
+    scales[k].amount = of_one > 0 ? (own * values.segment(first, budget.sizes[k])).norm() / of_one : 0;
+  }
+}
+
 /// ln of how likely the scales are beforehand, beside the declared ones.
 double logPriorOf(const std::vector<EstimatedScale>& scales, const std::vector<ScaledColumns>& groups) {
   double sum = 0;
@@ -257,6 +269,7 @@ Weight weigh(Linearization& linear, HeldColumns& budget, const std::vector<Candi
     weight.effects = evidenceOf(split.gram, split.score, priorSigmas(linear, effects));
     weight.scales =
         estimatedScales(hypothesis.all.gram, hypothesis.all.score, found.sigma, groups, found.scales);
+    noteAmounts(weight.scales, budget, split.budget);
     weight.log_evidence = -0.5 * hypothesis.nuisances.project(hypothesis.residual).squaredNorm() -
                           robustShare(linear, hypothesis.W * left) + logPriorOf(weight.scales, groups) +
                           logPriorOfApart(noise) + split.of_budget + split.effects.log_bayes_factor +
