@@ -130,8 +130,6 @@ std::map<Owner, Change> byOwner(const Linearization& linear, Each each, const Ch
 
 /// Nodes along one covariate.
 struct Axis {
-  static constexpr double kPoint = 1e-3;  // of a length: a mean over no more is a value
-
   Covariate covariate;
   double first = 0, step = 1, length = 1;
   int nodes = 1;
@@ -139,7 +137,7 @@ struct Axis {
   /// Its mean where one of the two is not a place but all within so much of it.
   double kernel(double apart, double half = 0) const {
     const double root = length * std::numbers::sqrt2;
-    if (half < kPoint * length) return std::exp(-std::pow(apart / root, 2));
+    if (half < kPointLike * length) return std::exp(-std::pow(apart / root, 2));
     return root * std::sqrt(std::numbers::pi) / (4 * half) *
            (std::erf((apart + half) / root) - std::erf((apart - half) / root));
   }

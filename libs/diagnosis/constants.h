@@ -97,6 +97,8 @@ inline constexpr double kClearlySigmas = 3;                 ///< less than nothi
 /// length the field is what it is but for 1e-4 of its variance; the most, for time.
 inline constexpr double kNodesPerLength = 2;
 inline constexpr int kMostNodes = 12;
+/// Of a field's length: a mean over no more is a value. Derived: off by 1e-7 of it.
+inline constexpr double kPointLike = 1e-3;
 inline constexpr double kDropped = 1e-4;  ///< of a field's variance
 /// Of the noise's variance: a value that readings cannot see better, be it as large as it may, needs no
 /// column. Chosen: an effect in that direction would seem sqrt(1.3) times as sure as it is, at most.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "core/parallel.h"
@@ -74,7 +75,11 @@ class Course {
   void locate();
   void attribute();
   void verify();
+  bool isBeyondChance() const;
   void withdraw();
+  double gainOf(const Refit& fit) const {
+    return fit.weight.log_evidence - fits_.nominal().weight.log_evidence;
+  }
   void report();
 
   bool insufficient(const std::string& why);
@@ -382,7 +387,7 @@ HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {
 void Course::report() {
   diagnosis_.noise = final_.noise;
   diagnosis_.log_odds = fits_.logOdds(final_);
-  diagnosis_.log_likelihood_gain = final_.weight.log_evidence - fits_.nominal().weight.log_evidence;
+  diagnosis_.log_likelihood_gain = gainOf(final_);
   diagnosis_.before = described(data_, fits_.nominal().estimate, fits_.nominal().options);
   diagnosis_.before_options = fits_.nominal().options;
   diagnosis_.after = described(data_, final_.estimate, final_.options);
@@ -421,15 +426,20 @@ void Course::verify() {
   if (final_.effects.empty()) return;
   for (std::size_t i = 0; i < final_.effects.size(); ++i) diagnosis_.effects.push_back(describe(i));
   diagnosis_.heldout = heldOut(final_, true);
-  if (diagnosis_.heldout.gain.physics <= diagnosis_.heldout.gain.placebo) {
-    withdraw();
-    return;
-  }
+  if (!isBeyondChance()) return withdraw();
   for (std::size_t i = 0; i < diagnosis_.effects.size(); ++i)
     diagnosis_.effects[i].heldout_log_likelihood_gain = diagnosis_.heldout.gain.by_effect[i];
 }
 
-/// Chance, too, finds something that fits: what gains no more than that where it was not fitted is not named.
+/// Chance, too, finds something that fits. What all stretches tell alike, as an offset that is held by a
+/// prior, none of them adds to: there all readings have to gain the more.
+bool Course::isBeyondChance() const {
+  const HeldOutGain& gain = diagnosis_.heldout.gain;
+  const double expected =
+      std::accumulate(gain.expected_by_effect.begin(), gain.expected_by_effect.end(), 0.0);
+  return gain.physics > gain.placebo || (expected <= gain.placebo && gainOf(final_) > kUnseen);
+}
+
 void Course::withdraw() {
   for (const FoundEffect& found : diagnosis_.effects)
     diagnosis_.remarks.push_back(

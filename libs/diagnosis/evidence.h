@@ -78,8 +78,8 @@ struct EstimatedScale {
   /// ln of how much likelier the readings are so than at the largest that 99 % of the prior hold; 0 within
   /// it.
   double beyond = 0;
-  /// What the values found amount to: root mean square over the readings, of what tells of it. A field that is
-  /// rougher than it should be has a large scale, and amounts to little. Infinite where not looked at.
+  /// What the values found amount to: root mean square over the readings, of what tells of it. A field that
+  /// is rougher than it should be has a large scale, and amounts to little. Infinite where not looked at.
   double amount = std::numeric_limits<double>::infinity();
 };
 
