@@ -185,12 +185,14 @@ double logPriorOf(const std::vector<EstimatedScale>& scales, const std::vector<S
 }
 
 /// Whether its owners are somewhere on the panel, and no effect of the catalogue is one of them elsewhere: a
-/// marker that was moved is named.
+/// marker that was moved is named. The values of a field are none by themselves: where readings tell little
+/// of some, as of how evenly a black place is printed, they would be of no kind.
 bool mayBeApart(const VarianceComponent& component) {
   const bool has_place = component.each == VarianceComponent::Each::marker ||
                          component.each == VarianceComponent::Each::place ||
                          component.each == VarianceComponent::Each::spot;
-  return has_place && std::none_of(component.by.begin(), component.by.end(), [](const std::string& by) {
+  return has_place && !component.smooth &&
+         std::none_of(component.by.begin(), component.by.end(), [](const std::string& by) {
            return findEffect(by.substr(0, by.find('.'))) != nullptr;
          });
 }
