@@ -14,10 +14,10 @@ namespace fathom {
 
 struct BatchRecordingOptions {
   std::filesystem::path rawlog;
-  std::string vehicle, map;      ///< files; empty: those that the recording names
-  std::string start = "auto";    ///< see startPose()
-  bool pixels = false;           ///< take patches of the images too
-  bool open_water = true;        ///< of them, what is above the horizon and beside the panels too
+  std::string vehicle, map;    ///< files; empty: those that the recording names
+  std::string start = "auto";  ///< see startPose()
+  bool pixels = false;         ///< take patches of the images too
+  bool open_water = true;      ///< of them, what is above the horizon and beside the panels too
   /// Light is compared in so many moments at most, spread evenly over the recording: what each image has of
   /// its own makes the estimates' time grow with the third power of their number. Corners count in all.
   std::size_t most_lit = 100;
