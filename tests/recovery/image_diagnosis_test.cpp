@@ -90,7 +90,7 @@ TEST(ImageDiagnosis, ALatencyIsToldByWhatItAsksOfTheGyro) {
     GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
   const EffectInfo& late = *findEffect("camera-latency");
   test::DiagnosisRun hidden = test::effectOfSize(test::lightDive(), lightExcitation(), late, 12.0, 1);
-  hidden.run.effects.add<DarkOffset>({-0.002});
+  hidden.run.effects.add<DarkOffset>({-0.005});
   const Diagnosis diagnosis = diagnose(hidden.input());
   std::set<std::string> named;
   for (const FoundEffect& effect : diagnosis.effects) named.insert(nameOf(effect.candidate));
