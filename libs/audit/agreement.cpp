@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "audit/water_column.h"
 #include "core/median.h"
@@ -51,15 +52,16 @@ DvlStream withoutOutliers(const DvlStream& dvl) {
   std::sort(speeds.begin(), speeds.end());
   const double most = speeds.empty() ? 0 : kTimes * speeds[speeds.size() * 3 / 4];
   const std::vector<Vector3d> off = offNeighbours(dvl.velocities);
-  Vector3d usual = Vector3d::Zero();
+  Vector3d farthest = Vector3d::Constant(std::numeric_limits<double>::infinity());
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> sizes;
     for (const Vector3d& own : off) sizes.push_back(std::abs(own[axis]));
-    if (!sizes.empty()) usual[axis] = kSigmas * sigmaByMedian(std::move(sizes));
+    // Of an axis that reads the same most of the time nothing is usual.
+    if (const double sigma = sizes.empty() ? 0 : sigmaByMedian(std::move(sizes)); sigma > 0)
+      farthest[axis] = kSigmas * sigma;
   }
   for (std::size_t k = 0; k < off.size(); ++k)
-    if (dvl.velocities[k].value.norm() <= most &&
-        ((usual.array() == 0).any() || (off[k].array().abs() <= usual.array()).all()))
+    if (dvl.velocities[k].value.norm() <= most && (off[k].array().abs() <= farthest.array()).all())
       clean.velocities.push_back(dvl.velocities[k]);
   return clean;
 }

@@ -38,8 +38,8 @@ namespace {
 
 using Choose = std::function<bool(const Scored&)>;
 
-constexpr double kConfident = 0.9;
-constexpr double kClear = 30;  // lambda (1 - c^2) of what can be seen to be outside the catalogue
+constexpr double kConfident = 0.9;  // from which on a name is stated with confidence
+constexpr double kClear = 30;       // lambda (1 - c^2) of what can be seen to be outside the catalogue
 
 /// sqrt(lambda) at which a test that gives a false alarm in a hundred recordings, having looked at 60 things,
 /// finds half: the normal quantile of 0.01 / 60, both sides.
@@ -59,6 +59,8 @@ std::size_t namesTooMany(const Scored& s) {
                             [&](const ProofCase::Effect& effect) { return holds(set, effect.id); });
       }));
 }
+/// A single name, and a wrong one, however sure of it the answer is.
+bool isOneWrongName(const Scored& s) { return namesSomething(s) && !s.in_set && s.set_size <= 1; }
 /// A name by itself that is wrong, stated with confidence, and nothing that is right.
 bool isConfidentlyWrong(const Scored& s) {
   return s.confidence >= kConfident && namesTooMany(s) == s.stated.size() &&
@@ -227,7 +229,7 @@ Table measureTable(const std::vector<Scored>& all) {
   const double half = halfPower(all);
   Table table{{"measure", "target", "reached"}, {}};
   table.rows = {
-      {"false alarms on nulls of the richer generator", "at most 2 %", shareOf(all, isNull, namesSomething)},
+      {"false alarms on recordings that hide nothing", "at most 2 %", shareOf(all, isNull, namesSomething)},
       {"effect size at half power over the Fisher limit", "at most 1.12",
        std::isnan(half) ? "-"
                         : print("%.2f (sqrt lambda %.1f over %.2f)", half / kFisherHalf, half, kFisherHalf)},
@@ -275,7 +277,7 @@ Table measureTable(const std::vector<Scored>& all) {
        shareOf(all, isDecoy, [](const Scored& s) { return s.in_set; })},
       {"decoys: a set with both where it has to be one", "90 %",
        shareOf(all, needsSet, [](const Scored& s) { return s.in_set && s.rival_in_set; })},
-      {"decoys: a confident wrong name", "none", shareOf(all, isDecoy, isConfidentlyWrong)},
+      {"decoys: a single name, and a wrong one", "none", shareOf(all, isDecoy, isOneWrongName)},
       {"all kinds: a confident wrong name", "at most 1 %", shareOf(all, anyKind, isConfidentlyWrong)},
       {"all kinds: names beyond what is true", "",
        shareOf(all, anyKind, [](const Scored& s) { return namesTooMany(s) > 0; })},

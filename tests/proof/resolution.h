@@ -21,8 +21,8 @@ struct Rival {
 };
 
 /// What a dive lets its recording resolve, from a recording of it that hides nothing: by the program's
-/// Jacobians there, in units of the noise that it shows. Sizes are sqrt(lambda) of that, as in
-/// discrepancy.md.
+/// Jacobians there, in units of the noise that it shows, with the error budget as it is declared. Sizes are
+/// sqrt(lambda) of that, as in discrepancy.md.
 class Resolution {
  public:
   /// Throws Error where the nominal model cannot be fitted.

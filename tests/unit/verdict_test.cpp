@@ -110,9 +110,8 @@ TEST(Verdict, ABudgetThatBurstsIsAMismatchWithAPlace) {
   EXPECT_NE(diagnosis.why.find(diagnosis.budget[0].component), std::string::npos) << diagnosis.why;
 }
 
-// Growth on one marker, 0.6 where prints differ by 0.02: said where, and the others are as ordinary as
-// before.
-TEST(Verdict, ABudgetThatAmountsToNoMoreThanIsOrdinaryDoesNotBurst) {
+// As of a field that is rougher than it should be: a large scale of small values.
+TEST(Verdict, ABudgetThatAmountsToNoMoreThanItsLimitDoesNotBurst) {
   for (const double amount : {0.9, 1.1}) {
     Diagnosis diagnosis = found(0);
     const VarianceComponent& component = diagnosis.noise.budget.components[0];
@@ -122,6 +121,8 @@ TEST(Verdict, ABudgetThatAmountsToNoMoreThanIsOrdinaryDoesNotBurst) {
   }
 }
 
+// Growth on one marker, 0.6 where prints differ by 0.02: said where, and the others are as ordinary as
+// before.
 TEST(Verdict, WhoIsApartIsAMismatchWithAPlace) {
   Diagnosis diagnosis = found(0);
   const auto& components = diagnosis.noise.budget.components;
