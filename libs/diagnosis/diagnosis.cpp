@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <set>
 
@@ -13,6 +12,7 @@
 #include "core/text.h"
 #include "diagnosis/alternatives.h"
 #include "diagnosis/constants.h"
+#include "diagnosis/contenders.h"
 #include "diagnosis/fits.h"
 #include "diagnosis/nominal.h"
 #include "diagnosis/shown_noise.h"
@@ -22,25 +22,10 @@
 namespace fathom {
 namespace {
 
-/// To compare what a camera by itself shows: its noise.
-double cameraNoise(const NoiseModel& noise) {
-  double product = 1;
-  for (const Channel channel : {kChannel<Markers>, kChannel<EpipolarResidual>, kChannel<Pixels>})
-    product *= noise.of(channel).independentScale();
-  return product;
-}
-
 double mostLikely(const Screening& screening) {
   double most = -std::numeric_limits<double>::infinity();
   for (const TestedCandidate& tested : screening.candidates()) most = std::max(most, tested.log_evidence);
   return most;
-}
-
-bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
-  for (std::size_t c = 0; c < before.channels.size(); ++c)
-    if (shown.channels[c].independentScale() < kLessNoise * before.channels[c].independentScale())
-      return true;
-  return shown.light_scatter < kLessNoise * before.light_scatter || shown.parts < kLessNoise * before.parts;
 }
 
 double probabilityOf(double log_odds) { return 0.5 * (1 + std::tanh(0.5 * log_odds)); }
@@ -84,7 +69,6 @@ class Course {
 
   bool insufficient(const std::string& why);
   std::optional<Refit> bestOf(const Refit& from, const Screening& screening, std::size_t size);
-  std::vector<Candidate> farContenders(const Screening& screening) const;
   void noteScreening(const Screening& screening);
   bool isConfirmed(const Refit& fit, std::size_t effect, const HeldOutGain& held);
   std::set<std::size_t> unconfirmedOf(const Refit& fit);
@@ -133,33 +117,12 @@ void Course::locate() { diagnosis_.mismatch = mismatchMaps(*fits_.nominal().mode
 
 /// The best set of so many more effects, each contender estimated in full.
 std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screening, std::size_t size) {
-  const std::vector<TestedSet> sets = screening.bestSets(size, kLooked, fits_.threshold());
   std::vector<std::vector<Candidate>> contenders;
-  const auto add = [&](const std::vector<Candidate>& more) {
+  for (const std::vector<Candidate>& more :
+       contendersOf(screening, size, fits_.threshold(), isCameraAlone())) {
     contenders.push_back(from.effects);
     contenders.back().insert(contenders.back().end(), more.begin(), more.end());
-  };
-  std::vector<std::vector<std::size_t>> tried;
-  const auto isSameBut = [&](std::size_t a, std::size_t b) {
-    return isSameButTime(screening.candidates()[a].candidate, screening.candidates()[b].candidate);
-  };
-  for (const TestedSet& set : sets) {
-    if (set.log_evidence < leastOfContenders(sets.front().log_evidence) || tried.size() == kContenders) break;
-    if (!isCameraAlone() && set.log_evidence < fits_.threshold() - kUnderestimated) break;
-    // What adds nothing to one that was tried is looked for again once that one is in the model; and when
-    // they are there is settled later.
-    if (std::any_of(tried.begin(), tried.end(), [&](const std::vector<std::size_t>& other) {
-          return std::includes(set.members.begin(), set.members.end(), other.begin(), other.end()) ||
-                 (!isCameraAlone() && std::is_permutation(set.members.begin(), set.members.end(),
-                                                          other.begin(), other.end(), isSameBut));
-        }))
-      continue;
-    tried.push_back(set.members);
-    std::vector<Candidate> members;
-    for (const std::size_t m : set.members) members.push_back(screening.candidates()[m].candidate);
-    add(members);
   }
-  for (const Candidate& alone : farContenders(screening)) add({alone});
   std::vector<Refit> all = fits_.of(from, contenders);
   double highest = -1e300;
   for (const Refit& refitted : all) highest = std::max(highest, fits_.logOdds(refitted));
@@ -171,36 +134,6 @@ std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screenin
     return fits_.logOdds(a) < fits_.logOdds(b);
   });
   return best == all.end() ? std::nullopt : std::optional(std::move(*best));
-}
-
-/// What the first order tells little of, to be tried by itself: of a camera alone, whole pixels off perhaps,
-/// whatever lasts; elsewhere what comes near to an effect that is far from linear, as a peak's time and width
-/// always are.
-std::vector<Candidate> Course::farContenders(const Screening& screening) const {
-  std::vector<Candidate> contenders;
-  if (isCameraAlone()) {
-    for (const TestedCandidate& tested : screening.candidates())
-      if (tested.candidate.isForGood() && !tested.candidate.marker_id) contenders.push_back(tested.candidate);
-    return contenders;
-  }
-  double largest = 0;
-  for (const TestedCandidate& tested : screening.candidates())
-    largest = std::max(largest, tested.log_evidence);
-  std::map<std::size_t, const TestedCandidate*> nearest;  // by effect
-  for (const TestedCandidate& tested : screening.candidates()) {
-    const bool is_far = largest >= kFarFromLinear || tested.candidate.peak;
-    if (!is_far || tested.log_evidence < kFarShare * largest) continue;
-    const TestedCandidate*& own = nearest[tested.candidate.effect];
-    if (own == nullptr || tested.log_evidence > own->log_evidence) own = &tested;
-  }
-  for (const auto& [effect, tested] : nearest) {
-    contenders.push_back(tested->candidate);
-    if (tested->candidate.active_s == Interval{}) continue;
-    // What lasts may do too much to first order where it is largest: then a part of it seems to fit better.
-    contenders.push_back(tested->candidate);
-    contenders.back().active_s = {};
-  }
-  return contenders;
 }
 
 bool Course::addsTo(const Refit& present, const Refit& better) const {

@@ -15,15 +15,16 @@
 #include "diagnosis/constants.h"
 #include "diagnosis/placebo.h"
 #include "diagnosis/residual_metrics.h"
+#include "diagnosis/stretches.h"
 #include "effects/catalogue.h"
 #include "estimation/sparse.h"
 
 namespace fathom {
 namespace {
 
-/// Columns of what is left of a fold's rows; after the draws of noise, one without each effect, and what each
-/// changes by itself.
-constexpr Eigen::Index kBefore = 0, kAfter = 1, kBlackBox = 2, kFirstDraw = 3;
+/// Columns of what is left of a fold's rows; then one without each effect, what each changes by itself, and
+/// draws of noise.
+constexpr Eigen::Index kBefore = 0, kAfter = 1, kBlackBox = 2, kFirstWithout = 3;
 
 /// Sums over a piece of a held-out stretch.
 struct Piece {
@@ -42,36 +43,6 @@ std::array<double, 2> central95(std::vector<double> values) {
   };
   return {at(0.025), at(0.975)};
 }
-
-/// The recording cut into stretches, each a member of a fold, and each of parts for the bootstrap: of time,
-/// or of the markers of a single image.
-class Stretches {
- public:
-  Stretches(const BatchData& data, int folds)
-      : is_instant_(!(data.last_s > data.first_s)),
-        first_(is_instant_ ? 0 : data.first_s),
-        folds_(folds),
-        count_(folds * kStretches),
-        span_((is_instant_ ? static_cast<double>(data.markers.size()) : data.last_s - first_) / count_) {}
-
-  int count() const { return count_; }
-  bool areOfTime() const { return !is_instant_; }
-  int foldOf(const RowInfo& row) const { return partOf(row) / kPartsOfStretch % folds_; }
-  /// Stretch by stretch.
-  int partOf(const RowInfo& row) const {
-    const double at = is_instant_ ? static_cast<double>(row.marker) : row.t_s;
-    return std::clamp(static_cast<int>((at - first_) / span_ * kPartsOfStretch), 0,
-                      count_ * kPartsOfStretch - 1);
-  }
-  double begin_s(int stretch) const { return first_ + stretch * span_; }
-  double length_s() const { return is_instant_ ? 0 : span_; }
-
- private:
-  bool is_instant_;
-  double first_;
-  int folds_, count_;
-  double span_;
-};
 
 /// Columns that are fitted together, among all.
 struct Fitted {
@@ -105,6 +76,7 @@ class HoldOut {
     return row >= std::ssize(bare_.rows) ||
            bare_.rows[static_cast<std::size_t>(row)].channel == kChannel<Prior>;
   }
+  Piece& pieceOf(const RowInfo& row) { return pieces_[static_cast<std::size_t>(stretches_.partOf(row))]; }
   std::vector<Eigen::Index> columnsOf(std::size_t effect) const;
   /// Columns of all effects, or of all but one.
   Fitted physics(std::optional<std::size_t> but) const;
@@ -213,22 +185,23 @@ HeldOutGain HoldOut::holdOutFold(int fold) {
   const Fitted all = physics({});
   const Eigen::VectorXd all_values = valuesWithDraws(all, trained, test);
   const Eigen::Index floor_draws = placebo_ ? kFloorDraws : 0, count = std::ssize(effects_),
-                     first_without = kFirstDraw + floor_draws, first_alone = first_without + count;
-  Eigen::MatrixXd with(model_.residual().size(), first_alone + count);
+                     first_alone = kFirstWithout + count, behind = first_alone + count;
+  Eigen::MatrixXd with(model_.residual().size(), behind + floor_draws);
   with.col(kBefore) = model_.residual();
   with.col(kAfter) = model_.residual() + changeBy(all.columns, all_values);
   with.col(kBlackBox) = model_.residual() + changeBy(box_.columns, valuesOf(box_, trained));
-  with.middleCols(kFirstDraw, floor_draws) = simulated_.leftCols(floor_draws);
+  with.rightCols(floor_draws) = simulated_.leftCols(floor_draws);
   for (Eigen::Index e = 0; e < count; ++e) {
     const Fitted rest = physics(static_cast<std::size_t>(e));
-    with.col(first_without + e) =
+    with.col(kFirstWithout + e) =
         model_.residual() + changeBy(rest.columns, valuesWithDraws(rest, trained, test));
     const std::vector<Eigen::Index> own = columnsOf(static_cast<std::size_t>(e));
     with.col(first_alone + e) = changeBy(own, all_values(own));
   }
   // Of the likelihood of what is held out, given what is not: p(all) / p(trained), all that is unknown being
   // as well as it can in each. What both show of the panel or the lens is held against them once.
-  const Eigen::MatrixXd all_left = model_.nuisances().project(with), trained_left = train.project(with);
+  const Eigen::MatrixXd fits = with.leftCols(behind), all_left = model_.nuisances().project(fits),
+                        trained_left = train.project(fits);
   const auto added = [&](const auto& of) {
     return 0.5 * (of(all_left).squaredNorm() - of(trained_left).squaredNorm());
   };
@@ -240,9 +213,9 @@ HeldOutGain HoldOut::holdOutFold(int fold) {
   gain.black_box = addedBy(kBefore) - addedBy(kBlackBox);
   for (Eigen::Index e = 0; e < count; ++e) {
     const double changed = added([&](const Eigen::MatrixXd& left) {
-      return Eigen::VectorXd(left.col(first_without + e) - left.col(kAfter));
+      return Eigen::VectorXd(left.col(kFirstWithout + e) - left.col(kAfter));
     });
-    gain.by_effect.push_back(addedBy(first_without + e) - addedBy(kAfter));
+    gain.by_effect.push_back(addedBy(kFirstWithout + e) - addedBy(kAfter));
     gain.expected_by_effect.push_back(std::min(changed, addedBy(first_alone + e)));
   }
   if (options_.yardsticks) {
@@ -285,14 +258,13 @@ void HoldOut::add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& 
     const Eigen::Index row = rows[static_cast<std::size_t>(k)];
     if (isPrior(row)) continue;
     const RowInfo& info = bare_.rows[static_cast<std::size_t>(row)];
-    Piece& piece = pieces_[static_cast<std::size_t>(stretches_.partOf(info))];
-    Piece::Sums& sums = piece.channels[info.channel];
+    Piece::Sums& sums = pieceOf(info).channels[info.channel];
     const auto square = [&](Eigen::Index what) { return left(k, what) * left(k, what); };
     // In full: what a robust fit makes light of is there all the same.
     sums.before += square(kBefore) / info.robust_weight;
     sums.after += square(kAfter) / info.robust_weight;
     sums.black_box += square(kBlackBox) / info.robust_weight;
-    if (placebo_) sums.floor += left.row(k).segment(kFirstDraw, kFloorDraws).squaredNorm() / kFloorDraws;
+    if (placebo_) sums.floor += left.row(k).tail(kFloorDraws).squaredNorm() / kFloorDraws;
     ++sums.rows;
   }
 }
@@ -304,8 +276,7 @@ void HoldOut::shareOut(const HeldOutGain& gain, const std::vector<Eigen::Index>&
   double physics = gain.physics, black_box = gain.black_box;  // what is left of them
   for (const Eigen::Index row : rows) {
     if (isPrior(row)) continue;
-    Piece& piece =
-        pieces_[static_cast<std::size_t>(stretches_.partOf(bare_.rows[static_cast<std::size_t>(row)]))];
+    Piece& piece = pieceOf(bare_.rows[static_cast<std::size_t>(row)]);
     own.insert(&piece);
     const auto lost = [&](Eigen::Index what) {
       return 0.5 * (left(row, kBefore) * left(row, kBefore) - left(row, what) * left(row, what));

@@ -95,4 +95,18 @@ std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, 
   return pairs;
 }
 
+double cameraNoise(const NoiseModel& noise) {
+  double product = 1;
+  for (const Channel channel : {kChannel<Markers>, kChannel<EpipolarResidual>, kChannel<Pixels>})
+    product *= noise.of(channel).independentScale();
+  return product;
+}
+
+bool isQuieter(const NoiseModel& shown, const NoiseModel& before) {
+  for (std::size_t c = 0; c < before.channels.size(); ++c)
+    if (shown.channels[c].independentScale() < kLessNoise * before.channels[c].independentScale())
+      return true;
+  return shown.light_scatter < kLessNoise * before.light_scatter || shown.parts < kLessNoise * before.parts;
+}
+
 }  // namespace fathom

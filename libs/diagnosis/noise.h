@@ -64,4 +64,9 @@ HeldColumns heldBy(HeldColumns budget, const NoiseModel& noise);
 /// Rows of a track that follow one another without a gap: pairs of neighbours, by row.
 std::vector<std::array<std::size_t, 2>> neighbours(const Linearization& linear, Channel channel);
 
+/// To compare what a camera by itself shows: its noise, of all that it sees by.
+double cameraNoise(const NoiseModel& noise);
+/// Whether a recording shows clearly less noise of any kind than was assumed.
+bool isQuieter(const NoiseModel& shown, const NoiseModel& before);
+
 }  // namespace fathom
