@@ -166,7 +166,7 @@ void addDiagnose(const RunContext& context) {
           "--light-images", options->recording.most_lit,
           "Images in which light is compared, at most, spread evenly over the recording; corners count "
           "in all")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   addFitOptions(*command, *options);
   command

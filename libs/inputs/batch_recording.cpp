@@ -1,6 +1,5 @@
 #include "inputs/batch_recording.h"
 
-#include <map>
 #include <memory>
 
 #include "core/files.h"
@@ -55,20 +54,6 @@ TiePoints tiePointsOf(const fs::path& rawlog, std::vector<std::string>& remarks)
   if (!isThere(file)) return {};
   remarks.push_back("Tie points are those of " + file.filename().string() + ".");
   return readTiePoints(file);
-}
-
-/// Those of so many moments, spread evenly over all that there are; both eyes of a pair. Returns how many
-/// moments there were.
-std::size_t keepSpread(std::vector<PosedImage>& posed, std::size_t moments) {
-  std::map<std::size_t, std::size_t> numbers;  // of entries, counted as they come
-  for (const PosedImage& image : posed) numbers.try_emplace(image.entry, numbers.size());
-  const std::size_t all = numbers.size();
-  if (all > moments)
-    std::erase_if(posed, [&](const PosedImage& image) {
-      const std::size_t k = numbers[image.entry];
-      return k * moments / all == (k + 1) * moments / all;
-    });
-  return all;
 }
 
 /// The images where they show panels, reduced to patches.

@@ -86,4 +86,16 @@ PosedImages posedImages(const std::filesystem::path& rawlog, const std::vector<P
   return images;
 }
 
+std::size_t keepSpread(std::vector<PosedImage>& posed, std::size_t moments) {
+  std::map<std::size_t, std::size_t> numbers;  // of entries, counted as they come
+  for (const PosedImage& image : posed) numbers.try_emplace(image.entry, numbers.size());
+  const std::size_t all = numbers.size();
+  if (all > moments)
+    std::erase_if(posed, [&](const PosedImage& image) {
+      const std::size_t k = numbers[image.entry];
+      return k * moments / all == (k + 1) * moments / all;
+    });
+  return all;
+}
+
 }  // namespace fathom

@@ -59,4 +59,8 @@ PosedImages posedImages(const std::vector<ImageEntry>& entries, const Detections
 PosedImages posedImages(const std::filesystem::path& rawlog, const std::vector<PanelMap>& panels,
                         const DetectionSettings& settings, const EffectParameters<double>& effects = {});
 
+/// Keeps those of so many moments, spread evenly over all that there are; both eyes of a pair. Returns how
+/// many moments there were.
+std::size_t keepSpread(std::vector<PosedImage>& posed, std::size_t moments);
+
 }  // namespace fathom

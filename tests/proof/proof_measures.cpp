@@ -277,7 +277,7 @@ Table measureTable(const std::vector<Scored>& all) {
        shareOf(all, isDecoy, [](const Scored& s) { return s.in_set; })},
       {"decoys: a set with both where it has to be one", "90 %",
        shareOf(all, needsSet, [](const Scored& s) { return s.in_set && s.rival_in_set; })},
-      {"decoys: a single name, and a wrong one", "none", shareOf(all, isDecoy, isOneWrongName)},
+      {"decoys: a confident wrong name", "none", shareOf(all, isDecoy, isOneWrongName)},
       {"all kinds: a confident wrong name", "at most 1 %", shareOf(all, anyKind, isConfidentlyWrong)},
       {"all kinds: names beyond what is true", "",
        shareOf(all, anyKind, [](const Scored& s) { return namesTooMany(s) > 0; })},

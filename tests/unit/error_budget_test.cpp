@@ -1,6 +1,7 @@
 // The error budget's file, and what its components do to readings.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "core/error.h"
@@ -194,6 +195,64 @@ TEST(BudgetColumns, APatchHasTheMeanOfAField) {
     EXPECT_LT(off, 0.1 * (middle - mean).norm()) << patch;
     EXPECT_LT(off, 0.5) << patch;  // of 100
   }
+}
+
+/// Of a kernel of unit length between all within `a` of a middle and all within `b` of it: by sums.
+double meanKernel(double a, double b) {
+  constexpr int kPlaces = 200;
+  double sum = 0;
+  for (int i = 0; i < kPlaces; ++i)
+    for (int j = 0; j < kPlaces; ++j) {
+      const double apart = a * (2 * (i + 0.5) / kPlaces - 1) - b * (2 * (j + 0.5) / kPlaces - 1);
+      sum += std::exp(-0.5 * apart * apart);
+    }
+  return sum / (kPlaces * kPlaces);
+}
+
+// How evenly a place is printed changes within a few centimetres: from afar less of it is seen, which has
+// another mean about the same middle. Nodes are at most 0.55 of a length apart, which leaves out 1e-3 of a
+// field's variance.
+TEST(BudgetColumns, APlaceOfUnevenPrintHasAnotherMeanWhereLessIsSeen) {
+  constexpr double kLength_m = 0.05;
+  const std::array<double, 3> halves_m{0.06, 0.1, 0.15};
+  Linearization linear = light(3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    RowInfo& row = linear.rows[i];
+    row.reflected = 1;
+    row.place = 0;
+    row.point_panel = {0.3 + 1e-4 * static_cast<double>(i), 0};
+    row.panel_spread = {halves_m[i] / std::sqrt(3.0), 0};
+  }
+  VarianceComponent evenness = component("pixels.reflected");
+  evenness.each = VarianceComponent::Each::spot;
+  evenness.smooth = SmoothField{{"panel x"}, {kLength_m}};
+  const Eigen::MatrixXd columns = columnsOf(linear, evenness).columns;
+  const Eigen::MatrixXd covariance = columns * columns.transpose();
+  for (Eigen::Index i = 0; i < 3; ++i)
+    for (Eigen::Index j = 0; j < 3; ++j) {
+      const double expected = 1e4 * meanKernel(halves_m[static_cast<std::size_t>(i)] / kLength_m,
+                                               halves_m[static_cast<std::size_t>(j)] / kLength_m);
+      EXPECT_NEAR(covariance(i, j), expected, 0.01 * expected) << i << " " << j;
+    }
+}
+
+// What all places share is taken where most of a place is seen.
+TEST(BudgetColumns, AFieldThatPlacesShareHasOneValueForEach) {
+  Linearization linear = light(6);
+  for (std::size_t i = 0; i < 6; ++i) {
+    RowInfo& row = linear.rows[i];
+    row.reflected = 1;
+    row.patch = static_cast<std::ptrdiff_t>(i);
+    row.place = static_cast<int>(i / 2);
+    row.seen_share = i % 2 == 0 ? 1 : 0.4;
+    row.point_panel = {0.3 * static_cast<double>(i / 2) + (i % 2 == 0 ? 0 : 0.08), 0.1};
+  }
+  VarianceComponent illumination = component("pixels.reflected");
+  illumination.smooth = SmoothField{{"panel x"}, {0.5}};
+  const Eigen::MatrixXd columns = columnsOf(linear, illumination).columns;
+  for (Eigen::Index place = 0; place < 3; ++place)
+    EXPECT_EQ(columns.row(2 * place), columns.row(2 * place + 1)) << place;
+  EXPECT_GT((columns.row(0) - columns.row(2)).norm(), 10);
 }
 
 // What nobody could see, be it as large as the budget has it, has no column.
