@@ -45,7 +45,7 @@ std::vector<Vector3d> offNeighbours(const std::vector<Timed<Vector3d>>& velociti
 /// few that are far off their neighbours (Hampel 1974) are wrong: one in a hundred is enough to make squares
 /// of a robot that hardly moves say anything.
 DvlStream withoutOutliers(const DvlStream& dvl) {
-  constexpr double kTimes = 5, kSigmas = 5;
+  constexpr double kTimes = 5, kSigmas = 5, kLeast_m_s = 0.01;  // of such a sigma: no DVL is better
   DvlStream clean{dvl.T_robot_dvl, {}};
   std::vector<double> speeds;
   for (const auto& reading : dvl.velocities) speeds.push_back(reading.value.norm());
@@ -56,9 +56,7 @@ DvlStream withoutOutliers(const DvlStream& dvl) {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> sizes;
     for (const Vector3d& own : off) sizes.push_back(std::abs(own[axis]));
-    // Of an axis that reads the same most of the time nothing is usual.
-    if (const double sigma = sizes.empty() ? 0 : sigmaByMedian(std::move(sizes)); sigma > 0)
-      farthest[axis] = kSigmas * sigma;
+    if (!sizes.empty()) farthest[axis] = kSigmas * std::max(kLeast_m_s, sigmaByMedian(std::move(sizes)));
   }
   for (std::size_t k = 0; k < off.size(); ++k)
     if (dvl.velocities[k].value.norm() <= most && (off[k].array().abs() <= farthest.array()).all())

@@ -50,8 +50,9 @@ inline constexpr double kVanished = 2;
 /// Of the gain that is expected there, that has to be seen. Chosen.
 inline constexpr double kConfirmed = 0.3;
 /// Where held-out stretches could not show so much of the gain, since poses follow it there, it has to gain
-/// kUnseen (ln of the likelihood) where it was fitted, for kUnseenShare of the recording. Chosen.
-inline constexpr double kShownAtAll = 0.1, kUnseen = 50, kUnseenShare = 0.25;
+/// kUnseen (ln of the likelihood: odds of a thousand to one) where it was fitted, for kUnseenShare of the
+/// recording. Chosen.
+inline constexpr double kShownAtAll = 0.1, kUnseen = 7, kUnseenShare = 0.25;
 /// Stretches of a fold, between those of others. Chosen: an effect for a part is in most folds.
 inline constexpr int kStretches = 3;
 /// Of a stretch, that are drawn anew by the bootstrap. Chosen.
@@ -122,7 +123,9 @@ inline constexpr double kApart_p = 1e-3, kMostApart = 0.1, kExpectedApart = 0.01
 
 // The noise.
 
-inline constexpr double kLessNoise = 0.9;       ///< times the noise taken before: less than chance
+inline constexpr double kLessNoise = 0.9;  ///< times the noise taken before: less than chance
+/// ln of the likelihood by which another minimum is a better one. Chosen: more than where a fit stops.
+inline constexpr double kOtherMinimum = 1;
 inline constexpr int kNoisePasses = 2;          ///< of noise and nominal fit. Chosen
 inline constexpr double kCostTolerance = 0.01;  ///< of a fit: a hundredth of what decides
 inline constexpr int kNoiseDraws = 16;          ///< squares of kFewestRows are known to sqrt(2 / 480) then

@@ -68,7 +68,7 @@ class Course {
   void report();
 
   bool insufficient(const std::string& why);
-  std::optional<Refit> bestOf(const Refit& from, const Screening& screening, std::size_t size);
+  std::vector<Refit> contenders(const Screening& screening, std::size_t size);
   void noteScreening(const Screening& screening);
   bool isConfirmed(const Refit& fit, std::size_t effect, const HeldOutGain& held);
   std::set<std::size_t> unconfirmedOf(const Refit& fit);
@@ -76,6 +76,7 @@ class Course {
   void accept(Refit better);
   bool addsTo(const Refit& present, const Refit& better) const;
   bool lastsLong(const Candidate& effect) const;
+  bool takeMinimumOf(const std::vector<Refit>& found);
   bool takeNoise(const NoiseModel& shown);
   bool takeLeastNoise();
   /// Its fits are quick.
@@ -115,25 +116,21 @@ bool Course::estimateNominal() {
 
 void Course::locate() { diagnosis_.mismatch = mismatchMaps(*fits_.nominal().model, options_.seed); }
 
-/// The best set of so many more effects, each contender estimated in full.
-std::optional<Refit> Course::bestOf(const Refit& from, const Screening& screening, std::size_t size) {
-  std::vector<std::vector<Candidate>> contenders;
+/// Sets of so many more effects that may be the best, each estimated in full.
+std::vector<Refit> Course::contenders(const Screening& screening, std::size_t size) {
+  std::vector<std::vector<Candidate>> sets;
   for (const std::vector<Candidate>& more :
        contendersOf(screening, size, fits_.threshold(), isCameraAlone())) {
-    contenders.push_back(from.effects);
-    contenders.back().insert(contenders.back().end(), more.begin(), more.end());
+    sets.push_back(final_.effects);
+    sets.back().insert(sets.back().end(), more.begin(), more.end());
   }
-  std::vector<Refit> all = fits_.of(from, contenders);
+  std::vector<Refit> all = fits_.of(final_, sets);
   double highest = -1e300;
   for (const Refit& refitted : all) highest = std::max(highest, fits_.logOdds(refitted));
   std::erase_if(all, [&](const Refit& refitted) {
     return !refitted.succeeded || fits_.logOdds(refitted) < leastOfContenders(highest);
   });
-  all = fits_.settled(std::move(all));
-  const auto best = std::max_element(all.begin(), all.end(), [&](const Refit& a, const Refit& b) {
-    return fits_.logOdds(a) < fits_.logOdds(b);
-  });
-  return best == all.end() ? std::nullopt : std::optional(std::move(*best));
+  return all;
 }
 
 bool Course::addsTo(const Refit& present, const Refit& better) const {
@@ -143,16 +140,22 @@ bool Course::addsTo(const Refit& present, const Refit& better) const {
 
 void Course::attribute() {
   Progress progress("trying effects");
-  for (int round = 0; final_.effects.size() < options_.max_effects; ++round) {
+  bool is_new = true;
+  while (final_.effects.size() < options_.max_effects) {
     progress.update(static_cast<double>(final_.effects.size()) / static_cast<double>(options_.max_effects));
     const Screening screening(*final_.model, options_.segments, left_out_);
-    if (round == 0) noteScreening(screening);
+    if (is_new) noteScreening(screening);
+    is_new = false;
     if (!isCameraAlone() && mostLikely(screening) < fits_.threshold() - kUnderestimated) break;
-    std::optional<Refit> best =
-        bestOf(final_, screening, std::min(kTogether, options_.max_effects - final_.effects.size()));
-    if (!best) break;
+    std::vector<Refit> tried =
+        contenders(screening, std::min(kTogether, options_.max_effects - final_.effects.size()));
+    if (takeMinimumOf(tried)) {
+      is_new = final_.effects.empty();
+      continue;
+    }
     if (takeLeastNoise()) continue;
-    if (fits_.logOdds(*best) < fits_.logOdds(final_)) break;
+    std::optional<Refit> best = fits_.bestOf(fits_.settled(std::move(tried)));
+    if (!best || fits_.logOdds(*best) < fits_.logOdds(final_)) break;
     Refit better = fits_.lastingWhereBetter(fits_.onlyNeeded(std::move(*best)));
     if (!addsTo(final_, better)) break;
     const std::size_t left_out = left_out_.count();
@@ -234,7 +237,7 @@ bool Course::isConfirmed(const Refit& fit, std::size_t effect, const HeldOutGain
 }
 
 /// Those effects that do not show on stretches that they were not fitted to. None of them is tried again:
-/// where it was for a part, for a part.
+/// where it was for a part, for a part, and after that not at all.
 std::set<std::size_t> Course::unconfirmedOf(const Refit& fit) {
   const HeldOutResult held = heldOut(fit, false);
   std::set<std::size_t> unconfirmed;
@@ -242,7 +245,8 @@ std::set<std::size_t> Course::unconfirmedOf(const Refit& fit) {
     const Candidate& effect = fit.effects[i];
     if (isConfirmed(fit, i, held.gain)) continue;
     unconfirmed.insert(i);
-    (effect.isForGood() ? left_out_.all : left_out_.parts).insert(effect.effect);
+    const bool is_last = effect.isForGood() || left_out_.parts.contains(effect.effect);
+    (is_last ? left_out_.all : left_out_.parts).insert(effect.effect);
     if (effect.active_s != Interval{} && !lastsLong(effect)) left_out_.during.push_back(effect.active_s);
     diagnosis_.remarks.push_back(nameOf(effect) + " would fit, but not stretches that it was not fitted to");
   }
@@ -270,6 +274,30 @@ void Course::accept(Refit better) {
   final_.model = modelOf(data_, final_);
   const NoiseModel shown = shownNoise(final_.model->linear(), fits_.noise(), options_.seed);
   if (isQuieter(shown, fits_.noise())) takeNoise(shown);
+}
+
+/// Where readings contradict each other there are many minima, and no effect is to profit from a better one:
+/// where one gains more than its size accounts for.
+bool Course::takeMinimumOf(const std::vector<Refit>& found) {
+  const auto likeliest = std::max_element(found.begin(), found.end(), [](const Refit& a, const Refit& b) {
+    return a.weight.log_evidence < b.weight.log_evidence;
+  });
+  if (likeliest == found.end() || gainOf(*likeliest) < 0.5 * likeliest->lambda + kOtherMinimum) return false;
+  const auto isBetter = [](const Refit& there, const Refit& here) {
+    return there.succeeded && there.weight.log_evidence > here.weight.log_evidence + kOtherMinimum;
+  };
+  const auto withOnly = [&](const std::vector<Candidate>& effects) {
+    return refit(data_, likeliest->estimate, fits_.base(), effects, fits_.noise());
+  };
+  Refit nominal = withOnly({});
+  Refit present = final_.effects.empty() ? nominal : withOnly(final_.effects);
+  if (!isBetter(nominal, fits_.nominal()) && !isBetter(present, final_)) return false;
+  if (!isBetter(nominal, fits_.nominal())) nominal = fits_.nominal();
+  if (!isBetter(present, final_)) present = final_;
+  fits_.beginWith(std::move(nominal), BatchOptions(fits_.base()), NoiseModel(fits_.noise()));
+  final_ = std::move(present);
+  locate();
+  return true;
 }
 
 /// Everything fitted again for another noise.
@@ -377,8 +405,9 @@ void Course::withdraw() {
   for (const FoundEffect& found : diagnosis_.effects)
     diagnosis_.remarks.push_back(
         nameOf(found.candidate) +
-        " would fit, but gains no more, on stretches that it was not fitted to, than "
-        "the best of all effects does by chance");
+        print(" would fit, but gains no more, on stretches that it was not fitted to, than the best of all "
+              "effects does by chance (%.1f where chance has %.1f, in ln of the likelihood; %.1f on all)",
+              diagnosis_.heldout.gain.physics, diagnosis_.heldout.gain.placebo, gainOf(final_)));
   diagnosis_.effects.clear();
   diagnosis_.alternatives.clear();
   diagnosis_.heldout = {};

@@ -50,9 +50,16 @@ double Fits::segment_s() const { return (data_.last_s - data_.first_s) / segment
 
 double Fits::logOdds(const Refit& fit) const {
   if (!fit.succeeded) return -1e300;
-  double odds = fit.weight.log_evidence - nominal_.weight.log_evidence;
+  // Half of lambda is the most that it can be, to second order; the rest is another minimum's.
+  double odds = std::min(fit.weight.log_evidence - nominal_.weight.log_evidence, 0.5 * fit.lambda);
   for (const Candidate& effect : fit.effects) odds += prior_.logOf(effect);
   return odds;
+}
+
+std::optional<Refit> Fits::bestOf(std::vector<Refit> all) const {
+  const auto best = std::max_element(all.begin(), all.end(),
+                                     [&](const Refit& a, const Refit& b) { return logOdds(a) < logOdds(b); });
+  return best == all.end() ? std::nullopt : std::optional(std::move(*best));
 }
 
 std::vector<Refit> Fits::of(const Refit& from, const std::vector<std::vector<Candidate>>& sets) {

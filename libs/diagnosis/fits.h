@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,8 +39,11 @@ class Fits {
   /// Makes those at once, to be asked for.
   void makeWithoutEach(const Refit& fit);
 
-  /// ln of the odds of a fit's effects against the nominal model, before looking and by the readings.
+  /// ln of the odds of a fit's effects against the nominal model, before looking and by the readings: of what
+  /// these gain, as much as the effects' size accounts for.
   double logOdds(const Refit& fit) const;
+  /// Of those that succeeded.
+  std::optional<Refit> bestOf(std::vector<Refit> all) const;
   /// What an effect has to add to the log odds to be named.
   double threshold() const { return threshold_; }
   /// Of each: intervals and times to a fraction of a segment, and whether what seems lasting was on for a

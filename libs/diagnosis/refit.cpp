@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <stdexcept>
 
 #include "core/linear_algebra.h"
@@ -11,9 +12,13 @@
 namespace fathom {
 namespace {
 
+/// Nothing clearly less than nothing, nor more than a calibration may hold: so far off, an effect makes
+/// outliers fit.
 bool areAllPossible(const Refit& fit) {
   return std::all_of(fit.estimates.begin(), fit.estimates.end(), [](const EffectEstimate& estimate) {
-    return canBeFound(estimate.scalar, estimate.value, estimate.sigma);
+    const Parameter& parameter = parameterOf(estimate.scalar);
+    return canBeFound(estimate.scalar, estimate.value, estimate.sigma) &&
+           (!isSize(parameter.kind) || std::abs(asNamed(parameter, estimate.value)) <= parameter.limit);
   });
 }
 
@@ -55,14 +60,32 @@ void addEstimates(Refit& fit, const Linearization& linear) {
   fit.prior_sigma = priorSigmas(linear, fit.effects);
 }
 
+/// See sqrtLambda().
+double lambdaOf(const Refit& fit, const std::vector<Eigen::Index>& estimates) {
+  const auto size = std::ssize(estimates);
+  Eigen::VectorXd value(size), precision(size);
+  for (Eigen::Index a = 0; a < size; ++a) {
+    const Eigen::Index i = estimates[static_cast<std::size_t>(a)];
+    const EffectEstimate& estimate = fit.estimates[static_cast<std::size_t>(i)];
+    value[a] = sizeOf(estimate.scalar, estimate.value);
+    precision[a] = 1 / (fit.prior_sigma[i] * fit.prior_sigma[i]);
+  }
+  const Eigen::MatrixXd covariance = fit.covariance(estimates, estimates);
+  const Eigen::MatrixXd information = inverseOf(covariance) - Eigen::MatrixXd(precision.asDiagonal());
+  return std::max(0.0, value.dot(information * value));
+}
+
 void finish(Refit& fit, const Linearization& linear) {
   addEstimates(fit, linear);
   fit.succeeded = areAllPossible(fit);
   if (!fit.succeeded) {
-    fit.estimate.failure = "less than nothing of an effect would have to be there";
+    fit.estimate.failure = "less than nothing of an effect would have to be there, or more than there can be";
     return;
   }
   holdAtNothing(fit);
+  std::vector<Eigen::Index> all(fit.estimates.size());
+  std::iota(all.begin(), all.end(), 0);
+  fit.lambda = lambdaOf(fit, all);
   BatchState& state = fit.estimate.state;
   for (const EffectEstimate& found : fit.estimates)
     if (found.image < 0)
@@ -162,20 +185,7 @@ double sqrtLambda(const Refit& fit, std::size_t effect) {
   std::vector<Eigen::Index> own;
   for (std::size_t i = 0; i < fit.estimates.size(); ++i)
     if (fit.estimates[i].effect == effect) own.push_back(static_cast<Eigen::Index>(i));
-  const auto size = std::ssize(own);
-  Eigen::MatrixXd covariance(size, size);
-  Eigen::VectorXd value(size);
-  Eigen::VectorXd precision(size);
-  for (Eigen::Index a = 0; a < size; ++a) {
-    const Eigen::Index i = own[static_cast<std::size_t>(a)];
-    const EffectEstimate& estimate = fit.estimates[static_cast<std::size_t>(i)];
-    value[a] = sizeOf(estimate.scalar, estimate.value);
-    precision[a] = 1 / (fit.prior_sigma[i] * fit.prior_sigma[i]);
-    for (Eigen::Index b = 0; b < size; ++b)
-      covariance(a, b) = fit.covariance(i, own[static_cast<std::size_t>(b)]);
-  }
-  const Eigen::MatrixXd information = inverseOf(covariance) - Eigen::MatrixXd(precision.asDiagonal());
-  return std::sqrt(std::max(0.0, value.dot(information * value)));
+  return std::sqrt(lambdaOf(fit, own));
 }
 
 }  // namespace fathom

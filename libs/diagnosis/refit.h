@@ -20,6 +20,7 @@ struct Refit {
   std::vector<EffectEstimate> estimates;  ///< of the effects, for the noise as it is
   Eigen::VectorXd prior_sigma;            ///< of `estimates`
   Eigen::MatrixXd covariance;             ///< of `estimates`
+  double lambda = 0;                      ///< of all effects together, see sqrtLambda()
 
   /// The readings' derivatives, which are most of what a fit holds: empty where they were let go.
   std::shared_ptr<const WhitenedModel> model;
@@ -45,7 +46,7 @@ std::vector<EffectEstimate> withSpreads(const Refit& fit);
 /// in units of each reading's sigma.
 Eigen::VectorXd changeBy(const Refit& fit, const Candidate& effect, const Linearization& at);
 
-/// Sizes of each effect in units of what the recording can resolve: sqrt(value^T information value).
+/// Size of one effect in units of what the recording can resolve: sqrt(value^T information value).
 double sqrtLambda(const Refit& fit, std::size_t effect);
 
 }  // namespace fathom

@@ -9,6 +9,7 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "core/stable_sort.h"
+#include "diagnosis/allowance.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/finer_edges.h"
 #include "effects/drawn.h"
@@ -55,6 +56,7 @@ Information::Information(const Eigen::MatrixXd& A, const Eigen::VectorXd& norms)
 Screening::Screening(const WhitenedModel& model, int segments, const LeftOut& left_out)
     : model_(model.under(model.noise().declared())), prior_(model.linear(), segments) {
   layOut(model_.linear(), segments, left_out);
+  noteAllowances();
   // Each by itself: side by side they would take as much as a hundred times the readings.
   const Eigen::VectorXd left = model_.nuisances().project(model_.residual());
   std::vector<Reduced> each(families_.size());
@@ -120,6 +122,22 @@ void Screening::takeFinerEdges(int segments, std::vector<std::optional<TestedCan
     if (finer.dof > 0 && finer.log_evidence > parts[family_of[i]]->log_evidence)
       parts[family_of[i]] = std::move(finer);
   }
+}
+
+void Screening::noteAllowances() {
+  std::vector<Candidate> lasting;
+  for (const Family& family : families_) lasting.push_back(family.candidate);
+  std::vector<Eigen::MatrixXd> allowed = allowancesOf(model_, lasting);
+  for (std::size_t family = 0; family < families_.size(); ++family)
+    families_[family].allowed = std::move(allowed[family]);
+}
+
+bool Screening::isBeyondAllowance(const Family& family, const Candidate& candidate,
+                                  const Reduced& reduced) const {
+  if (!comesAndGoes(candidate)) return true;
+  const Eigen::MatrixXd news = newsOf(reduced.gram, family.allowed);
+  const EffectEvidence evidence(news * reduced.gram, family.prior_sigma);
+  return evidence.best(news * reduced.score).log_bayes_factor > kEvenOdds;
 }
 
 void Screening::combine() {
@@ -283,6 +301,8 @@ TestedCandidate Screening::test(std::size_t of_family, const Candidate& candidat
         {family.candidate.effect, scalar, value[k], std::sqrt(information.inverse(k, k))});
     is_possible = is_possible && canBeFound(scalar, value[k], tested.one_step.back().sigma);
   }
+  if (is_possible && best.log_bayes_factor > kEvenOdds)
+    is_possible = isBeyondAllowance(family, candidate, reduced);
   tested.size = best.size;
   tested.log_evidence = prior_.logOf(candidate) + (is_possible ? best.log_bayes_factor : kImpossible);
   if (is_possible) tested.statistic = reduced.score.dot(information.inverse * reduced.score);

@@ -104,6 +104,7 @@ class Screening {
     Candidate candidate;
     std::vector<std::size_t> scalars;  ///< in EffectParameters::values
     Eigen::VectorXd prior_sigma;       ///< of each
+    Eigen::MatrixXd allowed;           ///< for a part, see allowanceOf()
     Eigen::Index first = 0, size = 0;
     int segments = 1;
     bool is_step = false, has_peak = false;
@@ -123,6 +124,9 @@ class Screening {
   };
 
   void layOut(const Linearization& linear, int segments, const LeftOut& left_out);
+  void noteAllowances();
+  /// Whether it is more than what the budget allows always, where it is on for a part.
+  bool isBeyondAllowance(const Family& family, const Candidate& candidate, const Reduced& reduced) const;
   Eigen::SparseMatrix<double> columnsOf(const Family& family) const;
   Eigen::Index widthOf(std::size_t family) const {
     return families_[family].size * families_[family].segments;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "core/chi_square.h"
 #include "core/linear_algebra.h"
@@ -164,15 +165,26 @@ Likeliest likeliest(const ReducedFit& hypothesis, const Linearization& linear,
   return found;
 }
 
-/// See EstimatedScale::amount. Over all its columns C of values u, |C u| by |C|: as much as values of one
-/// each would do on average.
+/// Of columns C of values u, |C u| by |C|: as much as values of one each would do on average.
+double amountOf(const Eigen::SparseMatrix<double>& all, const std::vector<Eigen::Index>& columns,
+                const Eigen::VectorXd& values) {
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(all.rows());
+  double of_one = 0;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    change += all.col(columns[i]) * values[static_cast<Eigen::Index>(i)];
+    of_one += all.col(columns[i]).squaredNorm();
+  }
+  return of_one > 0 ? change.norm() / std::sqrt(of_one) : 0;
+}
+
+/// See EstimatedScale::amount.
 void noteAmounts(std::vector<EstimatedScale>& scales, const HeldColumns& budget,
                  const Eigen::VectorXd& values) {
   Eigen::Index first = 0;
   for (std::size_t k = 0; k < scales.size(); first += budget.sizes[k++]) {
-    const auto own = budget.columns.middleCols(first, budget.sizes[k]);
-    const double of_one = own.norm();
-    scales[k].amount = of_one > 0 ? (own * values.segment(first, budget.sizes[k])).norm() / of_one : 0;
+    std::vector<Eigen::Index> own(static_cast<std::size_t>(budget.sizes[k]));
+    std::iota(own.begin(), own.end(), first);
+    scales[k].amount = amountOf(budget.columns, own, values.segment(first, budget.sizes[k]));
   }
 }
 
@@ -185,42 +197,55 @@ double logPriorOf(const std::vector<EstimatedScale>& scales, const std::vector<S
 }
 
 /// Whether its owners are somewhere on the panel, and no effect of the catalogue is one of them elsewhere: a
-/// marker that was moved is named. The values of a field are none by themselves: where readings tell little
-/// of some, as of how evenly a black place is printed, they would be of no kind.
+/// marker that was moved is named.
 bool mayBeApart(const VarianceComponent& component) {
   const bool has_place = component.each == VarianceComponent::Each::marker ||
                          component.each == VarianceComponent::Each::place ||
                          component.each == VarianceComponent::Each::spot;
-  return has_place && !component.smooth &&
-         std::none_of(component.by.begin(), component.by.end(), [](const std::string& by) {
+  return has_place && std::none_of(component.by.begin(), component.by.end(), [](const std::string& by) {
            return findEffect(by.substr(0, by.find('.'))) != nullptr;
          });
+}
+
+/// What an owner's values amount to: how many numbers they are, and their mean square.
+struct OwnersValues {
+  double count = 0, square = 0;
+};
+
+/// Of the component whose columns begin at `first`. A field's values at one place are one number, as large as
+/// what readings tell of it, see amountOf(): of a single node they may tell little.
+std::map<Owner, OwnersValues> valuesByOwner(const HeldColumns& budget, const VarianceComponent& component,
+                                            Eigen::Index first, Eigen::Index size,
+                                            const Eigen::VectorXd& values) {
+  std::map<Owner, std::vector<Eigen::Index>> columns;
+  for (Eigen::Index column = first; column < first + size; ++column)
+    columns[budget.owners[static_cast<std::size_t>(column)]].push_back(column);
+  std::map<Owner, OwnersValues> all;
+  for (const auto& [owner, own] : columns) {
+    const Eigen::VectorXd of_owner = values(own);
+    all[owner] = component.smooth ? OwnersValues{1, std::pow(amountOf(budget.columns, own, of_owner), 2)}
+                                  : OwnersValues{static_cast<double>(own.size()),
+                                                 of_owner.squaredNorm() / std::ssize(own)};
+  }
+  return all;
 }
 
 /// Adds the owners whose values are not of their component's kind; whether there are any.
 bool setApart(NoiseModel& noise, const HeldColumns& budget, const Eigen::VectorXd& values) {
   noise.apart.resize(budget.sizes.size());
   bool has_more = false;
-  Eigen::Index column = 0;
-  for (std::size_t k = 0; k < budget.sizes.size(); ++k) {
-    struct Sum {
-      double square = 0;
-      int count = 0;
-    };
-    std::map<Owner, Sum> sums;
-    for (const Eigen::Index end = column + budget.sizes[k]; column < end; ++column) {
-      Sum& sum = sums[budget.owners[static_cast<std::size_t>(column)]];
-      sum.square += values[column] * values[column];
-      ++sum.count;
-    }
+  Eigen::Index first = 0;
+  for (std::size_t k = 0; k < budget.sizes.size(); first += budget.sizes[k++]) {
     const VarianceComponent& component = noise.budget.components[k];
     if (!mayBeApart(component)) continue;
+    const auto found = valuesByOwner(budget, component, first, budget.sizes[k], values);
     const double largest = component.sigma * component.factor;
-    const auto owners = static_cast<double>(sums.size() + noise.apart[k].size());
+    const auto owners = static_cast<double>(found.size() + noise.apart[k].size());
     std::map<Owner, double> all = noise.apart[k];
-    for (const auto& [owner, sum] : sums)
-      if (chiSquareLogTail(sum.count, sum.square / (largest * largest)) < std::log(kApart_p / owners))
-        all[owner] = std::sqrt(sum.square / sum.count);
+    for (const auto& [owner, own] : found)
+      if (chiSquareLogTail(own.count, own.count * own.square / (largest * largest)) <
+          std::log(kApart_p / owners))
+        all[owner] = std::sqrt(own.square);
     if (all.size() == noise.apart[k].size() || static_cast<double>(all.size()) > kMostApart * owners)
       continue;
     noise.apart[k] = std::move(all);

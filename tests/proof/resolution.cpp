@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "diagnosis/allowance.h"
 #include "diagnosis/budget_file.h"
 #include "diagnosis/nominal.h"
 #include "diagnosis/screening.h"
@@ -64,7 +65,9 @@ Resolution::Resolution(const BatchInput& null) {
 bool Resolution::canShow(std::size_t effect) const { return fathom::canShow(model_->linear(), effect); }
 
 double Resolution::sqrtLambda(const Hidden& hidden) const {
-  const Eigen::MatrixXd A = model_->reduce(std::vector<Candidate>{hidden.candidate}).gram;
+  Eigen::MatrixXd A = model_->reduce(std::vector<Candidate>{hidden.candidate}).gram;
+  if (comesAndGoes(hidden.candidate))
+    A = newsOf(A, allowancesOf(*model_, {lasting(hidden.candidate)}).front()) * A;
   return std::sqrt(quadratic(hidden, valuesOf(hidden, model_->linear()), A));
 }
 

@@ -195,5 +195,27 @@ TEST(Agreement, AFewWrongVelocitiesAreNoClock) {
   }
 }
 
+/// Nor among rounded ones, of which most are just the middle one of five.
+TEST(Agreement, WrongVelocitiesAmongRoundedOnesAreNoClock) {
+  const auto approaching = [](double t_s) {
+    const double leg = std::floor(t_s / 12), in_leg_s = t_s - 12 * leg;
+    const double turned = leg + std::clamp((in_leg_s - 10) / 2, 0.0, 1.0);
+    return Pose{rotationFromYawPitchRoll(0.4 * turned, 0, 0), Vector3d(0.2 * t_s, 0.1 * turned, -12)};
+  };
+  Vehicle vehicle = aVehicle(false);
+  vehicle.dvl->velocity_sigma_xy_m_s = vehicle.dvl->velocity_sigma_z_m_s = 0.001;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    Random random(seed);
+    const std::string text = textOfAll(findingsOf<DvlSample>(approaching, vehicle, [&](DvlSample& dvl) {
+      const double size_m_s = random.uniform(0.1, 0.5), chance = random.uniform();
+      const Vector3d way(random.normal(), random.normal(), random.normal());
+      Vector3d& velocity = dvl.velocity_dvl.value();
+      velocity = (100 * velocity).array().round() / 100;
+      if (chance < 0.015) velocity += size_m_s * way.normalized();
+    }));
+    EXPECT_EQ(text.find("clock-offset"), std::string::npos) << seed << ": " << text;
+  }
+}
+
 }  // namespace
 }  // namespace fathom
