@@ -6,6 +6,7 @@
 
 #include "core/parallel.h"
 #include "core/text.h"
+#include "diagnosis/allowance.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/onset.h"
 
@@ -150,9 +151,8 @@ std::vector<Refit> Fits::settled(std::vector<Refit> all) {
 bool Fits::mayLast(const Refit& fit, std::size_t effect) {
   const Refit rest = without(fit, effect);
   if (!rest.succeeded) return true;
-  Candidate lasting = fit.effects[effect];
-  lasting.active_s = {};
-  const std::vector<double> evidence = evidencesOf(*modelOf(data_, rest), {fit.effects[effect], lasting});
+  const std::vector<double> evidence =
+      evidencesOf(*modelOf(data_, rest), {fit.effects[effect], lasting(fit.effects[effect])});
   return evidence[1] > kMayLast * evidence[0];
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "diagnosis/allowance.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/evidence.h"
 
@@ -93,7 +94,7 @@ Candidate bestInterval(const WhitenedModel& model, const Candidate& lasting, int
 }
 
 Candidate withPauses(const WhitenedModel& model, const Candidate& part, int segments) {
-  if (part.time_s || part.peak || part.active_s == Interval{}) return part;
+  if (!comesAndGoes(part)) return part;
   const Interval span = readingsSpan(model.linear());
   const double first_s = span.from_s, last_s = span.to_s;
   const double step_s = (last_s - first_s) / segments;

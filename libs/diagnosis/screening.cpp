@@ -125,11 +125,15 @@ void Screening::takeFinerEdges(int segments, std::vector<std::optional<TestedCan
 }
 
 void Screening::noteAllowances() {
+  std::vector<Family*> parted;  // that are tried for parts
   std::vector<Candidate> lasting;
-  for (const Family& family : families_) lasting.push_back(family.candidate);
+  for (Family& family : families_) {
+    if (family.segments == 1 || family.is_step || family.has_peak) continue;
+    parted.push_back(&family);
+    lasting.push_back(family.candidate);
+  }
   std::vector<Eigen::MatrixXd> allowed = allowancesOf(model_, lasting);
-  for (std::size_t family = 0; family < families_.size(); ++family)
-    families_[family].allowed = std::move(allowed[family]);
+  for (std::size_t i = 0; i < parted.size(); ++i) parted[i]->allowed = std::move(allowed[i]);
 }
 
 bool Screening::isBeyondAllowance(const Family& family, const Candidate& candidate,
