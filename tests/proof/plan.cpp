@@ -42,16 +42,27 @@ class Planner {
 
   std::vector<ProofCase> plan() {
     layOutDives();
-    addEffects();
-    addPairs();
-    addNulls();
-    addOutside();
-    addIntervals();
-    addDecoys();
+    using enum ProofCase::Kind;
+    addAll(effect, &Planner::addEffects);
+    addAll(pair, &Planner::addPairs);
+    addAll(null, &Planner::addNulls);
+    addAll(outside, &Planner::addOutside);
+    addAll(interval, &Planner::addIntervals);
+    addAll(decoy, &Planner::addDecoys);
     return std::move(cases_);
   }
 
  private:
+  void addAll(ProofCase::Kind kind, void (Planner::*addThem)()) {
+    if (!extent_.has(kind)) return;
+    turn_ = {};
+    of_kind_ = 0;
+    (this->*addThem)();
+  }
+
+  /// What hides nothing needs no size.
+  bool needsResolution() const { return extent_.kinds != std::set<ProofCase::Kind>{ProofCase::Kind::null}; }
+
   void layOutDives() {
     const auto add = [&](const auto& plans, std::size_t count) {
       for (std::size_t i = 0; i < count; ++i)
@@ -60,6 +71,7 @@ class Planner {
     add(kCornerDives, extent_.corner_dives);
     add(kImageDives, extent_.image_dives);
     add(kDecoyDives, extent_.decoy_dives);
+    if (!needsResolution()) return;
     forEachIndex(dives_.size(), "dives", [&](std::size_t i) {
       const std::string name = print("dive-%zu", i);
       dives_[i].resolution.emplace(
@@ -78,7 +90,8 @@ class Planner {
     ProofCase c;
     c.kind = kind;
     c.name = name;
-    c.generator = generatorCase(name, dive, extent_.first_seed * 100000 + cases_.size());
+    c.generator = generatorCase(
+        name, dive, extent_.first_seed * 100000 + 10000 * static_cast<std::uint64_t>(kind) + of_kind_++);
     cases_.push_back(c);
     return cases_.back();
   }
@@ -233,6 +246,7 @@ class Planner {
   fs::path folder_;
   std::vector<PlannedDive> dives_;
   std::array<std::size_t, 2> turn_{};
+  std::size_t of_kind_ = 0;  ///< cases so far
   std::vector<ProofCase> cases_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <vector>
 
 #include "programs.h"
@@ -20,6 +21,9 @@ struct Extent {
   std::uint64_t first_seed = 1;
   /// Imperfections that every recording has, in units of the generator's: within the error budget.
   double ordinary = 0;
+  std::set<ProofCase::Kind> kinds;  ///< empty: all. What a case is does not depend on it
+
+  bool has(ProofCase::Kind kind) const { return kinds.empty() || kinds.contains(kind); }
 };
 Extent wholeProof();
 /// A sample of it that a continuous integration has time for.

@@ -35,6 +35,14 @@ struct Options {
   double ordinary = 0;
   std::optional<std::size_t> nulls;
   std::vector<std::string> kinds;  ///< empty: all, and real recordings
+
+  std::set<ProofCase::Kind> askedKinds() const {
+    std::set<ProofCase::Kind> asked;
+    for (std::size_t k = 0; k < kKinds.size(); ++k)
+      if (std::find(kinds.begin(), kinds.end(), kKinds[k]) != kinds.end())
+        asked.insert(static_cast<ProofCase::Kind>(k));
+    return asked;
+  }
   std::string share = "1/1";
   fs::path expect;  ///< a result.json before; empty: none
 
@@ -64,6 +72,7 @@ std::vector<ProofCase> planOf(const Options& options) {
   extent.first_seed = options.first_seed;
   extent.ordinary = options.ordinary;
   if (options.nulls) extent.nulls = *options.nulls;
+  extent.kinds = options.askedKinds();
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const ProofCase& c : planProof(extent, options.programs, options.out / "plan"))
     json.push_back(toJson(c));
@@ -226,9 +235,9 @@ void run(Options options, const std::string& command_line) {
   Work work{planOf(options), realRecordings(Options::realData(), options.quick)};
   if (work.real.empty()) std::cout << "no real recordings: ../shared/data is not there\n";
   if (!options.kinds.empty()) {
-    std::erase_if(work.cases, [&](const ProofCase& c) {
-      return std::count(options.kinds.begin(), options.kinds.end(), nameOf(c.kind)) == 0;
-    });
+    // A plan that was made before may have more.
+    std::erase_if(work.cases,
+                  [asked = options.askedKinds()](const ProofCase& c) { return !asked.contains(c.kind); });
     work.real.clear();
   }
   const std::size_t sealed = work.cases.size();
