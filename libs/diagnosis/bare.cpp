@@ -25,6 +25,24 @@ bool isOfEffect(const Linearization& linear, const UnknownBlock& block) {
           isEstimated(linear, effectOf(linear.draws[block.index].scalar)));
 }
 
+Eigen::SparseMatrix<double> columnsOf(const Eigen::SparseMatrix<double>& all,
+                                      const std::vector<UnknownBlock>& blocks) {
+  Eigen::Index width = 0;
+  for (const UnknownBlock& block : blocks) width += block.size;
+  Eigen::SparseMatrix<double> columns(all.rows(), width);
+  if (all.nonZeros() == 0) return columns;
+  columns.reserve(all.nonZeros());
+  width = 0;
+  for (const UnknownBlock& block : blocks)
+    for (int k = 0; k < block.size; ++k, ++width) {
+      columns.startVec(width);
+      for (Eigen::SparseMatrix<double>::InnerIterator e(all, block.column + k); e; ++e)
+        columns.insertBack(e.row(), width) = e.value();
+    }
+  columns.finalize();
+  return columns;
+}
+
 /// What holds an effect's unknowns alone says nothing where they are none.
 void clearEmptyPriors(const Linearization& linear, Bare& bare) {
   std::vector<bool> is_empty(linear.rows.size(), true);
@@ -40,27 +58,21 @@ void clearEmptyPriors(const Linearization& linear, Bare& bare) {
 
 Bare bareOf(const Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state) {
   Bare bare;
-  bare.columns = columnsOf(linear, effects);
+  std::vector<UnknownBlock> kept;
+  for (const UnknownBlock& block : linear.blocks)
+    if (!isOfEffect(linear, block)) kept.push_back(block);
+  bare.J = columnsOf(linear.J, kept);
+  bare.taken = columnsOf(linear.taken, kept);
+  int width = 0;
+  for (UnknownBlock& block : kept) {
+    block.column = width;
+    width += block.size;
+  }
+  bare.blocks = std::move(kept);
+  bare.through = {bare.J, bare.taken, bare.blocks};
+  bare.columns = bare.through.of(columnsOf(linear, effects));
   bare.values = valuesOf(linear, effects, state);
   bare.residual = linear.residual - bare.columns * bare.values;
-  Eigen::Index width = 0;
-  for (UnknownBlock block : linear.blocks)
-    if (!isOfEffect(linear, block)) width += block.size;
-  bare.J.resize(linear.J.rows(), width);
-  bare.J.reserve(linear.J.nonZeros());
-  width = 0;
-  for (UnknownBlock block : linear.blocks) {
-    if (isOfEffect(linear, block)) continue;
-    for (int k = 0; k < block.size; ++k) {
-      bare.J.startVec(width + k);
-      for (Eigen::SparseMatrix<double>::InnerIterator e(linear.J, block.column + k); e; ++e)
-        bare.J.insertBack(e.row(), width + k) = e.value();
-    }
-    block.column = static_cast<decltype(block.column)>(width);
-    width += block.size;
-    bare.blocks.push_back(block);
-  }
-  bare.J.finalize();
   clearEmptyPriors(linear, bare);
   return bare;
 }
@@ -68,6 +80,7 @@ Bare bareOf(const Linearization& linear, const std::vector<Candidate>& effects, 
 Linearization withoutEffects(Linearization linear, Bare bare) {
   linear.residual = std::move(bare.residual);
   linear.J.swap(bare.J);  // this Eigen moves no sparse matrix
+  linear.taken.swap(bare.taken);
   linear.blocks = std::move(bare.blocks);
   for (EffectColumn& column : linear.columns) column.estimated = false;
   return linear;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "diagnosis/candidate.h"
+#include "diagnosis/through_poses.h"
 #include "estimation/batch_state.h"
 
 namespace fathom {
@@ -11,9 +12,10 @@ namespace fathom {
 struct Bare {
   Eigen::VectorXd residual;  ///< the effects taken out
   /// The effects are none of its unknowns.
-  Eigen::SparseMatrix<double> J;
+  Eigen::SparseMatrix<double> J, taken;
   std::vector<UnknownBlock> blocks;
-  Eigen::SparseMatrix<double> columns;  ///< of the effects, over its rows
+  ThroughPoses through;                 ///< of these unknowns
+  Eigen::SparseMatrix<double> columns;  ///< of the effects, over its rows, through the poses too
   Eigen::VectorXd values;               ///< as the fit found them
 };
 

@@ -108,6 +108,17 @@ bool canBeFound(std::size_t scalar, double value, double sigma) {
   return parameter.kind == ParameterKind::spread || isPossible(parameter, value + kClearlySigmas * sigma);
 }
 
+/// With P taking the mean off, |P v|^2 is (K - 1) spread^2 + tr(P S P) in the mean, S the covariance of v.
+EffectEstimate spreadOf(std::size_t scalar, const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance) {
+  const auto count = static_cast<double>(value.size());
+  const double freedom = std::max(1.0, count - 1);
+  const double noise = (covariance.trace() - covariance.sum() / count) / freedom;
+  const double square = (value.array() - value.mean()).square().sum() / freedom;
+  const double spread = std::sqrt(std::max(0.0, square - noise));
+  return {effectOf(scalar), scalar, spread,
+          square / std::max(spread, std::sqrt(noise)) / std::sqrt(2 * freedom)};
+}
+
 bool isEstimated(const Linearization& linear, std::size_t effect) {
   return std::any_of(linear.columns.begin(), linear.columns.end(),
                      [&](const EffectColumn& c) { return c.effect == effect && c.estimated; });

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "effects/catalogue.h"
+#include "estimation/batch_estimate.h"
 #include "estimation/linearization.h"
 
 namespace fathom {
@@ -67,6 +68,10 @@ Eigen::VectorXd priorSigmas(const Linearization& linear, const std::vector<Candi
 /// Whether a fit can have found this of a scalar: nothing clearly less than nothing. What is drawn of a
 /// spread can be either.
 bool canBeFound(std::size_t scalar, double value, double sigma);
+
+/// Of a scalar's values that were drawn for the images, with their covariance: how far they spread about
+/// their mean, which cannot be told from how bright all is.
+EffectEstimate spreadOf(std::size_t scalar, const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance);
 
 /// Whether the effect is among what the linearized problem estimates.
 bool isEstimated(const Linearization& linear, std::size_t effect);

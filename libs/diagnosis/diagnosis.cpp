@@ -62,9 +62,6 @@ class Course {
   void verify();
   bool isBeyondChance() const;
   void withdraw();
-  double gainOf(const Refit& fit) const {
-    return fit.weight.log_evidence - fits_.nominal().weight.log_evidence;
-  }
   void report();
 
   bool insufficient(const std::string& why);
@@ -231,7 +228,7 @@ bool Course::isConfirmed(const Refit& fit, std::size_t effect, const HeldOutGain
   const bool lasts = lastsLong(fit.effects[effect]);
   if (lasts && seen > std::max(kUnseen, kConfirmed * expected)) return true;
   const Refit rest = fits_.without(fit, effect);
-  const double gain = rest.succeeded ? fit.weight.log_evidence - rest.weight.log_evidence : 0;
+  const double gain = rest.succeeded ? fits_.gainOf(fit) - fits_.gainOf(rest) : 0;
   return expected >= kShownAtAll * gain ? seen > kConfirmed * std::min(gain, expected)
                                         : gain > kUnseen && lasts;
 }
@@ -282,7 +279,10 @@ bool Course::takeMinimumOf(const std::vector<Refit>& found) {
   const auto likeliest = std::max_element(found.begin(), found.end(), [](const Refit& a, const Refit& b) {
     return a.weight.log_evidence < b.weight.log_evidence;
   });
-  if (likeliest == found.end() || gainOf(*likeliest) < 0.5 * likeliest->lambda + kOtherMinimum) return false;
+  if (likeliest == found.end() || likeliest->weight.log_evidence < fits_.nominal().weight.log_evidence +
+                                                                       likeliest->weight.log_bayes_factor +
+                                                                       kOtherMinimum)
+    return false;
   const auto isBetter = [](const Refit& there, const Refit& here) {
     return there.succeeded && there.weight.log_evidence > here.weight.log_evidence + kOtherMinimum;
   };
@@ -348,7 +348,7 @@ HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {
 void Course::report() {
   diagnosis_.noise = final_.noise;
   diagnosis_.log_odds = fits_.logOdds(final_);
-  diagnosis_.log_likelihood_gain = gainOf(final_);
+  diagnosis_.log_likelihood_gain = fits_.gainOf(final_);
   diagnosis_.before = described(data_, fits_.nominal().estimate, fits_.nominal().options);
   diagnosis_.before_options = fits_.nominal().options;
   diagnosis_.after = described(data_, final_.estimate, final_.options);
@@ -374,7 +374,7 @@ FoundEffect Course::describe(std::size_t effect) {
   const Refit rest = fits_.without(final_, effect);
   if (rest.succeeded) {
     found.log_odds = fits_.logOdds(final_) - fits_.logOdds(rest);
-    found.log_likelihood_gain = final_.weight.log_evidence - rest.weight.log_evidence;
+    found.log_likelihood_gain = fits_.gainOf(final_) - fits_.gainOf(rest);
     found.bic_gain = 2 * found.log_likelihood_gain;
   }
   found.interactions = interactionTests(final_, found.candidate);
@@ -398,7 +398,7 @@ bool Course::isBeyondChance() const {
   const HeldOutGain& gain = diagnosis_.heldout.gain;
   const double expected =
       std::accumulate(gain.expected_by_effect.begin(), gain.expected_by_effect.end(), 0.0);
-  return gain.physics > gain.placebo || (expected <= gain.placebo && gainOf(final_) > kUnseen);
+  return gain.physics > gain.placebo || (expected <= gain.placebo && fits_.gainOf(final_) > kUnseen);
 }
 
 void Course::withdraw() {
@@ -407,7 +407,7 @@ void Course::withdraw() {
         nameOf(found.candidate) +
         print(" would fit, but gains no more, on stretches that it was not fitted to, than the best of all "
               "effects does by chance (%.1f where chance has %.1f, in ln of the likelihood; %.1f on all)",
-              diagnosis_.heldout.gain.physics, diagnosis_.heldout.gain.placebo, gainOf(final_)));
+              diagnosis_.heldout.gain.physics, diagnosis_.heldout.gain.placebo, fits_.gainOf(final_)));
   diagnosis_.effects.clear();
   diagnosis_.alternatives.clear();
   diagnosis_.heldout = {};

@@ -49,10 +49,13 @@ void Fits::beginWith(Refit nominal, BatchOptions base, const NoiseModel& noise) 
 
 double Fits::segment_s() const { return (data_.last_s - data_.first_s) / segments_; }
 
+double Fits::gainOf(const Refit& fit) const {
+  return std::min(fit.weight.log_evidence - nominal_.weight.log_evidence, fit.weight.log_bayes_factor);
+}
+
 double Fits::logOdds(const Refit& fit) const {
   if (!fit.succeeded) return -1e300;
-  // Half of lambda is the most that it can be, to second order; the rest is another minimum's.
-  double odds = std::min(fit.weight.log_evidence - nominal_.weight.log_evidence, 0.5 * fit.lambda);
+  double odds = gainOf(fit);
   for (const Candidate& effect : fit.effects) odds += prior_.logOf(effect);
   return odds;
 }

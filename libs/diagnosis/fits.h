@@ -39,8 +39,10 @@ class Fits {
   /// Makes those at once, to be asked for.
   void makeWithoutEach(const Refit& fit);
 
-  /// ln of the odds of a fit's effects against the nominal model, before looking and by the readings: of what
-  /// these gain, as much as the effects' size accounts for.
+  /// ln of how much likelier a fit's effects make the readings than none: no more than they do to first
+  /// order, see Weight::log_bayes_factor; the rest is another minimum's.
+  double gainOf(const Refit& fit) const;
+  /// ln of the odds of a fit's effects against the nominal model, before looking and by the readings.
   double logOdds(const Refit& fit) const;
   /// Of those that succeeded.
   std::optional<Refit> bestOf(std::vector<Refit> all) const;

@@ -128,7 +128,7 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
       without_(bareOf(linear, effects, found)),
       model_(withoutEffects(linear, without_), noise),
       bare_(model_.linear()),
-      channels_(channelsOf(model_, model_.whitened(without_.columns) * without_.values)),
+      channels_(channelsOf(model_, model_.whitened(fathom::columnsOf(bare_, effects)) * without_.values)),
       stretches_(data, options.folds),
       random_(options.seed),
       pieces_(static_cast<std::size_t>(stretches_.count()) * kPartsOfStretch) {

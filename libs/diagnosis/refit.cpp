@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <stdexcept>
 
 #include "core/linear_algebra.h"
@@ -83,9 +82,6 @@ void finish(Refit& fit, const Linearization& linear) {
     return;
   }
   holdAtNothing(fit);
-  std::vector<Eigen::Index> all(fit.estimates.size());
-  std::iota(all.begin(), all.end(), 0);
-  fit.lambda = lambdaOf(fit, all);
   BatchState& state = fit.estimate.state;
   for (const EffectEstimate& found : fit.estimates)
     if (found.image < 0)
@@ -140,26 +136,6 @@ std::shared_ptr<const WhitenedModel> modelOf(const BatchData& data, const Refit&
   return std::make_shared<WhitenedModel>(WhitenedModel::Weighted{}, std::move(linear), fit.noise);
 }
 
-namespace {
-
-/// Of what was drawn for the images, about its mean: the mean cannot be told from how bright all is. With P
-/// taking the mean off, |P v|^2 is (K - 1) spread^2 + tr(P S P) in the mean, S the covariance of v.
-EffectEstimate spreadOf(const Refit& fit, std::size_t scalar, const std::vector<Eigen::Index>& draws) {
-  const auto count = std::ssize(draws);
-  Eigen::VectorXd value(count);
-  for (Eigen::Index k = 0; k < count; ++k)
-    value[k] = fit.estimates[static_cast<std::size_t>(draws[static_cast<std::size_t>(k)])].value;
-  const Eigen::MatrixXd S = fit.covariance(draws, draws);
-  const double freedom = std::max(1.0, static_cast<double>(count) - 1);
-  const double noise = (S.trace() - S.sum() / static_cast<double>(count)) / freedom;
-  const double square = (value.array() - value.mean()).square().sum() / freedom;
-  const double spread = std::sqrt(std::max(0.0, square - noise));
-  return {effectOf(scalar), scalar, spread,
-          square / std::max(spread, std::sqrt(noise)) / std::sqrt(2 * freedom)};
-}
-
-}  // namespace
-
 std::vector<EffectEstimate> withSpreads(const Refit& fit) {
   std::vector<EffectEstimate> all;
   std::map<std::size_t, std::vector<Eigen::Index>> draws;
@@ -168,7 +144,12 @@ std::vector<EffectEstimate> withSpreads(const Refit& fit) {
       all.push_back(fit.estimates[i]);
     else
       draws[fit.estimates[i].scalar].push_back(static_cast<Eigen::Index>(i));
-  for (const auto& [scalar, own] : draws) all.push_back(spreadOf(fit, scalar, own));
+  for (const auto& [scalar, own] : draws) {
+    Eigen::VectorXd value(std::ssize(own));
+    for (std::size_t k = 0; k < own.size(); ++k)
+      value[static_cast<Eigen::Index>(k)] = fit.estimates[static_cast<std::size_t>(own[k])].value;
+    all.push_back(spreadOf(scalar, value, fit.covariance(own, own)));
+  }
   return all;
 }
 

@@ -20,7 +20,6 @@ struct Refit {
   std::vector<EffectEstimate> estimates;  ///< of the effects, for the noise as it is
   Eigen::VectorXd prior_sigma;            ///< of `estimates`
   Eigen::MatrixXd covariance;             ///< of `estimates`
-  double lambda = 0;                      ///< of all effects together, see sqrtLambda()
 
   /// The readings' derivatives, which are most of what a fit holds: empty where they were let go.
   std::shared_ptr<const WhitenedModel> model;

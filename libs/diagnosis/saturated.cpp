@@ -4,6 +4,7 @@
 #include <set>
 
 #include "diagnosis/constants.h"
+#include "diagnosis/through_poses.h"
 #include "effects/catalogue.h"
 #include "estimation/sparse.h"
 
@@ -52,10 +53,11 @@ std::vector<Candidate> allThatMayBe(const Linearization& linear) {
 Nuisances unknownsOf(const Linearization& linear, const std::vector<Candidate>& candidates,
                      const NoiseModel& noise) {
   const HeldColumns budget = localFirst(budgetColumns(linear, noise), noise.budget);
+  const ThroughPoses through(linear.J, linear.taken, linear.blocks);
   const Eigen::SparseMatrix<double> own = columnsOf(linear, candidates);
   Eigen::VectorXd sigma(budget.sigma.size() + own.cols());
   sigma << budget.sigma, priorSigmas(linear, candidates);
-  return {withHeldColumns(linear.J, sideBySide(budget.columns, own), sigma),
+  return {withHeldColumns(linear.J, through.of(sideBySide(budget.columns, own)), sigma),
           {budget.local, sigma.size() - budget.local}};
 }
 
@@ -72,7 +74,7 @@ Saturated::Saturated(const Linearization& linear, const NoiseModel& noise)
 std::unique_ptr<Saturated> saturate(Linearization& linear, const NoiseModel& noise) {
   auto saturated = std::make_unique<Saturated>(linear, noise);
   for (int round = 0; round < kWeightRounds; ++round) {
-    if (!applyOtherRobustWeights(linear, {kChannel<Pixels>}, saturated->left)) break;
+    if (!applyOtherRobustWeights(linear, {kChannel<Pixels>, kChannel<Markers>}, saturated->left)) break;
     saturated = std::make_unique<Saturated>(linear, noise);
   }
   return saturated;

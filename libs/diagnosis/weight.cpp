@@ -91,6 +91,7 @@ Split splitOf(const Reduced& all, const Eigen::VectorXd& scatter, const Eigen::V
 struct ReducedFit {
   Bare bare;
   const HeldColumns& budget;
+  Eigen::SparseMatrix<double> columns;  // the budget's, then the effects', through the poses too
   Eigen::SparseMatrix<double> W;
   Nuisances nuisances;
   Eigen::VectorXd residual;  // whitened
@@ -100,14 +101,17 @@ struct ReducedFit {
              const NoiseModel& noise, const HeldColumns& its_budget)
       : bare(bareOf(linear, effects, state)),
         budget(its_budget),
+        columns(sideBySide(bare.through.of(budget.columns), bare.columns)),
         W(whitenerOf(linear, noise)),
         nuisances(W * bare.J),
         residual(W * bare.residual),
-        all(nuisances.reduce(W * sideBySide(budget.columns, bare.columns), residual)) {}
+        all(nuisances.reduce(W * columns, residual)) {}
 
   /// What budget and effects of these values change.
   Eigen::VectorXd changeBy(const Split& split) const {
-    return budget.columns * split.budget + bare.columns * split.effects.evidence.value;
+    Eigen::VectorXd values(columns.cols());
+    values << split.budget, split.effects.evidence.value;
+    return columns * values;
   }
   /// What is left then, all that is unknown being as well as it can: over the linearization's rows.
   Eigen::VectorXd leftBy(const Split& split) const {
@@ -293,6 +297,7 @@ Weight weigh(Linearization& linear, HeldColumns& budget, const std::vector<Candi
       if (has_others || has_more) continue;
     }
     weight.apart = noise.apart;
+    weight.log_bayes_factor = split.effects.log_bayes_factor;
     weight.effects = evidenceOf(split.gram, split.score, priorSigmas(linear, effects));
     weight.scales =
         estimatedScales(hypothesis.all.gram, hypothesis.all.score, found.sigma, groups, found.scales);

@@ -13,6 +13,9 @@ namespace fathom {
 /// but for what all hypotheses about the same readings have in common.
 struct Weight {
   double log_evidence = 0;
+  /// ln of the effects' Bayes factor against none of them, all else being as it is at this fit: what they
+  /// gain to first order. What a fit without them lies behind by more, it lies in another minimum.
+  double log_bayes_factor = 0;
   std::vector<EstimatedScale> scales;  ///< of the budget's components, the likeliest beside these effects
   std::vector<std::map<Owner, double>> apart;  ///< see NoiseModel
   /// Of the effects' columns one behind the other (columnsOf()), held as they are declared: how far sizes are

@@ -32,6 +32,7 @@ WhitenedModel::WhitenedModel(std::shared_ptr<const Linearization> linear, const 
                              const HeldColumns& budget)
     : linear_(std::move(linear)),
       noise_(noise),
+      through_(linear_->J, linear_->taken, linear_->blocks),
       W_(whitenerOf(*linear_, noise)),
       nuisances_(nuisancesOf(budget)) {
   residual_ = Eigen::VectorXd::Zero(nuisances_.J().rows());
@@ -67,18 +68,18 @@ Eigen::SparseMatrix<double> whitenerOf(const Linearization& linear, const NoiseM
 
 Nuisances WhitenedModel::nuisancesOf(const HeldColumns& budget) const {
   const HeldColumns held = localFirst(heldBy(budget, noise_), noise_.budget);
-  return {withHeldColumns(W_ * linear_->J, W_ * held.columns, held.sigma),
+  return {withHeldColumns(W_ * linear_->J, followed(held.columns), held.sigma),
           {held.local, held.sigma.size() - held.local}};
 }
 
 Eigen::SparseMatrix<double> WhitenedModel::whitened(const Eigen::SparseMatrix<double>& columns) const {
-  Eigen::SparseMatrix<double, Eigen::RowMajor> all = W_ * columns;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> all = followed(columns);
   all.conservativeResize(residual_.size(), columns.cols());
   return all;
 }
 
 Eigen::VectorXd WhitenedModel::scoreShares() const {
-  return W_.transpose() * nuisances_.project(residual_).col(0).head(W_.rows());
+  return through_.transposed(W_.transpose() * nuisances_.project(residual_).col(0).head(W_.rows()));
 }
 
 Reduced WhitenedModel::reduce(const std::vector<Candidate>& candidates) const {

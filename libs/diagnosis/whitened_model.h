@@ -4,6 +4,7 @@
 
 #include "diagnosis/candidate.h"
 #include "diagnosis/noise.h"
+#include "diagnosis/through_poses.h"
 #include "estimation/nuisances.h"
 
 namespace fathom {
@@ -29,7 +30,7 @@ class WhitenedModel {
   const NoiseModel& noise() const { return noise_; }
   const Nuisances& nuisances() const { return nuisances_; }
   const Eigen::VectorXd& residual() const { return residual_; }
-  /// Columns over the linearization's rows.
+  /// Columns over the linearization's rows, with what they do to light through the poses.
   Eigen::SparseMatrix<double> whitened(const Eigen::SparseMatrix<double>& columns) const;
   /// What each reading's derivative by anything is multiplied by in that one's score.
   Eigen::VectorXd scoreShares() const;
@@ -49,9 +50,14 @@ class WhitenedModel {
   WhitenedModel(std::shared_ptr<const Linearization> linear, const NoiseModel& noise,
                 const HeldColumns& budget);
   Nuisances nuisancesOf(const HeldColumns& budget) const;
+  /// As they are changed by what changes the readings so.
+  Eigen::SparseMatrix<double> followed(const Eigen::SparseMatrix<double>& columns) const {
+    return W_ * through_.of(columns);
+  }
 
   std::shared_ptr<const Linearization> linear_;
   NoiseModel noise_;
+  ThroughPoses through_;
   Eigen::SparseMatrix<double> W_;
   Nuisances nuisances_;
   Eigen::VectorXd residual_;

@@ -59,6 +59,14 @@ class BatchCost : public ceres::CostFunction {
   /// its interval open.
   virtual void effectColumns(const Motions&, Eigen::Ref<Eigen::MatrixXd> columns) const { columns.setZero(); }
 
+  /// What the rows would change by with poses that they take as they are: by the coordinates of these blocks,
+  /// one behind the other, at the motions of x = 0.
+  struct ByTaken {
+    std::vector<std::size_t> blocks;
+    Eigen::MatrixXd derivative;
+  };
+  virtual ByTaken byTaken(const Motions&) const { return {}; }
+
   /// Whether an effect, where it is there, could change the rows.
   virtual bool dependsOn(std::size_t) const { return false; }
 

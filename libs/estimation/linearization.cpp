@@ -156,6 +156,7 @@ void setLight(RowInfo& info, const ImagePatch& seen, const Eigen::VectorXd& by_w
   info.level = seen.radiance[info.component] - info.raw;
   info.reflected = std::abs(by_water[daylight] * water[daylight] / info.per_unit);
   info.surface = seen.surface;
+  info.printed_on = seen.marker_id;
   info.seen_share = seen.seen_share;
 }
 
@@ -213,7 +214,7 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
   linear.C.resize(first.back(), std::ssize(linear.columns));
 
   // Each cost writes to places of its own, so that nothing depends on the number of threads.
-  std::vector<std::vector<Eigen::Triplet<double>>> entries(costs.size());
+  std::vector<std::vector<Eigen::Triplet<double>>> entries(costs.size()), taken(costs.size());
   const BatchPoint zero = problem.pointAt(Eigen::VectorXd::Zero(problem.unknowns()), true);
   parallelFor(costs.size(), [&](std::size_t i) {
     const BatchCost& cost = *costs[i];
@@ -228,6 +229,13 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
         for (Eigen::Index k = 0; k < r.size(); ++k)
           entries[i].emplace_back(static_cast<int>(first[i] + k), linear.blocks[b].column + c, J(k, column));
     }
+    const BatchCost::ByTaken by_taken = cost.byTaken(zero.motions);
+    column = 0;
+    for (const std::size_t b : by_taken.blocks)
+      for (int c = 0; c < linear.blocks[b].size; ++c, ++column)
+        for (Eigen::Index k = 0; k < r.size(); ++k)
+          taken[i].emplace_back(static_cast<int>(first[i] + k), linear.blocks[b].column + c,
+                                by_taken.derivative(k, column));
     if (effect_columns) {
       Eigen::MatrixXd all(r.size(), static_cast<Eigen::Index>(kEffectScalars));
       cost.effectColumns(zero.motions, all);
@@ -250,10 +258,15 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
       linear.rows[static_cast<std::size_t>(first[i] + k)] = info;
     }
   });
-  std::vector<Eigen::Triplet<double>> all;
-  for (const auto& list : entries) all.insert(all.end(), list.begin(), list.end());
-  linear.J.resize(first.back(), problem.unknowns());
-  linear.J.setFromTriplets(all.begin(), all.end());
+  const auto matrixOf = [&](const std::vector<std::vector<Eigen::Triplet<double>>>& lists) {
+    std::vector<Eigen::Triplet<double>> all;
+    for (const auto& list : lists) all.insert(all.end(), list.begin(), list.end());
+    Eigen::SparseMatrix<double> matrix(first.back(), problem.unknowns());
+    matrix.setFromTriplets(all.begin(), all.end());
+    return matrix;
+  };
+  linear.J = matrixOf(entries);
+  linear.taken = matrixOf(taken);
   findTracks(linear);
   return linear;
 }
@@ -280,6 +293,7 @@ void multiplyRows(Linearization& linear, const Eigen::VectorXd& factor) {
   linear.residual.array() *= factor.array();
   linear.C.array().colwise() *= factor.array();
   linear.J = (factor.asDiagonal() * linear.J).eval();
+  if (linear.taken.nonZeros() > 0) linear.taken = (factor.asDiagonal() * linear.taken).eval();
 }
 
 void applyRobustWeights(Linearization& linear) {

@@ -41,6 +41,7 @@ struct RowInfo {
   // Of markers and patches; of tie points as the left eye sees them.
   std::ptrdiff_t marker = -1;  ///< index in BatchData::markers
   int marker_id = -1;
+  int printed_on = -1;  ///< of a patch of a marker's print: that marker's id
   std::ptrdiff_t panel = -1, image = -1, eye = -1;
   Vector2d pixel = Vector2d::Constant(kNone);  ///< the corner, or the point
   double focal_px = 1;                         ///< of the camera
@@ -71,6 +72,8 @@ struct Linearization {
   /// By all unknowns of the problem: poses, biases, offset, panels, estimated effects. Priors are rows.
   /// Columns are in an order that J^T J is factorized in without much fill.
   Eigen::SparseMatrix<double> J;
+  /// By the same unknowns, of readings that take poses as they are and tell nothing of them: light.
+  Eigen::SparseMatrix<double> taken;
   std::vector<UnknownBlock> blocks;
   std::vector<Draw> draws;  ///< what blocks of that kind are about
   /// By every continuous scalar of every registered effect, where it acts at its estimate, else at neutral.

@@ -145,6 +145,15 @@ Eigen::MatrixXd Nuisances::covariance(const std::vector<Eigen::Index>& unknowns)
   return solve(unit)(unknowns, Eigen::all);
 }
 
+Eigen::MatrixXd Nuisances::steps(const Eigen::SparseMatrix<double>& along) const {
+  Eigen::MatrixXd steps(along.rows(), along.cols());
+  parallelFor((along.cols() + kBlock - 1) / kBlock, [&](Eigen::Index block) {
+    const Eigen::Index first = block * kBlock, count = std::min(kBlock, along.cols() - first);
+    steps.middleCols(first, count) = -solve(along.middleCols(first, count));
+  });
+  return steps;
+}
+
 Eigen::VectorXd Nuisances::step(const Eigen::VectorXd& r) const { return -solve(J_.transpose() * r); }
 
 }  // namespace fathom

@@ -45,6 +45,8 @@ class Nuisances {
   Eigen::MatrixXd covariance(const std::vector<Eigen::Index>& unknowns) const;
   /// The unknowns' least-squares step: -(J^T J)^-1 J^T r.
   Eigen::VectorXd step(const Eigen::VectorXd& r) const;
+  /// The same of several, of which J^T r is given.
+  Eigen::MatrixXd steps(const Eigen::SparseMatrix<double>& along) const;
 
  private:
   /// U with U^T U = C^T J (J^T J)^-1 J^T C: what C has in common with J, eliminated.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bitset>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -55,6 +56,13 @@ class ReadingCost final : public BatchCost {
   std::vector<Other> others;
   std::vector<Link> links;
   std::bitset<kEffectCount> acting, told;  ///< effects in the model; those it can tell something of
+  /// Poses that are taken as they are: the motion's number in the table, its poses, and the panel's behind
+  /// them where that is an unknown.
+  struct Taken {
+    std::size_t motion = 0;
+    std::vector<std::size_t> blocks;
+  };
+  std::optional<Taken> taken;
 
   void finish() {
     finishSetup(unknowns_, static_cast<int>(reading.size()));
@@ -98,6 +106,28 @@ class ReadingCost final : public BatchCost {
     if (derivative == nullptr) return;
     *derivative = (-share * whitening.lazyProduct(*derivative)).eval();  // small: blocks would only cost
     for (std::size_t b = 0; b < blocks.size(); ++b) turnByRightJacobian(at.x, b, *derivative);
+  }
+
+  ByTaken byTaken(const Motions& at) const override {
+    if (!taken) return {};
+    ForwardPoint point = at_reference;
+    setMotion(point, at, taken->motion);
+    std::vector<int> columns;
+    for (const int first : {kPositionColumn, kOrientationColumn})
+      for (int i = 0; i < 3; ++i) columns.push_back(first + i);
+    const auto motion_columns = std::ssize(columns);
+    const Eigen::Index poses = 6 * table_.node(taken->motion).count;
+    const Eigen::Index of_panel = 6 * std::ssize(taken->blocks) - poses;
+    for (int i = 0; i < of_panel; ++i) columns.push_back(kPanelColumn + i);
+    Eigen::MatrixXd slope;
+    model->differentiate(point, columns, slope);
+    const MotionJacobian& by_poses = at.derivatives[taken->motion];
+    Eigen::MatrixXd derivative = Eigen::MatrixXd::Zero(slope.rows(), poses + of_panel);
+    for (Eigen::Index c = 0; c < motion_columns; ++c)
+      derivative.leftCols(poses) +=
+          slope.col(c) * by_poses.row(columns[static_cast<std::size_t>(c)]).head(poses);
+    derivative.rightCols(of_panel) = slope.rightCols(of_panel);
+    return {taken->blocks, -whitening * derivative};
   }
 
   bool dependsOn(std::size_t effect) const override { return model->dependsOn(effect); }

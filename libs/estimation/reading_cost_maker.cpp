@@ -127,6 +127,15 @@ void ReadingCostMaker::setMotions(const Subject& subject, std::vector<double> no
   for (const MotionNode& node : nodes) cost.motions.push_back(motions_.add(node));
   if (subject.patch != nullptr || subject.blur != nullptr)
     point.motion = unknowns_.motionAt(cost.source.t_s + point.validity_s, subject.image);
+  if (subject.patch != nullptr) {
+    const MotionNode node = unknowns_.nodeOf(cost.source.t_s + point.validity_s, subject.image);
+    cost.taken = {motions_.add(node), {}};
+    for (int k = 0; k < node.count; ++k)
+      cost.taken->blocks.push_back(
+          unknowns_.placeOf(UnknownBlock::Kind::pose, static_cast<std::size_t>(node.first + k)));
+    if (unknowns_.find(UnknownBlock::Kind::panel, subject.panel) != nullptr)
+      cost.taken->blocks.push_back(unknowns_.placeOf(UnknownBlock::Kind::panel, subject.panel));
+  }
   const auto [first, last] = std::minmax_element(
       nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   cost.first_pose = first->first;

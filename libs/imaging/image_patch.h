@@ -38,6 +38,7 @@ struct ImagePatch : PatchSurface {
   std::size_t image = 0, eye = 0, panel = 0;
   int place = 0;  ///< number of its place among all panels' places: the same in all images
   Surface surface = Surface::body;
+  int marker_id = -1;     ///< whose black or white it is; -1: of none
   double seen_share = 1;  ///< area of its place that it is of: of the most that any image shows
   Vector3d point_panel = Vector3d::Zero();  ///< its centre
   /// What varies over it has, to second order, the mean that it has over these.

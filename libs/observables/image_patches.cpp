@@ -47,6 +47,12 @@ class Places {
     return (place - first_) % kOfMarker == 0 ? ImagePatch::Surface::black : ImagePatch::Surface::white;
   }
 
+  /// Id of the marker that a place is of; -1: of none.
+  int markerId(int place) const {
+    return place >= firstOfBody() ? -1
+                                  : panel_.markers[static_cast<std::size_t>((place - first_) / kOfMarker)].id;
+  }
+
   /// Of a point of the panel; -1 where a handle may be, whose state is not known.
   int at(const Vector3d& point_panel, const cv::Vec3f& albedo) const {
     for (const Handle& handle : panel_.handles) {
@@ -244,7 +250,10 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const CleanPairM
   };
   for (const Patch& patch : synchronized.patches) {
     const PosedImage& seen = posed[synchronized.images[patch.image]];
+    const std::size_t before = result.patches.size();
     add(patch, places[seen.panel].surface(patch.label), seen);
+    if (result.patches.size() > before)
+      result.patches.back().marker_id = places[seen.panel].markerId(patch.label);
   }
   const auto start = result.patches.size() < kFewestPieces ? std::nullopt : startWater(synchronized);
   if (!start) {

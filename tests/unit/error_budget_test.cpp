@@ -236,6 +236,24 @@ TEST(BudgetColumns, APlaceOfUnevenPrintHasAnotherMeanWhereLessIsSeen) {
     }
 }
 
+// White and black are of one print.
+TEST(BudgetColumns, PatchesOfAMarkerShareItsValue) {
+  Linearization linear = light(6);
+  for (std::size_t i = 0; i < 6; ++i) {
+    linear.rows[i].reflected = 0.5;
+    linear.rows[i].printed_on = static_cast<int>(i) / 2;
+  }
+  VarianceComponent print = component("pixels.reflected");
+  print.each = VarianceComponent::Each::marker;
+  const OwnedColumns own = columnsOf(linear, print);
+  ASSERT_EQ(own.columns.cols(), 3);
+  const Eigen::MatrixXd covariance = Eigen::MatrixXd(own.columns) * Eigen::MatrixXd(own.columns).transpose();
+  for (Eigen::Index i = 0; i < 6; ++i)
+    for (Eigen::Index j = 0; j < 6; ++j)
+      EXPECT_NEAR(covariance(i, j), i / 2 == j / 2 ? 50 * 50 : 0, 1e-9) << i << " " << j;
+  EXPECT_EQ(own.owners[1].first, 1);
+}
+
 // What all places share is taken where most of a place is seen.
 TEST(BudgetColumns, AFieldThatPlacesShareHasOneValueForEach) {
   Linearization linear = light(6);

@@ -126,6 +126,35 @@ TEST(Linearization, NuisancesDerivativeIsThatOfDifferences) {
   }
 }
 
+// Light takes poses as they are: what it would read at others is seen by taking others.
+TEST(Linearization, WhatIsTakenIsThatOfDifferences) {
+  const LinearRun linear_run(true);
+  const BatchData& data = linear_run.input.data;
+  const auto problem = problemAt(data, linear_run.estimate, linear_run.options);
+  const Linearization linear = linearize(data, *problem);
+  Random random(7);
+  for (int k = 0; k < 4; ++k) {
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(problem->unknowns());
+    for (const UnknownBlock& block : problem->blocks())
+      if (block.kind == UnknownBlock::Kind::pose || block.kind == UnknownBlock::Kind::panel)
+        direction.segment(block.column, block.size) = 1e-4 * random.normals(block.size, 1);
+    Eigen::VectorXd ends[2];
+    for (const int sign : {0, 1}) {
+      BatchEstimate moved = linear_run.estimate;
+      moved.state = problem->at(sign == 0 ? Eigen::VectorXd(-direction) : direction);
+      const auto there = problemAt(data, moved, linear_run.options);
+      ends[sign] = residuals(*there, Eigen::VectorXd::Zero(there->unknowns()));
+    }
+    Eigen::VectorXd change = 0.5 * (ends[1] - ends[0]);
+    for (std::size_t i = 0; i < linear.rows.size(); ++i)
+      if (linear.rows[i].channel != kChannel<Pixels>) change[static_cast<Eigen::Index>(i)] = 0;
+    const Eigen::VectorXd expected = linear.taken * direction;
+    EXPECT_GT(expected.norm(), 1e-3);
+    // Footprints are of the pose that was rendered from, so poses move light by what is on its way alone.
+    EXPECT_LT((change - expected).norm(), 1e-4 * expected.norm()) << k;
+  }
+}
+
 // A column of C is the change of all residuals where its effect acts: seen by switching the effect on.
 TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
   const LinearRun linear_run(true);
