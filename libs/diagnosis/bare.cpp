@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "effects/catalogue.h"
+#include "estimation/sparse.h"
 
 namespace fathom {
 namespace {
@@ -25,24 +26,6 @@ bool isOfEffect(const Linearization& linear, const UnknownBlock& block) {
           isEstimated(linear, effectOf(linear.draws[block.index].scalar)));
 }
 
-Eigen::SparseMatrix<double> columnsOf(const Eigen::SparseMatrix<double>& all,
-                                      const std::vector<UnknownBlock>& blocks) {
-  Eigen::Index width = 0;
-  for (const UnknownBlock& block : blocks) width += block.size;
-  Eigen::SparseMatrix<double> columns(all.rows(), width);
-  if (all.nonZeros() == 0) return columns;
-  columns.reserve(all.nonZeros());
-  width = 0;
-  for (const UnknownBlock& block : blocks)
-    for (int k = 0; k < block.size; ++k, ++width) {
-      columns.startVec(width);
-      for (Eigen::SparseMatrix<double>::InnerIterator e(all, block.column + k); e; ++e)
-        columns.insertBack(e.row(), width) = e.value();
-    }
-  columns.finalize();
-  return columns;
-}
-
 /// What holds an effect's unknowns alone says nothing where they are none.
 void clearEmptyPriors(const Linearization& linear, Bare& bare) {
   std::vector<bool> is_empty(linear.rows.size(), true);
@@ -58,17 +41,16 @@ void clearEmptyPriors(const Linearization& linear, Bare& bare) {
 
 Bare bareOf(const Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state) {
   Bare bare;
-  std::vector<UnknownBlock> kept;
-  for (const UnknownBlock& block : linear.blocks)
-    if (!isOfEffect(linear, block)) kept.push_back(block);
-  bare.J = columnsOf(linear.J, kept);
-  bare.taken = columnsOf(linear.taken, kept);
-  int width = 0;
-  for (UnknownBlock& block : kept) {
-    block.column = width;
-    width += block.size;
+  std::vector<Eigen::Index> kept;
+  for (UnknownBlock block : linear.blocks) {
+    if (isOfEffect(linear, block)) continue;
+    const auto first = static_cast<int>(std::ssize(kept));
+    for (int k = 0; k < block.size; ++k) kept.push_back(block.column + k);
+    block.column = first;
+    bare.blocks.push_back(block);
   }
-  bare.blocks = std::move(kept);
+  bare.J = columnsOf(linear.J, kept);
+  if (linear.taken.nonZeros() > 0) bare.taken = columnsOf(linear.taken, kept);
   bare.through = {bare.J, bare.taken, bare.blocks};
   bare.columns = bare.through.of(columnsOf(linear, effects));
   bare.values = valuesOf(linear, effects, state);

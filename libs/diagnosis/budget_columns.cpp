@@ -324,13 +324,17 @@ std::string whereIs(const Owner& owner, Each each, const Linearization& linear) 
   return count == 0 ? "" : print("%.2f m, %.2f m of the panel", sum.x() / count, sum.y() / count);
 }
 
+bool isOfOnePlace(Each each) { return each == Each::place || each == Each::spot || each == Each::reading; }
+
 HeldColumns localFirst(const HeldColumns& held, const ErrorBudget& budget) {
-  HeldColumns sorted{
-      {held.columns.rows(), held.columns.cols()}, Eigen::VectorXd(held.sigma.size()), {}, {}, {}, 0};
+  HeldColumns sorted;
+  sorted.columns.resize(held.columns.rows(), held.columns.cols());
+  sorted.sigma.resize(held.sigma.size());
   std::vector<Eigen::Index> local, others;
   Eigen::Index first = 0;
   for (std::size_t k = 0; k < held.sizes.size(); first += held.sizes[k++]) {
-    auto& own = budget.components[k].each == Each::image ? local : others;
+    const Each each = budget.components[k].each;
+    auto& own = each == Each::image || isOfOnePlace(each) ? local : others;
     for (Eigen::Index c = 0; c < held.sizes[k]; ++c) own.push_back(first + c);
   }
   for (; first < held.sigma.size(); ++first) others.push_back(first);

@@ -20,12 +20,16 @@ struct HeldColumns {
   /// Of each component's share of them, in the components' order; behind them come those of owners that are
   /// apart (NoiseModel::apart).
   std::vector<Eigen::Index> sizes;
-  std::vector<Owner> owners;          ///< of all of them
-  std::vector<std::size_t> of_apart;  ///< the components of those behind
-  Eigen::Index local = 0;             ///< so many, the first, have readings of one image each
+  std::vector<Owner> owners;            ///< of all of them
+  std::vector<Eigen::Index> of_places;  ///< those of one place each
+  std::vector<std::size_t> of_apart;    ///< the components of those behind
+  Eigen::Index local = 0;               ///< so many, the first, have readings of one image or place each
 };
-/// The same with those of one image each before the others; `sizes` are of no use then.
+/// The same with those of one image or place each before the others; `sizes` are of no use then.
 HeldColumns localFirst(const HeldColumns& held, const ErrorBudget& budget);
+
+/// Whether each value is of readings of one place.
+bool isOfOnePlace(VarianceComponent::Each each);
 
 /// Columns of a component, and whose they are.
 struct OwnedColumns {

@@ -104,9 +104,12 @@ inline constexpr double kDropped = 1e-4;  ///< of a field's variance
 /// Of the noise's variance: a value that readings cannot see better, be it as large as it may, needs no
 /// column. Chosen: an effect in that direction would seem sqrt(1.3) times as sure as it is, at most.
 inline constexpr double kLeastTold = 0.3;
-/// Of the squares of what a column changes: less is not followed through the poses to light. Chosen, for
-/// time.
+/// Of the squares of what a column changes: less is not followed through the poses to light, of all of it
+/// nor, by its share, of a reading. Chosen, for time.
 inline constexpr double kLeastThrough = 1e-3;
+/// Columns of places that have readings in common, at most: of more, nothing is gained by their being few.
+/// Chosen, for time.
+inline constexpr std::size_t kLargestBlock = 100;
 /// Of the declared variance of ln sigma, that is between vehicles of a kind. Chosen.
 inline constexpr double kBetweenVehicles = 0.5;
 /// Steps of the likeliest scales; they end where another would gain so little of ln of the likelihood. No

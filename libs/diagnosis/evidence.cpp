@@ -76,13 +76,15 @@ double logShareOf(double size) {
 /// one observed, 2 w_k^T T w_l, leads there in a third of the steps (Gilmour, Thompson & Cullis 1995).
 class ScaleLikelihood {
  public:
-  ScaleLikelihood(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score, const Eigen::VectorXd& sigma,
+  ScaleLikelihood(const BlockedMatrix& gram, const Eigen::VectorXd& score, const Eigen::VectorXd& sigma,
                   const std::vector<ScaledColumns>& groups)
       : gram_(gram), score_(score), sigma_(sigma), groups_(groups) {}
 
   struct At {
     Eigen::VectorXd logs, off;  ///< the second: in sigmas of the prior
-    Scaled scaled;
+    BlockedFactors M;
+    Eigen::VectorXd score;        ///< scaled
+    double log_bayes_factor = 0;  ///< but for what is the same for all scales
     double value = 0;
   };
   std::unique_ptr<At> at(const Eigen::VectorXd& logs) const {
@@ -91,8 +93,12 @@ class ScaleLikelihood {
       off[k] = (logs[k] - std::log(group(k).scale)) / group(k).log_sd;
       sigma.segment(group(k).first, group(k).size).setConstant(std::exp(logs[k]));
     }
-    auto at = std::make_unique<At>(At{logs, off, Scaled(gram_, score_, sigma), 0});
-    at->value = at->scaled.logBayesFactor() - 0.5 * off.squaredNorm();
+    auto at = std::make_unique<At>(At{logs, off, BlockedFactors(gram_, sigma), {}, 0, 0});
+    at->score = at->M.units().cwiseProduct(score_);
+    at->log_bayes_factor = at->M.succeeded()
+                               ? 0.5 * (at->score.dot(at->M.solve(at->score).col(0)) - at->M.logDeterminant())
+                               : -std::numeric_limits<double>::infinity();
+    at->value = at->log_bayes_factor - 0.5 * off.squaredNorm();
     return at;
   }
 
@@ -102,8 +108,8 @@ class ScaleLikelihood {
     double gain = 0;
   };
   Step stepFrom(const At& at) const {
-    const Eigen::VectorXd w = at.scaled.M.solve(at.scaled.score);
-    const Eigen::VectorXd by_column = w.array().square() - (1 - at.scaled.M.inverseDiagonal().array());
+    const Eigen::VectorXd w = at.M.solve(at.score);
+    const Eigen::VectorXd by_column = w.array().square() - (1 - at.M.inverseDiagonal().array());
     const auto count = std::ssize(groups_);
     Eigen::MatrixXd own = Eigen::MatrixXd::Zero(w.size(), count);
     Eigen::VectorXd slope(count), held(count);
@@ -113,7 +119,7 @@ class ScaleLikelihood {
       slope[k] = by_column.segment(first, size).sum() - at.off[k] / log_sd;
       held[k] = 1 / (log_sd * log_sd);
     }
-    Eigen::MatrixXd curvature = 2 * own.transpose() * (own - at.scaled.M.solve(own));
+    Eigen::MatrixXd curvature = 2 * own.transpose() * (own - at.M.solve(own));
     curvature.diagonal() += held;
     const Eigen::VectorXd move = solveSymmetric(curvature, slope);
     return {move, 0.5 * move.dot(slope)};
@@ -121,7 +127,7 @@ class ScaleLikelihood {
 
   /// Of the scales' logarithms, by the curvature expected.
   Eigen::MatrixXd covarianceAt(const At& at) const {
-    const Eigen::MatrixXd inverse = at.scaled.M.inverse();
+    const Eigen::MatrixXd inverse = at.M.inverse();
     const auto count = std::ssize(groups_);
     Eigen::MatrixXd information(count, count);
     for (Eigen::Index k = 0; k < count; ++k)
@@ -137,7 +143,7 @@ class ScaleLikelihood {
  private:
   const ScaledColumns& group(Eigen::Index k) const { return groups_[static_cast<std::size_t>(k)]; }
 
-  const Eigen::MatrixXd& gram_;
+  const BlockedMatrix& gram_;
   const Eigen::VectorXd &score_, &sigma_;
   const std::vector<ScaledColumns>& groups_;
 };
@@ -173,7 +179,7 @@ class Accelerated {
 
 }  // namespace
 
-std::vector<double> likeliestScales(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
+std::vector<double> likeliestScales(const BlockedMatrix& gram, const Eigen::VectorXd& score,
                                     const Eigen::VectorXd& sigma, const std::vector<ScaledColumns>& groups) {
   if (groups.empty()) return {};
   const ScaleLikelihood likelihood(gram, score, sigma, groups);
@@ -201,7 +207,7 @@ std::vector<double> likeliestScales(const Eigen::MatrixXd& gram, const Eigen::Ve
   return scales;
 }
 
-std::vector<EstimatedScale> estimatedScales(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
+std::vector<EstimatedScale> estimatedScales(const BlockedMatrix& gram, const Eigen::VectorXd& score,
                                             const Eigen::VectorXd& sigma,
                                             const std::vector<ScaledColumns>& groups,
                                             const std::vector<double>& likeliest) {
@@ -218,7 +224,7 @@ std::vector<EstimatedScale> estimatedScales(const Eigen::MatrixXd& gram, const E
     Eigen::VectorXd largest = logs;
     largest[k] = std::log(group.scale) + kSigmasOf99 * group.log_sd;
     if (logs[k] > largest[k])
-      scales.back().beyond = best->scaled.logBayesFactor() - likelihood.at(largest)->scaled.logBayesFactor();
+      scales.back().beyond = best->log_bayes_factor - likelihood.at(largest)->log_bayes_factor;
   }
   return scales;
 }

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "core/blocked_matrix.h"
+
 /// The algebra of hypotheses: readings are reduced once to what any column can see of them (Reduced), and
 /// what a hypothesis is worth follows from that alone, however many readings there were.
 ///
@@ -85,11 +87,12 @@ struct EstimatedScale {
 
 /// The scales under which the readings are likeliest (restricted maximum likelihood, Patterson & Thompson
 /// 1971) with their priors, all at once. `sigma`: of the columns in none of the groups;
-/// those of the groups are not looked at. The scales of a group whose columns see nothing are its prior's.
-std::vector<double> likeliestScales(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
+/// those of the groups are not looked at, and an infinite one holds nothing. The scales of a group whose
+/// columns see nothing are its prior's.
+std::vector<double> likeliestScales(const BlockedMatrix& gram, const Eigen::VectorXd& score,
                                     const Eigen::VectorXd& sigma, const std::vector<ScaledColumns>& groups);
 /// How well they are known, which takes as long as three steps of looking for them.
-std::vector<EstimatedScale> estimatedScales(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,
+std::vector<EstimatedScale> estimatedScales(const BlockedMatrix& gram, const Eigen::VectorXd& score,
                                             const Eigen::VectorXd& sigma,
                                             const std::vector<ScaledColumns>& groups,
                                             const std::vector<double>& likeliest);

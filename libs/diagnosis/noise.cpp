@@ -34,6 +34,8 @@ HeldColumns budgetColumns(const Linearization& linear, const NoiseModel& noise) 
       if (is_apart) held.of_apart.push_back(k);
     }
     held.sizes.push_back(std::ssize(columns) - before);
+    if (isOfOnePlace(noise.budget.components[k].each))
+      for (Eigen::Index c = before; c < std::ssize(columns); ++c) held.of_places.push_back(c);
   }
   columns.insert(columns.end(), behind.begin(), behind.end());
   held.columns.resize(std::ssize(linear.rows), std::ssize(columns));

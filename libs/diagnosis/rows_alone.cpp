@@ -6,6 +6,7 @@
 
 #include "core/linear_algebra.h"
 #include "diagnosis/constants.h"
+#include "estimation/sparse.h"
 
 namespace fathom {
 namespace {
@@ -46,30 +47,36 @@ Nuisances nuisancesOf(const Nuisances& all, const std::vector<Eigen::Index>& row
 RowsAlone::RowsAlone(const WhitenedModel& model, std::vector<Eigen::Index> rows)
     : rows_(std::move(rows)),
       nuisances_(nuisancesOf(model.nuisances(), rows_)),
-      select_(nuisances_.J().rows(), model.residual().size()) {
-  std::vector<Eigen::Triplet<double>> ones;
-  for (std::size_t k = 0; k < rows_.size(); ++k)
-    ones.emplace_back(static_cast<int>(k), static_cast<int>(rows_[k]), 1.0);
-  select_.setFromTriplets(ones.begin(), ones.end());
-  residual_ = select_ * model.residual();
+      residual_(own(Eigen::MatrixXd(model.residual()))) {}
+
+Eigen::SparseMatrix<double> RowsAlone::own(const Eigen::SparseMatrix<double>& columns) const {
+  Eigen::SparseMatrix<double> all = rowsOf(columns, rows_);
+  all.conservativeResize(nuisances_.J().rows(), all.cols());
+  return all;
+}
+
+Eigen::MatrixXd RowsAlone::own(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(nuisances_.J().rows(), columns.cols());
+  all.topRows(std::ssize(rows_)) = columns(rows_, Eigen::all);
+  return all;
 }
 
 Reduced RowsAlone::reduce(const Eigen::SparseMatrix<double>& columns) const {
-  return nuisances_.reduce(select_ * columns, residual_);
+  return nuisances_.reduce(own(columns), residual_);
 }
 
 std::vector<Reduced> RowsAlone::reduceEach(const Eigen::SparseMatrix<double>& columns,
                                            const std::vector<Eigen::Index>& sizes) const {
-  return nuisances_.reduceEach(select_ * columns, residual_, sizes);
+  return nuisances_.reduceEach(own(columns), residual_, sizes);
 }
 
 Eigen::MatrixXd RowsAlone::scores(const Eigen::SparseMatrix<double>& columns,
                                   const Eigen::MatrixXd& R) const {
-  return nuisances_.scores(select_ * columns, select_ * R);
+  return nuisances_.scores(own(columns), own(R));
 }
 
 Eigen::MatrixXd RowsAlone::project(const Eigen::MatrixXd& R) const {
-  return nuisances_.project(select_ * R).topRows(std::ssize(rows_));
+  return nuisances_.project(own(R)).topRows(std::ssize(rows_));
 }
 
 Eigen::VectorXd fitted(const Eigen::MatrixXd& gram, const Eigen::VectorXd& score,

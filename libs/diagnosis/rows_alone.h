@@ -10,7 +10,7 @@ namespace fathom {
 /// determine them, projected off. All that goes in is over the model's rows.
 class RowsAlone {
  public:
-  RowsAlone(const WhitenedModel& model, std::vector<Eigen::Index> rows);
+  RowsAlone(const WhitenedModel& model, std::vector<Eigen::Index> rows);  ///< ascending
 
   const std::vector<Eigen::Index>& rows() const { return rows_; }
   /// Of columns and the model's residual (see Nuisances::reduce()).
@@ -23,9 +23,12 @@ class RowsAlone {
   Eigen::MatrixXd project(const Eigen::MatrixXd& R) const;
 
  private:
+  /// Of the model's rows these, over the nuisances' rows.
+  Eigen::SparseMatrix<double> own(const Eigen::SparseMatrix<double>& columns) const;
+  Eigen::MatrixXd own(const Eigen::MatrixXd& columns) const;
+
   std::vector<Eigen::Index> rows_;
   Nuisances nuisances_;
-  Eigen::SparseMatrix<double> select_;  // the nuisances' rows of the model's
   Eigen::VectorXd residual_;
 };
 

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/parallel.h"
 #include "diagnosis/constants.h"
+#include "estimation/sparse.h"
 
 namespace fathom {
 namespace {
@@ -33,25 +35,43 @@ ThroughPoses::ThroughPoses(const Eigen::SparseMatrix<double>& J, const Eigen::Sp
 
 Eigen::SparseMatrix<double> ThroughPoses::of(const Eigen::SparseMatrix<double>& columns) const {
   if (!places_) return columns;
-  // Only what other readings see moves a pose.
-  std::vector<Eigen::Triplet<double>> entries;
-  std::vector<Eigen::Index> seen;
-  const Eigen::SparseMatrix<double> along = (places_->nuisances.J().transpose() * columns).pruned();
-  for (Eigen::Index c = 0; c < columns.cols(); ++c)
-    if (along.col(c).nonZeros() > 0) seen.push_back(c);
-  if (seen.empty()) return columns;
-  Eigen::SparseMatrix<double> select(columns.cols(), std::ssize(seen));
-  for (Eigen::Index k = 0; k < std::ssize(seen); ++k) select.insert(seen[static_cast<std::size_t>(k)], k) = 1;
-  const Eigen::MatrixXd light = places_->taken * places_->nuisances.steps(along * select);
-  for (Eigen::Index k = 0; k < light.cols(); ++k) {
-    const Eigen::Index c = seen[static_cast<std::size_t>(k)];
-    if (light.col(k).squaredNorm() < kLeastThrough * columns.col(c).squaredNorm()) continue;
-    for (Eigen::Index i = 0; i < light.rows(); ++i)
-      if (light(i, k) != 0) entries.emplace_back(static_cast<int>(i), static_cast<int>(c), light(i, k));
+  constexpr Eigen::Index kColumns = 32;  // at once: over all rows they are not sparse
+  const Eigen::SparseMatrix<double> along = transposedTimes(places_->nuisances.J(), columns);
+  std::vector<Eigen::SparseMatrix<double>> parts(
+      static_cast<std::size_t>((columns.cols() + kColumns - 1) / kColumns));
+  parallelFor(parts.size(), [&](std::size_t p) {
+    const Eigen::Index first = static_cast<Eigen::Index>(p) * kColumns,
+                       count = std::min(kColumns, columns.cols() - first);
+    parts[p] = places_->of(columns.middleCols(first, count), along.middleCols(first, count));
+  });
+  return sideBySide(parts, columns.rows());
+}
+
+/// Only what other readings see moves a pose.
+Eigen::SparseMatrix<double> ThroughPoses::Places::of(const Eigen::SparseMatrix<double>& columns,
+                                                     const Eigen::SparseMatrix<double>& along) const {
+  if (along.nonZeros() == 0) return columns;
+  const Eigen::MatrixXd light = taken * nuisances.steps(along);
+  Eigen::SparseMatrix<double> all(columns.rows(), columns.cols());
+  all.reserve(columns.nonZeros());
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    const double least = kLeastThrough * columns.col(c).squaredNorm();
+    const bool follows = light.col(c).squaredNorm() > least;
+    const double least_each = least / static_cast<double>(light.rows());
+    all.startVec(c);
+    Eigen::SparseMatrix<double>::InnerIterator own(columns, c);
+    for (Eigen::Index i = 0; i < light.rows(); ++i) {
+      const bool is_own = own && own.row() == i;
+      double value = follows && light(i, c) * light(i, c) > least_each ? light(i, c) : 0;
+      if (is_own) {
+        value += own.value();
+        ++own;
+      }
+      if (is_own || value != 0) all.insertBack(i, c) = value;
+    }
   }
-  Eigen::SparseMatrix<double> added(columns.rows(), columns.cols());
-  added.setFromTriplets(entries.begin(), entries.end());
-  return columns + added;
+  all.finalize();
+  return all;
 }
 
 Eigen::VectorXd ThroughPoses::transposed(const Eigen::VectorXd& v) const {

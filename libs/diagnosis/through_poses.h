@@ -30,8 +30,12 @@ class ThroughPoses {
   struct Places {
     Places(const Eigen::SparseMatrix<double>& J, const Eigen::SparseMatrix<double>& by_taken)
         : nuisances(J), taken(by_taken) {}
-    Nuisances nuisances;                ///< unknowns that say where everything is
-    Eigen::SparseMatrix<double> taken;  ///< by those
+    /// Columns with what follows; `along`: J^T of them.
+    Eigen::SparseMatrix<double> of(const Eigen::SparseMatrix<double>& columns,
+                                   const Eigen::SparseMatrix<double>& along) const;
+
+    Nuisances nuisances;                                 ///< unknowns that say where everything is
+    Eigen::SparseMatrix<double, Eigen::RowMajor> taken;  ///< by those
   };
   std::shared_ptr<const Places> places_;  // none: nothing follows
 };

@@ -7,11 +7,9 @@
 
 #include "core/chi_square.h"
 #include "core/linear_algebra.h"
-#include "diagnosis/bare.h"
 #include "diagnosis/constants.h"
-#include "diagnosis/whitened_model.h"
+#include "diagnosis/reduced_fit.h"
 #include "effects/catalogue.h"
-#include "estimation/nuisances.h"
 #include "estimation/sparse.h"
 
 namespace fathom {
@@ -60,66 +58,6 @@ double logOfPositive(const Linearization& linear, const std::vector<Candidate>& 
   return sum;
 }
 
-/// What is explained by the budget, then by the effects in what it leaves of them.
-struct Split {
-  double of_budget = 0;  ///< ln of its Bayes factor
-  SizedSet effects;
-  Eigen::VectorXd budget;  ///< its values, beside those of the effects
-  Eigen::MatrixXd gram;    ///< of the effects, as the budget leaves them
-  Eigen::VectorXd score;
-};
-Split splitOf(const Reduced& all, const Eigen::VectorXd& scatter, const Eigen::VectorXd& usual,
-              const std::vector<Eigen::Index>& widths) {
-  const Eigen::Index q = scatter.size(), p = usual.size();
-  const PositiveFactors M(Eigen::MatrixXd::Identity(q, q) +
-                          scatter.asDiagonal() * all.gram.topLeftCorner(q, q) * scatter.asDiagonal());
-  if (!M.succeeded()) throw Singular("readings weigh more than rounding");
-  const Eigen::VectorXd g = scatter.cwiseProduct(all.score.head(q));
-  const Eigen::MatrixXd B = scatter.asDiagonal() * all.gram.topRightCorner(q, p);
-  const Eigen::MatrixXd MB = M.solve(B);
-  Split split;
-  split.of_budget = 0.5 * (g.dot(M.solve(g)) - M.logDeterminant());
-  split.gram = all.gram.bottomRightCorner(p, p) - transposedTimes(B, MB);
-  split.score = all.score.tail(p) - MB.transpose() * g;
-  split.effects = bestSizes(split.gram, split.score, usual, widths);
-  const Eigen::VectorXd beside = g + B * split.effects.evidence.value;
-  split.budget = -scatter.cwiseProduct(M.solve(beside));
-  return split;
-}
-
-/// The readings at a fit, reduced to what budget and effects can see of them.
-struct ReducedFit {
-  Bare bare;
-  const HeldColumns& budget;
-  Eigen::SparseMatrix<double> columns;  // the budget's, then the effects', through the poses too
-  Eigen::SparseMatrix<double> W;
-  Nuisances nuisances;
-  Eigen::VectorXd residual;  // whitened
-  Reduced all;               // of the budget's columns, then the effects'
-
-  ReducedFit(const Linearization& linear, const std::vector<Candidate>& effects, const BatchState& state,
-             const NoiseModel& noise, const HeldColumns& its_budget)
-      : bare(bareOf(linear, effects, state)),
-        budget(its_budget),
-        columns(sideBySide(bare.through.of(budget.columns), bare.columns)),
-        W(whitenerOf(linear, noise)),
-        nuisances(W * bare.J),
-        residual(W * bare.residual),
-        all(nuisances.reduce(W * columns, residual)) {}
-
-  /// What budget and effects of these values change.
-  Eigen::VectorXd changeBy(const Split& split) const {
-    Eigen::VectorXd values(columns.cols());
-    values << split.budget, split.effects.evidence.value;
-    return columns * values;
-  }
-  /// What is left then, all that is unknown being as well as it can: over the linearization's rows.
-  Eigen::VectorXd leftBy(const Split& split) const {
-    const Eigen::VectorXd change = changeBy(split);
-    return bare.residual + change + bare.J * nuisances.step(residual + W * change);
-  }
-};
-
 /// Readings that what is taken into account explains are no outliers.
 bool reweigh(Linearization& linear, HeldColumns& budget, const Eigen::VectorXd& left) {
   std::vector<Channel> channels;
@@ -149,19 +87,20 @@ Likeliest likeliest(const ReducedFit& hypothesis, const Linearization& linear,
   const Eigen::VectorXd usual = usualSizes(linear, effects);
   std::vector<Eigen::Index> widths;
   for (const Candidate& effect : effects) widths.push_back(std::ssize(columnsOf(linear, effect.effect)));
-  const Eigen::Index q = hypothesis.budget.sigma.size();
+  const Eigen::Index unheld = hypothesis.unheld(), q = hypothesis.budget().sigma.size() + unheld;
   Likeliest found;
   Eigen::VectorXd& sigma = found.sigma;
   sigma.resize(q + usual.size());
   // What effects of any size can explain is not the budget's, to begin with.
-  sigma << hypothesis.budget.sigma, EffectEvidence::kSizes.back() * usual;
+  sigma << hypothesis.budget().sigma, Eigen::VectorXd::Constant(unheld, ReducedFit::kUnheld),
+      EffectEvidence::kSizes.back() * usual;
   for (int round = 0; round < (effects.empty() ? 1 : kScaleRounds); ++round) {
-    found.scales = likeliestScales(hypothesis.all.gram, hypothesis.all.score, sigma, groups);
+    found.scales = likeliestScales(hypothesis.gram(), hypothesis.score(), sigma, groups);
     for (std::size_t k = 0; k < groups.size(); ++k) {
       groups[k].start = found.scales[k];
       sigma.segment(groups[k].first, groups[k].size).setConstant(found.scales[k]);
     }
-    found.split = splitOf(hypothesis.all, sigma.head(q), usual, widths);
+    found.split = hypothesis.split(sigma, usual, widths);
     Eigen::Index first = q;
     for (std::size_t e = 0; e < effects.size(); first += widths[e++])
       sigma.segment(first, widths[e]) = found.split.effects.size[e] * usual.segment(first - q, widths[e]);
@@ -299,12 +238,11 @@ Weight weigh(Linearization& linear, HeldColumns& budget, const std::vector<Candi
     weight.apart = noise.apart;
     weight.log_bayes_factor = split.effects.log_bayes_factor;
     weight.effects = evidenceOf(split.gram, split.score, priorSigmas(linear, effects));
-    weight.scales =
-        estimatedScales(hypothesis.all.gram, hypothesis.all.score, found.sigma, groups, found.scales);
+    weight.scales = estimatedScales(hypothesis.gram(), hypothesis.score(), found.sigma, groups, found.scales);
     noteAmounts(weight.scales, budget, split.budget);
-    weight.log_evidence = -0.5 * hypothesis.nuisances.project(hypothesis.residual).squaredNorm() -
-                          robustShare(linear, hypothesis.W * left) + logPriorOf(weight.scales, groups) +
-                          logPriorOfApart(noise) + split.of_budget + split.effects.log_bayes_factor +
+    weight.log_evidence = hypothesis.logEvidence(split) - robustShare(linear, hypothesis.whitened(left)) +
+                          logPriorOf(weight.scales, groups) + logPriorOfApart(noise) +
+                          split.effects.log_bayes_factor +
                           logOfPositive(linear, effects, split.effects.evidence);
     return weight;
   }

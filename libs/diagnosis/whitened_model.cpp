@@ -33,13 +33,14 @@ WhitenedModel::WhitenedModel(std::shared_ptr<const Linearization> linear, const 
     : linear_(std::move(linear)),
       noise_(noise),
       through_(linear_->J, linear_->taken, linear_->blocks),
-      W_(whitenerOf(*linear_, noise)),
+      W_(*linear_, noise),
       nuisances_(nuisancesOf(budget)) {
   residual_ = Eigen::VectorXd::Zero(nuisances_.J().rows());
-  residual_.head(W_.rows()) = W_ * linear_->residual;
+  residual_.head(linear_->residual.size()) = W_ * linear_->residual;
 }
 
-Eigen::SparseMatrix<double> whitenerOf(const Linearization& linear, const NoiseModel& noise) {
+Whitener::Whitener(const Linearization& linear, const NoiseModel& noise)
+    : diagonal_(std::ssize(linear.rows)), below_(diagonal_.size(), diagonal_.size()) {
   // A row's sigma was taken too large by so much, for what its neighbours have in common with it.
   Eigen::VectorXd size = Eigen::VectorXd::Ones(std::ssize(linear.rows));
   std::vector<Eigen::Triplet<double>> entries;
@@ -48,7 +49,7 @@ Eigen::SparseMatrix<double> whitenerOf(const Linearization& linear, const NoiseM
     const double parts = noise.parts * noise.parts * partVariance(linear.rows[i]);
     size[static_cast<Eigen::Index>(i)] = channel.independentScale() / channel.scale / std::sqrt(1 + parts);
   }
-  Eigen::VectorXd diagonal = size;
+  diagonal_ = size;
   for (const Channel channel : kEveryChannel) {
     const double correlation = noise.of(channel).correlation;
     if (correlation == 0) continue;
@@ -56,14 +57,24 @@ Eigen::SparseMatrix<double> whitenerOf(const Linearization& linear, const NoiseM
     for (const auto& [a, b] : neighbours(linear, channel)) {
       const auto i = static_cast<Eigen::Index>(a), j = static_cast<Eigen::Index>(b);
       entries.emplace_back(static_cast<int>(j), static_cast<int>(i), -correlation * fresh * size[i]);
-      diagonal[j] *= fresh;
+      diagonal_[j] *= fresh;
     }
   }
-  for (Eigen::Index i = 0; i < diagonal.size(); ++i)
-    entries.emplace_back(static_cast<int>(i), static_cast<int>(i), diagonal[i]);
-  Eigen::SparseMatrix<double> W(diagonal.size(), diagonal.size());
-  W.setFromTriplets(entries.begin(), entries.end());
-  return W;
+  below_.setFromTriplets(entries.begin(), entries.end());
+}
+
+Eigen::SparseMatrix<double> Whitener::operator*(const Eigen::SparseMatrix<double>& columns) const {
+  Eigen::SparseMatrix<double> own = diagonal_.asDiagonal() * columns;
+  if (below_.nonZeros() > 0) own += below_ * columns;
+  return own;
+}
+
+Eigen::VectorXd Whitener::operator*(const Eigen::VectorXd& column) const {
+  return diagonal_.cwiseProduct(column) + below_ * column;
+}
+
+Eigen::VectorXd Whitener::transposed(const Eigen::VectorXd& v) const {
+  return diagonal_.cwiseProduct(v) + below_.transpose() * v;
 }
 
 Nuisances WhitenedModel::nuisancesOf(const HeldColumns& budget) const {
@@ -73,13 +84,14 @@ Nuisances WhitenedModel::nuisancesOf(const HeldColumns& budget) const {
 }
 
 Eigen::SparseMatrix<double> WhitenedModel::whitened(const Eigen::SparseMatrix<double>& columns) const {
-  Eigen::SparseMatrix<double, Eigen::RowMajor> all = followed(columns);
+  Eigen::SparseMatrix<double> all = followed(columns);
   all.conservativeResize(residual_.size(), columns.cols());
   return all;
 }
 
 Eigen::VectorXd WhitenedModel::scoreShares() const {
-  return through_.transposed(W_.transpose() * nuisances_.project(residual_).col(0).head(W_.rows()));
+  return through_.transposed(
+      W_.transposed(nuisances_.project(residual_).col(0).head(linear_->residual.size())));
 }
 
 Reduced WhitenedModel::reduce(const std::vector<Candidate>& candidates) const {

@@ -9,8 +9,20 @@
 
 namespace fathom {
 
-/// W over a linearization's rows.
-Eigen::SparseMatrix<double> whitenerOf(const Linearization& linear, const NoiseModel& noise);
+/// W over a linearization's rows: each by its scale, and without what it has in common with the one before.
+class Whitener {
+ public:
+  Whitener(const Linearization& linear, const NoiseModel& noise);
+
+  Eigen::SparseMatrix<double> operator*(const Eigen::SparseMatrix<double>& columns) const;
+  Eigen::VectorXd operator*(const Eigen::VectorXd& column) const;
+  /// W^T v.
+  Eigen::VectorXd transposed(const Eigen::VectorXd& v) const;
+
+ private:
+  Eigen::VectorXd diagonal_;
+  Eigen::SparseMatrix<double> below_;
+};
 
 /// An estimate's linear model in units of independent noise, as the data shows it: W r, W J, W C. The
 /// error budget's components are among the nuisances, held by what they scatter by.
@@ -58,7 +70,7 @@ class WhitenedModel {
   std::shared_ptr<const Linearization> linear_;
   NoiseModel noise_;
   ThroughPoses through_;
-  Eigen::SparseMatrix<double> W_;
+  Whitener W_;
   Nuisances nuisances_;
   Eigen::VectorXd residual_;
 };

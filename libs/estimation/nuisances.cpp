@@ -12,17 +12,34 @@ namespace {
 constexpr Eigen::Index kBlock = 32, kGramTile = 128;
 constexpr Eigen::Index kAtOnce = 256;  // columns that are reduced each by itself
 
-/// U^T U, tile by tile: each is computed by one thread, so nothing depends on their number.
+Eigen::Index tilesOf(Eigen::Index size) { return (size + kGramTile - 1) / kGramTile; }
+
+/// U^T U, tile by tile: each is computed by one thread, so nothing depends on their number. Of columns that
+/// have little in common most rows are zero in one or the other.
 Eigen::MatrixXd gramOf(const Eigen::Ref<const Eigen::MatrixXd>& U) {
-  const Eigen::Index tiles = (U.cols() + kGramTile - 1) / kGramTile;
-  Eigen::MatrixXd gram(U.cols(), U.cols());
-  const auto width = [&](Eigen::Index tile) { return std::min(kGramTile, U.cols() - tile * kGramTile); };
-  parallelFor(tiles * tiles, [&](Eigen::Index k) {
-    const Eigen::Index i = k / tiles, j = k % tiles;
+  const Eigen::Index tiles = tilesOf(U.cols()), strips = tilesOf(U.rows());
+  const auto at = [](Eigen::Index tile) { return tile * kGramTile; };
+  const auto size = [](Eigen::Index tile, Eigen::Index all) {
+    return std::min(kGramTile, all - tile * kGramTile);
+  };
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> is_there(strips, tiles);
+  parallelFor(tiles, [&](Eigen::Index tile) {
+    for (Eigen::Index k = 0; k < strips; ++k)
+      is_there(k, tile) =
+          (U.block(at(k), at(tile), size(k, U.rows()), size(tile, U.cols())).array() != 0).any();
+  });
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(U.cols(), U.cols());
+  parallelFor(tiles * tiles, [&](Eigen::Index tile) {
+    const Eigen::Index i = tile / tiles, j = tile % tiles;
     if (j > i) return;
-    const Eigen::Ref<const Eigen::MatrixXd> own = U.middleCols(i * kGramTile, width(i));
-    gram.block(i * kGramTile, j * kGramTile, width(i), width(j)) =
-        i == j ? transposedTimesItself(own) : transposedTimes(own, U.middleCols(j * kGramTile, width(j)));
+    auto own = gram.block(at(i), at(j), size(i, U.cols()), size(j, U.cols()));
+    for (Eigen::Index k = 0, end = 0; k < strips; k = end + 1) {
+      for (end = k; end < strips && is_there(end, i) && is_there(end, j);) ++end;
+      if (end == k) continue;
+      const Eigen::Index rows = std::min(at(end), U.rows()) - at(k);
+      own +=
+          transposedTimes(U.block(at(k), at(i), rows, own.rows()), U.block(at(k), at(j), rows, own.cols()));
+    }
   });
   return gram.selfadjointView<Eigen::Lower>();
 }
@@ -100,7 +117,11 @@ Reduced Nuisances::reduce(const Eigen::SparseMatrix<double>& C, const Eigen::Vec
 Reduced Nuisances::reduceOfLeft(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& left) const {
   Eigen::VectorXd norms(C.cols());
   for (Eigen::Index c = 0; c < norms.size(); ++c) norms[c] = C.col(c).norm();
-  return {denseGramOf(C) - gramOf(forward(C)), C.transpose() * left, norms};
+  return {gram(C), C.transpose() * left, norms};
+}
+
+Eigen::MatrixXd Nuisances::gram(const Eigen::SparseMatrix<double>& C) const {
+  return denseGramOf(C) - gramOf(forward(C));
 }
 
 std::vector<Reduced> Nuisances::reduceEach(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r,

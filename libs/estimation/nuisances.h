@@ -32,6 +32,8 @@ class Nuisances {
   const Eigen::SparseMatrix<double>& J() const { return J_; }
   const AtEnd& atEnd() const { return at_end_; }
   Reduced reduce(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& r) const;
+  /// The first of these alone.
+  Eigen::MatrixXd gram(const Eigen::SparseMatrix<double>& C) const;
   /// The same where `left` is P r.
   Reduced reduceOfLeft(const Eigen::SparseMatrix<double>& C, const Eigen::VectorXd& left) const;
   /// The same of blocks of so many columns, each by itself: what they take grows with the largest only.

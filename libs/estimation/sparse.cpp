@@ -27,17 +27,7 @@ Matrix transposedTimes(const Matrix& A, const Matrix& B) {
     parts[p] = transposed * B.middleCols(first, std::min(kColumns, B.cols() - first));
     parts[p].data().squeeze();  // Eigen reserves as much as A has, for each
   });
-  Matrix product(A.cols(), B.cols());
-  Eigen::Index entries = 0, column = 0;
-  for (const Matrix& part : parts) entries += part.nonZeros();
-  product.reserve(entries);
-  for (const Matrix& part : parts)
-    for (Eigen::Index c = 0; c < part.cols(); ++c, ++column) {
-      product.startVec(column);
-      append(part, c, column, product);
-    }
-  product.finalize();
-  return product;
+  return sideBySide(parts, A.cols());
 }
 
 Matrix withHeldColumns(const Matrix& J, const Matrix& C, const Eigen::VectorXd& sigma) {
@@ -95,12 +85,54 @@ Eigen::MatrixXd denseGramOf(const Eigen::SparseMatrix<double>& A) {
   return gram.selfadjointView<Eigen::Lower>();
 }
 
-Eigen::SparseMatrix<double> sideBySide(const Eigen::SparseMatrix<double>& a,
-                                       const Eigen::SparseMatrix<double>& b) {
-  Eigen::SparseMatrix<double> both(a.rows(), a.cols() + b.cols());
-  both.leftCols(a.cols()) = a;
-  both.rightCols(b.cols()) = b;
-  return both;
+Matrix sideBySide(const Matrix& a, const Matrix& b) { return sideBySide({a, b}, a.rows()); }
+
+Matrix sideBySide(const std::vector<Matrix>& parts, Eigen::Index rows) {
+  Eigen::Index entries = 0, columns = 0;
+  for (const Matrix& part : parts) {
+    entries += part.nonZeros();
+    columns += part.cols();
+  }
+  Matrix all(rows, columns);
+  all.reserve(entries);
+  Eigen::Index column = 0;
+  for (const Matrix& part : parts)
+    for (Eigen::Index c = 0; c < part.cols(); ++c, ++column) {
+      all.startVec(column);
+      append(part, c, column, all);
+    }
+  all.finalize();
+  return all;
+}
+
+Matrix columnsOf(const Matrix& A, const std::vector<Eigen::Index>& columns) {
+  Eigen::Index entries = 0;
+  for (const Eigen::Index c : columns) entries += A.col(c).nonZeros();
+  Matrix own(A.rows(), std::ssize(columns));
+  own.reserve(entries);
+  for (Eigen::Index c = 0; c < own.cols(); ++c) {
+    own.startVec(c);
+    append(A, columns[static_cast<std::size_t>(c)], c, own);
+  }
+  own.finalize();
+  return own;
+}
+
+Matrix rowsOf(const Matrix& A, const std::vector<Eigen::Index>& rows) {
+  std::vector<Eigen::Index> place(static_cast<std::size_t>(A.rows()), -1);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    place[static_cast<std::size_t>(rows[k])] = static_cast<Eigen::Index>(k);
+  Matrix own(std::ssize(rows), A.cols());
+  own.reserve(A.nonZeros());
+  for (Eigen::Index c = 0; c < A.cols(); ++c) {
+    own.startVec(c);
+    for (Matrix::InnerIterator entry(A, c); entry; ++entry)
+      if (const Eigen::Index row = place[static_cast<std::size_t>(entry.row())]; row >= 0)
+        own.insertBack(row, c) = entry.value();
+  }
+  own.finalize();
+  own.data().squeeze();
+  return own;
 }
 
 }  // namespace fathom

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <vector>
 
 /// Sparse matrices by their columns, rows in ascending order.
 namespace fathom {
@@ -19,6 +20,18 @@ Eigen::MatrixXd denseGramOf(const Eigen::SparseMatrix<double>& A);
 /// Columns of b behind those of a.
 Eigen::SparseMatrix<double> sideBySide(const Eigen::SparseMatrix<double>& a,
                                        const Eigen::SparseMatrix<double>& b);
+
+/// Columns of each behind those of the ones before; so many rows have all of them.
+Eigen::SparseMatrix<double> sideBySide(const std::vector<Eigen::SparseMatrix<double>>& parts,
+                                       Eigen::Index rows);
+
+/// These columns, in this order.
+Eigen::SparseMatrix<double> columnsOf(const Eigen::SparseMatrix<double>& A,
+                                      const std::vector<Eigen::Index>& columns);
+
+/// These rows, which ascend.
+Eigen::SparseMatrix<double> rowsOf(const Eigen::SparseMatrix<double>& A,
+                                   const std::vector<Eigen::Index>& rows);
 
 /// J with more columns, each held by a row of its own: what is estimated too, with a prior of so much sigma.
 Eigen::SparseMatrix<double> withHeldColumns(const Eigen::SparseMatrix<double>& J,

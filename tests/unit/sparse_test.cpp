@@ -41,6 +41,15 @@ TEST(Sparse, TheDenseGramIsTheProduct) {
   }
 }
 
+TEST(Sparse, RowsAndColumnsAreThoseAskedFor) {
+  Random random(4);
+  const Eigen::SparseMatrix<double> A = sparse(20, 10, random);
+  const std::vector<Eigen::Index> rows{2, 3, 19}, columns{7, 0};
+  const Eigen::MatrixXd dense = A;
+  EXPECT_EQ(Eigen::MatrixXd(rowsOf(A, rows)), dense(rows, Eigen::all));
+  EXPECT_EQ(Eigen::MatrixXd(columnsOf(A, columns)), dense(Eigen::all, columns));
+}
+
 TEST(Sparse, HeldColumnsAreEstimatedWithTheirPrior) {
   Random random(3);
   const Eigen::SparseMatrix<double> J = sparse(40, 7, random), C = sparse(40, 5, random);

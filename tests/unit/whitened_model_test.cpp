@@ -32,7 +32,10 @@ TEST(Whitener, LeavesAnAutoregressionIndependent) {
   const Linearization linear = run.linear();
   NoiseModel noise;
   noise.channels[indexOf(kChannel<Dvl>)].correlation = kCorrelation;
-  const Eigen::MatrixXd W = whitenerOf(linear, noise);
+  Eigen::SparseMatrix<double> unit(std::ssize(linear.rows), std::ssize(linear.rows));
+  unit.setIdentity();
+  const Whitener whitener(linear, noise);
+  const Eigen::MatrixXd W = whitener * unit;
   const Eigen::MatrixXd whitened = W * covarianceOf(linear, kChannel<Dvl>) * W.transpose();
   std::optional<double> variance;
   for (Eigen::Index i = 0; i < whitened.rows(); ++i) {
@@ -42,6 +45,10 @@ TEST(Whitener, LeavesAnAutoregressionIndependent) {
     for (Eigen::Index j = 0; j < i; ++j) EXPECT_NEAR(whitened(i, j), 0, 1e-9 * *variance) << i << " " << j;
   }
   ASSERT_TRUE(variance);
+  Random random(3);
+  const Eigen::VectorXd v = random.normals(W.rows(), 1);
+  EXPECT_TRUE((whitener * v).isApprox(W * v));
+  EXPECT_TRUE(whitener.transposed(v).isApprox(W.transpose() * v));
 }
 
 }  // namespace
