@@ -105,7 +105,8 @@ class HoldOut {
 };
 
 /// Of a peak's time at most as far from the one found as it is wide: beyond that its columns, which were
-/// taken there, tell nothing.
+/// taken there, tell nothing. What is drawn for each image scatters as it was found to: with the prior, which
+/// is far wider, what a few images cannot tell from the water would be noise.
 Eigen::VectorXd trainedSigmas(const Linearization& linear, const std::vector<Candidate>& effects,
                               const BatchState& found) {
   Eigen::VectorXd sigma = priorSigmas(linear, effects);
@@ -115,6 +116,8 @@ Eigen::VectorXd trainedSigmas(const Linearization& linear, const std::vector<Can
       double& own = sigma[column++];
       if (parameterOf(linear.columns[c.column].scalar).kind == ParameterKind::peak_time)
         own = std::min(own, peakOf(found.effects, effect.effect).width_s);
+      const double scatter = found.effects.values[linear.columns[c.column].scalar];
+      if (c.image >= 0 && scatter > 0) own = std::min(own, scatter);
     }
   return sigma;
 }
