@@ -6,6 +6,16 @@
 #include <utility>
 
 namespace fathom {
+namespace {
+
+/// L^-1.
+Eigen::MatrixXd inverseOfHalf(const Eigen::MatrixXd& L) {
+  Eigen::MatrixXd half = Eigen::MatrixXd::Identity(L.rows(), L.cols());
+  L.triangularView<Eigen::Lower>().solveInPlace(half);
+  return half;
+}
+
+}  // namespace
 
 BlockedMatrix::BlockedMatrix(Eigen::MatrixXd all)
     : border(static_cast<std::size_t>(all.rows())), across(0, all.cols()), within(std::move(all)) {
@@ -95,9 +105,7 @@ Eigen::VectorXd BlockedFactors::inverseDiagonal() const {
   Eigen::VectorXd inner = beyondBlocks().colwise().squaredNorm();
   Eigen::Index first = 0;
   for (const Eigen::MatrixXd& L : L_) {
-    Eigen::MatrixXd half = Eigen::MatrixXd::Identity(L.rows(), L.cols());
-    L.triangularView<Eigen::Lower>().solveInPlace(half);
-    inner.segment(first, L.rows()) += half.colwise().squaredNorm().transpose();
+    inner.segment(first, L.rows()) += inverseOfHalf(L).colwise().squaredNorm().transpose();
     first += L.rows();
   }
   diagonal(inner_) = inner;
@@ -112,8 +120,7 @@ Eigen::MatrixXd BlockedFactors::inverse() const {
   Eigen::MatrixXd inner = transposedTimesItself(G);
   Eigen::Index first = 0;
   for (const Eigen::MatrixXd& L : L_) {
-    Eigen::MatrixXd half = Eigen::MatrixXd::Identity(L.rows(), L.cols());
-    L.triangularView<Eigen::Lower>().solveInPlace(half);
+    const Eigen::MatrixXd half = inverseOfHalf(L);
     inner.block(first, first, L.rows(), L.rows()) += half.transpose() * half;
     first += L.rows();
   }

@@ -12,6 +12,7 @@
 #include "diagnosis/constants.h"
 #include "diagnosis/covariate.h"
 #include "effects/catalogue.h"
+#include "estimation/sparse.h"
 
 namespace fathom {
 namespace {
@@ -327,9 +328,6 @@ std::string whereIs(const Owner& owner, Each each, const Linearization& linear) 
 bool isOfOnePlace(Each each) { return each == Each::place || each == Each::spot || each == Each::reading; }
 
 HeldColumns localFirst(const HeldColumns& held, const ErrorBudget& budget) {
-  HeldColumns sorted;
-  sorted.columns.resize(held.columns.rows(), held.columns.cols());
-  sorted.sigma.resize(held.sigma.size());
   std::vector<Eigen::Index> local, others;
   Eigen::Index first = 0;
   for (std::size_t k = 0; k < held.sizes.size(); first += held.sizes[k++]) {
@@ -338,17 +336,11 @@ HeldColumns localFirst(const HeldColumns& held, const ErrorBudget& budget) {
     for (Eigen::Index c = 0; c < held.sizes[k]; ++c) own.push_back(first + c);
   }
   for (; first < held.sigma.size(); ++first) others.push_back(first);
+  HeldColumns sorted;
   sorted.local = std::ssize(local);
   local.insert(local.end(), others.begin(), others.end());
-  sorted.columns.reserve(held.columns.nonZeros());
-  for (Eigen::Index c = 0; c < std::ssize(local); ++c) {
-    const Eigen::Index from = local[static_cast<std::size_t>(c)];
-    sorted.columns.startVec(c);
-    for (Eigen::SparseMatrix<double>::InnerIterator e(held.columns, from); e; ++e)
-      sorted.columns.insertBack(e.row(), c) = e.value();
-    sorted.sigma[c] = held.sigma[from];
-  }
-  sorted.columns.finalize();
+  sorted.columns = columnsOf(held.columns, local);
+  sorted.sigma = held.sigma(local);
   return sorted;
 }
 

@@ -131,12 +131,12 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
       without_(bareOf(linear, effects, found)),
       model_(withoutEffects(linear, without_), noise),
       bare_(model_.linear()),
-      channels_(channelsOf(model_, model_.whitened(fathom::columnsOf(bare_, effects)) * without_.values)),
       stretches_(data, options.folds),
       random_(options.seed),
       pieces_(static_cast<std::size_t>(stretches_.count()) * kPartsOfStretch) {
   sigma_ = trainedSigmas(bare_, effects, found);
   columns_ = model_.whitened(fathom::columnsOf(bare_, effects));
+  channels_ = channelsOf(model_, columns_ * without_.values);
   for (const Candidate& effect : effects) {
     for (const CandidateColumn& c : fathom::columnsOf(bare_, effect.effect)) {
       is_draw_.push_back(c.image >= 0);

@@ -44,8 +44,7 @@ BlockedMatrix blockedGram(const Nuisances& nuisances, const Eigen::SparseMatrix<
   std::vector<bool> is_inner(static_cast<std::size_t>(columns.cols()), false);
   std::vector<Eigen::Index> inner;
   for (const std::vector<Eigen::Index>& own : blocks) {
-    const Eigen::MatrixXd block = denseGramOf(columnsOf(columns, own));
-    gram.blocks.push_back(block);
+    gram.blocks.push_back(denseGramOf(columnsOf(columns, own)));
     for (const Eigen::Index k : own) {
       is_inner[static_cast<std::size_t>(k)] = true;
       inner.push_back(k);
@@ -117,12 +116,8 @@ Split ReducedFit::split(const Eigen::VectorXd& sigma, const Eigen::VectorXd& usu
 }
 
 double ReducedFit::logEvidence(const Split& split) const {
-  const Eigen::Index first = budget_.sigma.size();
-  std::vector<Eigen::Index> free;
-  for (std::size_t k = 0; k < gram_.border.size(); ++k)
-    if (gram_.border[k] >= first && gram_.border[k] < first + unheld())
-      free.push_back(static_cast<Eigen::Index>(k));
-  const BlockedFactors own(Eigen::MatrixXd(gram_.within(free, free)),
+  const Eigen::Index first = gram_.within.rows() - bare_.columns.cols() - unheld();
+  const BlockedFactors own(Eigen::MatrixXd(gram_.within.block(first, first, unheld(), unheld())),
                            Eigen::VectorXd::Constant(unheld(), kUnheld));
   return 0.5 * (own.logDeterminant() - left_.squaredNorm()) + split.of_budget;
 }

@@ -11,17 +11,14 @@ namespace fathom {
 namespace {
 
 /// Those of all unknowns that say where everything is.
-Eigen::SparseMatrix<double> selectPlaces(const std::vector<UnknownBlock>& blocks, Eigen::Index unknowns) {
-  std::vector<Eigen::Triplet<double>> ones;
-  int count = 0;
+std::vector<Eigen::Index> placesOf(const std::vector<UnknownBlock>& blocks) {
+  std::vector<Eigen::Index> places;
   for (const UnknownBlock& block : blocks) {
     using enum UnknownBlock::Kind;
     if (block.kind == water || block.kind == flaws || block.kind == effect || block.kind == draw) continue;
-    for (int k = 0; k < block.size; ++k) ones.emplace_back(block.column + k, count++, 1.0);
+    for (int k = 0; k < block.size; ++k) places.push_back(block.column + k);
   }
-  Eigen::SparseMatrix<double> select(unknowns, count);
-  select.setFromTriplets(ones.begin(), ones.end());
-  return select;
+  return places;
 }
 
 }  // namespace
@@ -29,8 +26,8 @@ Eigen::SparseMatrix<double> selectPlaces(const std::vector<UnknownBlock>& blocks
 ThroughPoses::ThroughPoses(const Eigen::SparseMatrix<double>& J, const Eigen::SparseMatrix<double>& taken,
                            const std::vector<UnknownBlock>& blocks) {
   if (taken.nonZeros() == 0) return;
-  const Eigen::SparseMatrix<double> select = selectPlaces(blocks, J.cols());
-  places_ = std::make_shared<Places>(J * select, taken * select);
+  const std::vector<Eigen::Index> places = placesOf(blocks);
+  places_ = std::make_shared<Places>(columnsOf(J, places), columnsOf(taken, places));
 }
 
 Eigen::SparseMatrix<double> ThroughPoses::of(const Eigen::SparseMatrix<double>& columns) const {

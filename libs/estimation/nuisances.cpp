@@ -37,8 +37,9 @@ Eigen::MatrixXd gramOf(const Eigen::Ref<const Eigen::MatrixXd>& U) {
       for (end = k; end < strips && is_there(end, i) && is_there(end, j);) ++end;
       if (end == k) continue;
       const Eigen::Index rows = std::min(at(end), U.rows()) - at(k);
-      own +=
-          transposedTimes(U.block(at(k), at(i), rows, own.rows()), U.block(at(k), at(j), rows, own.cols()));
+      const Eigen::Ref<const Eigen::MatrixXd> left = U.block(at(k), at(i), rows, own.rows());
+      own += i == j ? transposedTimesItself(left)
+                    : transposedTimes(left, U.block(at(k), at(j), rows, own.cols()));
     }
   });
   return gram.selfadjointView<Eigen::Lower>();

@@ -35,6 +35,8 @@ struct Options {
   double ordinary = 0;
   std::optional<std::size_t> nulls;
   std::vector<std::string> kinds;  ///< empty: all, and real recordings
+  std::string share = "1/1";
+  fs::path expect;  ///< a result.json before; empty: none
 
   std::set<ProofCase::Kind> askedKinds() const {
     std::set<ProofCase::Kind> asked;
@@ -43,8 +45,6 @@ struct Options {
         asked.insert(static_cast<ProofCase::Kind>(k));
     return asked;
   }
-  std::string share = "1/1";
-  fs::path expect;  ///< a result.json before; empty: none
 
   /// Of the real world, beside the checkout: no licence to ship it.
   static fs::path realData() { return fs::path(FATHOM_SOURCE_DIR) / ".." / "shared" / "data"; }
