@@ -92,7 +92,7 @@ BudgetEntry entryOf(Channel channel, const NoiseModel& all, const Linearization&
   entry.estimate = entry.largest_apart = noise.scale;
   entry.log_sd = 1 / std::sqrt(2 * static_cast<double>(noise.rows));
   entry.beyond = beyondOf(noise, all.budget.noise_factor);
-  if (entry.beyond <= kBursts) return entry;
+  if (entry.beyond <= 0) return entry;
   if (const std::string where = noisiestPart(nominal, channel); !where.empty()) entry.apart.push_back(where);
   noteOutliers(entry, nominal, channel, all.budget.outlier_share);
   return entry;
@@ -116,7 +116,7 @@ std::vector<BudgetEntry> budgetOf(const NoiseModel& noise, const Linearization& 
   for (const Channel channel : kEveryChannel)
     if (noise.of(channel).rows > 0 && channel != kChannel<Prior>)
       entries.push_back(entryOf(channel, noise, nominal));
-  for (BudgetEntry& entry : entries) entry.bursts = entry.beyond > kBursts;
+  for (BudgetEntry& entry : entries) entry.bursts = entry.beyond > 0;
   return entries;
 }
 

@@ -19,7 +19,7 @@ struct PanelShape {
           "x' = cos(fold/2) x1, y' = (1 + stretch_y) y, z' = z + sin(fold/2) |x1| + twist_m u v + bend_m (1 "
           "- "
           "(u^2 + v^2)/2)\n"
-          "x1 = (1 + stretch_x) x + shear y; u, v: x and y over half the panel's width and height\n"
+          "x1 = (1 + stretch_x) x + shear y; u, v: x and y over half the face's width and height\n"
           "panel frame, from the middle of the face, z out of it: every corner of every marker moves so",
       .source =
           "Affine, and the lowest terms of a surface's series; printed targets are off by as much (Strobl & "

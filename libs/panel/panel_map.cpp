@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 #include <stdexcept>
 
 #include "core/files.h"
@@ -172,10 +173,27 @@ void PanelMap::setExtent() {
   const auto reach = [&](const Vector3d& point) {
     half_extent_m = half_extent_m.cwiseMax(point.head<2>().cwiseAbs());
   };
-  for (const Surface::Vertex& vertex : body.vertices) reach(vertex.position.cast<double>());
+  double back_m = std::numeric_limits<double>::infinity(), front_m = -back_m;
   for (const Marker& marker : markers)
-    for (const Vector3d& corner : marker.corners_panel()) reach(corner);
+    for (const Vector3d& corner : marker.corners_panel()) {
+      reach(corner);
+      back_m = std::min(back_m, corner.z());
+      front_m = std::max(front_m, corner.z());
+    }
+  for (const Surface::Vertex& vertex : body.vertices) {
+    const Vector3d point = vertex.position.cast<double>();
+    const bool is_of_face =
+        point.z() >= back_m - kMarkerDistance_m && point.z() <= front_m + kMarkerDistance_m;
+    if (markers.empty() || is_of_face) reach(point);
+  }
   for (Marker& marker : markers) marker.panel_half_m = half_extent_m;
+}
+
+Eigen::Vector2d PanelMap::reach_m() const {
+  Eigen::Vector2d furthest = half_extent_m;
+  for (const Surface::Vertex& vertex : body.vertices)
+    furthest = furthest.cwiseMax(vertex.position.head<2>().cast<double>().cwiseAbs());
+  return furthest;
 }
 
 PanelMap readPanelMap(const fs::path& file) {

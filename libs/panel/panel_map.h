@@ -28,11 +28,14 @@ struct PanelMap {
   std::vector<Handle> handles;
   FaceShape<double> shape{};  ///< what surfaceOf() makes of all of it
 
-  /// From the middle of the face to the furthest of body and markers, right and up; see setExtent().
+  /// From the middle of the face to its furthest point, right and up: of markers, and of the body where that
+  /// is at their height (legs are no part of the face; without markers, all of the body). See setExtent().
   Eigen::Vector2d half_extent_m = Eigen::Vector2d::Zero();
 
   /// Measures it, and tells it to the markers (Marker::panel_half_m).
   void setExtent();
+  /// From the middle of the face to the furthest of its body, legs and all.
+  Eigen::Vector2d reach_m() const;
   /// Sets a handle's state. Throws std::invalid_argument: no such handle, or the angle is outside its range.
   void turnHandle(std::string_view id, double angle_rad);
 

@@ -122,12 +122,15 @@ bool CameraStudio::isUneven(const CameraShot& shot) const {
 }
 
 /// Multiplies by how much daylight there is at each pixel's place over that at the middle of the nearest
-/// panel's face; beside the face, as at its edge.
+/// panel's face; beside the panel, as at its edge.
 void CameraStudio::shedUnevenly(const CameraShot& shot, View& under_daylight) const {
   const double at_middle = sceneLight(shot).daylight;
   std::vector<Pose> T_panel_camera;
-  for (const PanelMap& panel : world_.panels)
+  std::vector<Eigen::Vector2d> reach_m;
+  for (const PanelMap& panel : world_.panels) {
     T_panel_camera.push_back(truePanelPose(panel, effects_, shot.t_s).inverse() * shot.T_odom_camera());
+    reach_m.push_back(panel.reach_m());
+  }
   const cv::Mat& rays = eyeOf(shot.camera.lens).model.rays();
   for (int v = 0; v < rays.rows; ++v)
     for (int u = 0; u < rays.cols; ++u) {
@@ -141,8 +144,7 @@ void CameraStudio::shedUnevenly(const CameraShot& shot, View& under_daylight) co
         const Vector3d point_panel = T_panel_camera[i] * point_camera;
         if (point_panel.norm() >= nearest_m) continue;
         nearest_m = point_panel.norm();
-        const Eigen::Vector2d& half_m = world_.panels[i].half_extent_m;
-        at_panel_m = point_panel.head<2>().cwiseMax(-half_m).cwiseMin(half_m);
+        at_panel_m = point_panel.head<2>().cwiseMax(-reach_m[i]).cwiseMin(reach_m[i]);
       }
       under_daylight.radiance.at<cv::Vec3f>(v, u) *=
           static_cast<float>(sceneLight(shot, at_panel_m).daylight / at_middle);

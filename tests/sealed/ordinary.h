@@ -14,7 +14,7 @@ struct OrdinaryImperfections {
   double flatness_m = 0.001, flatness_length_m = 0.5;  ///< of the panel
   double marker_height_m = 0.0002;                     ///< of each marker besides
   double marker_scale = 0.001;                         ///< all alike
-  double stretch = 0.001;                              ///< of the printed sheet, x and y apart
+  double stretch = 0.00033;                            ///< of the printed sheet, x and y apart
   double edge_px = 0.02;                               ///< white grows over black, all markers alike
   double marker_edge_px = 0.01;                        ///< each besides, by the corner detector
   double response = 0.005, response_length_dn = 60;    ///< fraction of the signal
@@ -24,7 +24,7 @@ struct OrdinaryImperfections {
   double albedo = 0.014, albedo_length_m = 0.05;
   double gain = 0.003;     ///< of each image
   double stamp_s = 0.001;  ///< of each image
-  double camera_clock_ppm = 20;
+  double camera_clock_ppm = 10;
   double dvl_m_s = 0.001, dvl_length_m_s = 0.3;  ///< each axis, smooth in its speed
   double outliers = 0.01;                        ///< fraction of corners and of DVL measurements
 };

@@ -41,6 +41,15 @@ TEST(PanelMap, IsReadAsWritten) {
   EXPECT_DOUBLE_EQ(map.handles[1].angle_rad, radians(-45));
 }
 
+// A panel's twist is told by the height of its face's corners. The shipped panel stands on legs that
+// reach 1.8 m below its middle: taken for the panel, what is 2 mm at the face's corner is 7 mm.
+TEST(PanelMap, IsAsLargeAsItsFace) {
+  const PanelMap map = readPanelMap(fs::path(FATHOM_SOURCE_DIR) / "maps/dexrov/panel.yaml");
+  EXPECT_NEAR(map.half_extent_m.x(), 0.8, 1e-6);
+  EXPECT_NEAR(map.half_extent_m.y(), 0.5, 1e-6);
+  EXPECT_EQ(map.markers.front().panel_half_m, map.half_extent_m);
+}
+
 TEST(PanelMap, HasTheLookOfItsMarkers) {
   BoardFiles files;
   EXPECT_EQ(files.read().look(), MarkerLook{});
