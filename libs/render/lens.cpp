@@ -54,6 +54,8 @@ Sight sightAt(const CameraModel& camera, const Vector2d& pixel) {
 Lens::Lens(const CameraModel& camera) {
   checkCamera(camera);
   constexpr double kHuge = 1e9;
+  const auto pixels = static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px);
+  for (std::vector<float>* of_pixel : {&x, &y, &x_u, &y_u, &x_v, &y_v}) of_pixel->reserve(pixels);
   Vector2d smallest(kHuge, kHuge), largest(-kHuge, -kHuge), widest(0, 0), narrowest(kHuge, kHuge);
   for (int v = 0; v < camera.height_px; ++v)
     for (int u = 0; u < camera.width_px; ++u) {

@@ -19,6 +19,41 @@ constexpr std::uint32_t kNothing = 0;  // instead of a triangle's number, counte
 constexpr std::uint32_t kEdge = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kRendered = kEdge - 1;
 
+/// Rows of pixels that are rendered from one drawing, and the rows of the raster around them.
+struct Band {
+  int first = 0, end = 0;             // pixels
+  int first_sample = 0, samples = 0;  // of the raster
+};
+
+std::vector<Band> bandsOf(const Lens& lens, int width, int height, std::size_t largest) {
+  if (lens.raster.size() <= largest) return {{0, height, 0, lens.raster.rows}};
+  const auto columns = static_cast<std::uint32_t>(lens.raster.columns);
+  std::vector<Band> bands;
+  int first = 0, end = 0;  // of the raster's rows
+  for (int row = 0; row < height; ++row) {
+    const auto begin = lens.block.begin() + static_cast<std::ptrdiff_t>(row) * width;
+    const auto [low, high] = std::minmax_element(begin, begin + width);
+    const int top = static_cast<int>(*low / columns),
+              bottom = static_cast<int>(*high / columns) + lens.block_side;
+    const auto size = static_cast<std::size_t>(std::max(end, bottom) - std::min(first, top)) * columns;
+    if (bands.empty() || size > largest) {
+      bands.push_back({row, row, 0, 0});
+      first = top;
+      end = bottom;
+    }
+    first = std::min(first, top);
+    end = std::max(end, bottom);
+    bands.back() = {bands.back().first, row + 1, first, end - first};
+  }
+  return bands;
+}
+
+int mostSamples(const std::vector<Band>& bands) {
+  return std::max_element(bands.begin(), bands.end(),
+                          [](const Band& a, const Band& b) { return a.samples < b.samples; })
+      ->samples;
+}
+
 void checkScene(const Surface& surface) {
   for (const auto& vertex : surface.vertices)
     if (!vertex.position.allFinite() || !vertex.normal.allFinite() || !vertex.albedo.allFinite())
@@ -31,8 +66,11 @@ void checkScene(const Surface& surface) {
 }  // namespace
 
 struct Renderer::Implementation {
-  Lens lens;
+  std::shared_ptr<const Lens> shared_lens;
+  const Lens& lens;
+  Options options;
   int width, height;
+  std::vector<Band> bands;
   PixelSampler sampler;
   VisibilityBuffer visibility;
   Surface scene;
@@ -43,24 +81,34 @@ struct Renderer::Implementation {
   std::optional<SeenLighting> lighting;
   std::optional<SingleSights> parts_of_pixels;
   std::vector<std::optional<SeenTriangle>> seen;  // by triangle, once it is needed
-  const std::uint32_t* triangles = nullptr;       // by raster sample
-  std::vector<std::uint32_t> faces;               // by raster sample
-  std::vector<std::uint32_t> differs;  // by raster sample: whether its block's first row has an edge
-  std::vector<std::uint32_t> inner;    // by a block's first sample: the triangle in its middle, or kEdge
+
+  // Of the band being rendered, by sample
+  std::size_t first_sample = 0;  // among all of the raster's
+  const std::uint32_t* triangles = nullptr;
+  std::vector<std::uint32_t> faces;
+  std::vector<std::uint32_t> differs;  // whether its block's first row has an edge
+  std::vector<std::uint32_t> inner;    // a block's first: the triangle in its middle, or kEdge
+
+  // Of a row or a pixel
   std::vector<std::uint32_t> row_triangles;  // by pixel of a row: the triangle that fills it
   std::vector<std::uint32_t> numbers;        // of the triangles around a pixel …
   std::vector<TriangleInPixel> in_pixel;     // … and those of them that are in it
 
-  Implementation(const CameraModel& camera, const Options& options)
-      : lens(camera),
-        width(camera.width_px),
-        height(camera.height_px),
+  Implementation(std::shared_ptr<const Lens> its_lens, int its_width, int its_height,
+                 const Options& its_options)
+      : shared_lens(std::move(its_lens)),
+        lens(*shared_lens),
+        options(its_options),
+        width(its_width),
+        height(its_height),
+        bands(bandsOf(lens, width, height, options.drawn_at_once)),
         sampler(options.supersampling),
-        visibility(lens.raster),
-        faces(lens.raster.size()),
-        differs(lens.raster.size()),
-        inner(lens.raster.size()),
-        row_triangles(static_cast<std::size_t>(width)) {}
+        visibility(lens.raster, mostSamples(bands)),
+        row_triangles(static_cast<std::size_t>(width)) {
+    const std::size_t most =
+        static_cast<std::size_t>(mostSamples(bands)) * static_cast<std::size_t>(lens.raster.columns);
+    for (auto* of_band : {&faces, &differs, &inner}) of_band->resize(most);
+  }
 
   const SeenTriangle& seenTriangle(std::uint32_t number) {
     auto& triangle = seen[number];
@@ -68,10 +116,19 @@ struct Renderer::Implementation {
     return *triangle;
   }
 
+  /// Where a pixel's block begins in the band.
+  std::size_t blockOf(std::size_t pixel) const { return lens.block[pixel] - first_sample; }
+  void draw(const Band& band);
   void findEdges();
   std::uint32_t renderIfShared(std::size_t pixel, float* radiance, float* range_m);
   void renderRow(int row, float* radiance, float* range_m);
 };
+
+void Renderer::Implementation::draw(const Band& band) {
+  first_sample = static_cast<std::size_t>(band.first_sample) * static_cast<std::size_t>(lens.raster.columns);
+  triangles = visibility.draw(T_camera_odom, band.first_sample).data();
+  findEdges();
+}
 
 /// Sets apart the blocks of raster samples that see more than one face.
 void Renderer::Implementation::findEdges() {
@@ -97,7 +154,7 @@ std::uint32_t Renderer::Implementation::renderIfShared(std::size_t pixel, float*
   in_pixel.clear();
   bool nothing_behind = false;
   std::uint32_t filling = kNothing;
-  const std::uint32_t* samples = triangles + lens.block[pixel];
+  const std::uint32_t* samples = triangles + blockOf(pixel);
   for (int row = 0; row < lens.block_side; ++row, samples += lens.raster.columns)
     for (int column = 0; column < lens.block_side; ++column) {
       const std::uint32_t number = samples[column];
@@ -124,7 +181,7 @@ void Renderer::Implementation::renderRow(int row, float* radiance, float* range_
   for (std::size_t u = 0; u < row_triangles.size(); ++u) {
     const std::size_t pixel = first + u;
     std::uint32_t& triangle = row_triangles[u];
-    triangle = inner[lens.block[pixel]];
+    triangle = inner[blockOf(pixel)];
     if (triangle == kEdge) triangle = renderIfShared(pixel, radiance + 3 * u, range_m + u);
   }
   for (auto begin = row_triangles.begin(), end = begin; begin != row_triangles.end(); begin = end) {
@@ -145,8 +202,17 @@ void Renderer::Implementation::renderRow(int row, float* radiance, float* range_
 Renderer::Renderer(const CameraModel& camera, const Options& options) {
   if (options.supersampling < 1 || options.supersampling > 16)
     throw std::invalid_argument("supersampling must be from 1 to 16");
-  implementation_ = std::make_unique<Implementation>(camera, options);
+  implementation_ = std::make_unique<Implementation>(std::make_shared<const Lens>(camera), camera.width_px,
+                                                     camera.height_px, options);
   setScene({});
+}
+Renderer::Renderer(std::unique_ptr<Implementation> implementation)
+    : implementation_(std::move(implementation)) {
+  setScene({});
+}
+Renderer Renderer::another() const {
+  const Implementation& r = *implementation_;
+  return Renderer(std::make_unique<Implementation>(r.shared_lens, r.width, r.height, r.options));
 }
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
@@ -172,12 +238,13 @@ void Renderer::render(const Pose& T_odom_camera, const Lighting& lighting, View&
   r.lighting.emplace(lighting, r.T_camera_odom);
   r.parts_of_pixels.emplace(*r.lighting);
   r.seen.assign(r.face_of.size(), std::nullopt);
-  r.triangles = r.visibility.draw(r.T_camera_odom).data();
-  r.findEdges();
   view.radiance.create(r.height, r.width, CV_32FC3);
   view.range_m.create(r.height, r.width, CV_32FC1);
-  for (int row = 0; row < r.height; ++row)
-    r.renderRow(row, view.radiance.ptr<float>(row), view.range_m.ptr<float>(row));
+  for (const Band& band : r.bands) {
+    r.draw(band);
+    for (int row = band.first; row < band.end; ++row)
+      r.renderRow(row, view.radiance.ptr<float>(row), view.range_m.ptr<float>(row));
+  }
   r.parts_of_pixels->finish();
 }
 

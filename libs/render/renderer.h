@@ -38,12 +38,18 @@ class Renderer {
  public:
   struct Options {
     int supersampling = 5;  ///< its square is the number of samples in a pixel that an edge crosses; 1 to 16
+    /// What OSMesa draws at a time, in samples, about one and a half a pixel: larger images are drawn band by
+    /// band, which takes no more memory than small ones.
+    std::size_t drawn_at_once = std::size_t{1} << 21;
   };
   /// Throws std::runtime_error where OSMesa gives no GL 3.3 context or no image of this size,
   /// std::invalid_argument where the camera has no size or focal length, or a distortion without an inverse
   /// in the image, or supersampling is out of range.
   explicit Renderer(const CameraModel& camera, const Options& options);
   explicit Renderer(const CameraModel& camera) : Renderer(camera, Options{}) {}
+  /// Another one of the same camera and options, without a scene: what is computed once for the camera, and
+  /// takes most of the memory, they share.
+  Renderer another() const;
   ~Renderer();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
@@ -57,6 +63,7 @@ class Renderer {
 
  private:
   struct Implementation;
+  explicit Renderer(std::unique_ptr<Implementation> implementation);
   std::unique_ptr<Implementation> implementation_;
 };
 

@@ -118,8 +118,7 @@ ContextHandle createContext() {
 }  // namespace
 
 struct VisibilityBuffer::Context {
-  Raster raster;
-  Eigen::Matrix4d clip_camera;
+  Raster raster;  // with as many rows as are drawn at a time, from the top
   std::vector<std::uint32_t> triangles;
   GLsizei index_count = 0;
   GLint clip_odom = 0;          // the uniform's place
@@ -127,8 +126,9 @@ struct VisibilityBuffer::Context {
   ContextHandle handle = createContext();
   std::unique_ptr<const Gl> gl;
 
-  explicit Context(const Raster& raster_in)
-      : raster(raster_in), clip_camera(projectionOf(raster_in)), triangles(raster_in.size()) {
+  Context(const Raster& all, int rows) : raster(all) {
+    raster.rows = rows;
+    triangles.resize(raster.size());
     const Current current(*this);
     gl = std::make_unique<const Gl>();
     // A context without a version is one that draws nothing and reports no error.
@@ -209,7 +209,8 @@ struct VisibilityBuffer::Context {
   }
 };
 
-VisibilityBuffer::VisibilityBuffer(const Raster& raster) : context_(std::make_unique<Context>(raster)) {}
+VisibilityBuffer::VisibilityBuffer(const Raster& raster, int rows)
+    : context_(std::make_unique<Context>(raster, rows)) {}
 VisibilityBuffer::~VisibilityBuffer() = default;
 VisibilityBuffer::VisibilityBuffer(VisibilityBuffer&&) noexcept = default;
 VisibilityBuffer& VisibilityBuffer::operator=(VisibilityBuffer&&) noexcept = default;
@@ -227,13 +228,15 @@ void VisibilityBuffer::setScene(const Surface& surface_odom) {
   context_->check("a scene");
 }
 
-const std::vector<std::uint32_t>& VisibilityBuffer::draw(const Pose& T_camera_odom) {
+const std::vector<std::uint32_t>& VisibilityBuffer::draw(const Pose& T_camera_odom, int first_row) {
   const Context::Current current(*context_);
   const Gl& gl = *context_->gl;
   Eigen::Matrix4d camera_odom = Eigen::Matrix4d::Identity();
   camera_odom.topLeftCorner<3, 3>() = T_camera_odom.rotation;
   camera_odom.topRightCorner<3, 1>() = T_camera_odom.position;
-  const Eigen::Matrix4f clip_odom = (context_->clip_camera * camera_odom).cast<float>();
+  Raster drawn = context_->raster;
+  drawn.y0 += first_row * drawn.step_y;
+  const Eigen::Matrix4f clip_odom = (projectionOf(drawn) * camera_odom).cast<float>();
   gl.UniformMatrix4fv(context_->clip_odom, 1, GL_FALSE, clip_odom.data());
 
   constexpr GLuint kNothing[4] = {};

@@ -27,17 +27,17 @@ struct Raster {
 /// well as many.
 class VisibilityBuffer {
  public:
-  /// Throws std::runtime_error where OSMesa gives no GL 3.3 core context with clip control, or no raster of
-  /// this size.
-  explicit VisibilityBuffer(const Raster& raster);
+  /// Draws so many of the raster's rows at a time. Throws std::runtime_error where OSMesa gives no GL 3.3
+  /// core context with clip control, or no raster of this size.
+  VisibilityBuffer(const Raster& raster, int rows);
   ~VisibilityBuffer();
   VisibilityBuffer(VisibilityBuffer&&) noexcept;
   VisibilityBuffer& operator=(VisibilityBuffer&&) noexcept;
 
   void setScene(const Surface& surface_odom);
-  /// Row by row from the top: 0 for nothing, otherwise 1 + the triangle's number. Triangles nearer than 1 cm
-  /// are cut off; both sides of a triangle are seen.
-  const std::vector<std::uint32_t>& draw(const Pose& T_camera_odom);
+  /// Row by row, beginning with this one (the top is 0): 0 for nothing, otherwise 1 + the triangle's number.
+  /// Triangles nearer than 1 cm are cut off; both sides of a triangle are seen.
+  const std::vector<std::uint32_t>& draw(const Pose& T_camera_odom, int first_row);
 
  private:
   struct Context;

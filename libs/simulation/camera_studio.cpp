@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <numbers>
 #include <optional>
 
@@ -70,6 +71,8 @@ struct CameraStudio::Eye {
 
 struct CameraStudio::Threads {
   tbb::enumerable_thread_specific<std::map<std::string, std::unique_ptr<Eye>>> eyes;
+  std::mutex mutex;
+  std::map<std::string, const Eye*> first;  // of each lens: what never changes of it, the others share
 };
 
 CameraStudio::CameraStudio(CameraWorld world, const CameraSheet& sheet, std::vector<LampSheet> lamps,
@@ -86,12 +89,19 @@ CameraStudio::CameraStudio(CameraWorld world, const CameraSheet& sheet, std::vec
 CameraStudio::~CameraStudio() = default;
 
 CameraStudio::Eye& CameraStudio::eyeOf(const CameraModel& lens) const {
-  auto& eye = threads_->eyes.local()[fingerprintOf(lens)];
+  const std::string fingerprint = fingerprintOf(lens);
+  auto& eye = threads_->eyes.local()[fingerprint];
   if (eye) return *eye;
-  CameraSheet sheet = sheet_;
-  sheet.model = lens;
-  eye = std::make_unique<Eye>(
-      Eye{Renderer(lens), std::nullopt, ImageModel(sheet, world_.environment.water, effects_)});
+  const std::lock_guard lock(threads_->mutex);
+  if (const Eye*& first = threads_->first[fingerprint]; first) {
+    eye = std::make_unique<Eye>(Eye{first->renderer.another(), std::nullopt, first->model});
+  } else {
+    CameraSheet sheet = sheet_;
+    sheet.model = lens;
+    eye = std::make_unique<Eye>(
+        Eye{Renderer(lens), std::nullopt, ImageModel(sheet, world_.environment.water, effects_)});
+    first = eye.get();
+  }
   if (!scene_changes_) eye->renderer.setScene(sceneOf(world_.panels, world_.sea_floor_odom));
   return *eye;
 }
@@ -209,7 +219,7 @@ cv::Mat CameraStudio::panelMask(const CameraShot& shot, const View& view) const 
   if (world_.sea_floor_odom.triangles.empty()) return hit;
   Eye& eye = eyeOf(shot.camera.lens);
   const bool first = !eye.panels_alone;
-  if (first) eye.panels_alone.emplace(shot.camera.lens);
+  if (first) eye.panels_alone.emplace(eye.renderer.another());
   if (first || scene_changes_) eye.panels_alone->setScene(asSeen(shot, {}));
   const View panels = eye.panels_alone->render(shot.T_odom_camera(), Lighting{});
   return hit & (panels.range_m <= view.range_m + kSameRange_m);  // not what is buried in the sand

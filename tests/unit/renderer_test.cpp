@@ -182,6 +182,26 @@ TEST(Renderer, CanBeMoved) {
   EXPECT_TRUE(sameBytes(view, viewOfPanel(moved, 1)));
 }
 
+// Single pixels differ where a sample of the raster falls to the other side of an edge.
+TEST(Renderer, BandByBandIsTheSameImage) {
+  Renderer whole(rovCamera()), in_bands(rovCamera(), {.drawn_at_once = 50'000});
+  for (Renderer* renderer : {&whole, &in_bands}) renderer->setScene(panelOnSeaFloor());
+  const View at_once = viewOfPanel(whole, 1), by_bands = viewOfPanel(in_bands, 1);
+  cv::Mat apart;
+  cv::absdiff(at_once.radiance, by_bands.radiance, apart);
+  EXPECT_LT(cv::countNonZero(apart.reshape(1) > 1e-5), 3 * 10);
+  cv::absdiff(at_once.range_m, by_bands.range_m, apart);
+  EXPECT_LT(cv::countNonZero(apart > 1e-5), 10);
+}
+
+TEST(Renderer, AnotherRendersTheSame) {
+  Renderer renderer(smallCamera());
+  Renderer another = renderer.another();
+  EXPECT_EQ(cv::countNonZero(viewOfPanel(another, 1).radiance.reshape(1)), 0);  // it has no scene
+  for (Renderer* each : {&renderer, &another}) each->setScene(panelOnSeaFloor());
+  EXPECT_TRUE(sameBytes(viewOfPanel(renderer, 1), viewOfPanel(another, 1)));
+}
+
 TEST(Renderer, RejectsWhatItCannotRender) {
   const auto with = [](auto&& change) {
     CameraModel camera = smallCamera();
@@ -195,8 +215,8 @@ TEST(Renderer, RejectsWhatItCannotRender) {
   EXPECT_THROW(Renderer(with([](auto& c) { c.k1 = -1.5; })), std::invalid_argument);  // folds over
   CameraModel too_wide{.width_px = 40000, .height_px = 1, .fx_px = 1e5, .fy_px = 1e5};
   EXPECT_THROW(Renderer{too_wide}, std::runtime_error);
-  EXPECT_THROW(Renderer(smallCamera(), Renderer::Options{0}), std::invalid_argument);
-  EXPECT_THROW(Renderer(smallCamera(), Renderer::Options{17}), std::invalid_argument);
+  EXPECT_THROW(Renderer(smallCamera(), Renderer::Options{.supersampling = 0}), std::invalid_argument);
+  EXPECT_THROW(Renderer(smallCamera(), Renderer::Options{.supersampling = 17}), std::invalid_argument);
 
   Renderer renderer(smallCamera());
   Surface surface = rectangle(1, 1, {1, 1, 1});
