@@ -12,25 +12,22 @@
 namespace fathom {
 namespace {
 
-/// The same effect, of the same instruments.
-bool isSameKind(const Candidate& a, const Candidate& b) { return a.effect == b.effect && a.only == b.only; }
-
-/// Of the candidates to first order, that of the same kind which comes nearest; nothing where there is none.
+/// Of the candidates to first order, the same one at the time that is best; nothing where there is none.
 std::optional<std::size_t> nearestOf(const Candidate& stated,
                                      const std::vector<TestedCandidate>& candidates) {
   std::optional<std::size_t> nearest;
   for (std::size_t m = 0; m < candidates.size(); ++m)
-    if (isSameKind(candidates[m].candidate, stated) &&
+    if (isSameButTime(candidates[m].candidate, stated) &&
         (!nearest || candidates[m].log_evidence > candidates[*nearest].log_evidence))
       nearest = m;
   return nearest;
 }
 
-/// All of other kinds, best supported first.
+/// All others, best supported first.
 std::vector<std::size_t> othersThan(const Candidate& stated, const std::vector<TestedCandidate>& candidates) {
   std::vector<std::size_t> order;
   for (std::size_t m = 0; m < candidates.size(); ++m)
-    if (!isSameKind(candidates[m].candidate, stated)) order.push_back(m);
+    if (!isSameButTime(candidates[m].candidate, stated)) order.push_back(m);
   stableSort(order, [&](std::size_t a, std::size_t b) {
     return candidates[a].log_evidence > candidates[b].log_evidence;
   });
@@ -39,7 +36,7 @@ std::vector<std::size_t> othersThan(const Candidate& stated, const std::vector<T
 
 bool isListed(const Candidate& candidate, const Alternatives& set) {
   return std::any_of(set.candidates.begin(), set.candidates.end(),
-                     [&](const Candidate& other) { return isSameKind(other, candidate); });
+                     [&](const Candidate& other) { return isSameButTime(other, candidate); });
 }
 
 /// What could be there instead, and how alike it is to first order.

@@ -2,6 +2,8 @@
 // without images, found again.
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "diagnosis/diagnosis.h"
 #include "effects/sensor_kinds.h"
 #include "support/effects_from.h"
@@ -73,6 +75,18 @@ TEST(FoundEffects, DiagnosisNamesWhoseClockDrifts) {
   const FoundEffect found = onlyFound(run);
   EXPECT_EQ(nameOf(found.candidate), "clock-drift CAMERA");
   EXPECT_LT(sigmasOff(found, 1, 600), 4);
+}
+
+// A camera that is fast is, but for the DVL's few readings, an INS that is slow.
+TEST(FoundEffects, AClockThatMayBeAnothersIsASet) {
+  if (test::kSanitized) GTEST_SKIP() << "takes minutes under sanitizers";
+  test::BatchRun run = richDive(60);
+  run.effects = test::effectsFrom("{id: clock-drift, sensor: CAMERA, rate_ppm: 100}");
+  const Diagnosis found = diagnose(run.input());
+  ASSERT_EQ(found.alternatives.size(), 1U) << found.why;
+  std::set<std::string> names;
+  for (const Candidate& candidate : found.alternatives[0].candidates) names.insert(nameOf(candidate));
+  EXPECT_TRUE(names.contains("clock-drift CAMERA") && names.contains("clock-drift INS")) << found.why;
 }
 
 TEST(FoundEffects, DiagnosisNamesEdgesThatMoved) {
