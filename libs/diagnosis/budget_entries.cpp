@@ -92,8 +92,7 @@ BudgetEntry entryOf(Channel channel, const NoiseModel& all, const Linearization&
   entry.estimate = entry.largest_apart = noise.scale;
   entry.log_sd = 1 / std::sqrt(2 * static_cast<double>(noise.rows));
   entry.beyond = beyondOf(noise, all.budget.noise_factor);
-  entry.bursts = entry.beyond > kBursts;
-  if (!entry.bursts) return entry;
+  if (entry.beyond <= kBursts) return entry;
   if (const std::string where = noisiestPart(nominal, channel); !where.empty()) entry.apart.push_back(where);
   noteOutliers(entry, nominal, channel, all.budget.outlier_share);
   return entry;
@@ -113,11 +112,11 @@ std::vector<BudgetEntry> budgetOf(const NoiseModel& noise, const Linearization& 
     // What 99 % of such are at most is no mismatch, however it is spread.
     entry.beyond = own.amount > c.sigma * c.factor ? own.beyond : 0;
     if (!noise.apart.empty()) addApart(entry, c, noise.apart[k], nominal);
-    entry.bursts = entry.beyond > 0;
   }
   for (const Channel channel : kEveryChannel)
     if (noise.of(channel).rows > 0 && channel != kChannel<Prior>)
       entries.push_back(entryOf(channel, noise, nominal));
+  for (BudgetEntry& entry : entries) entry.bursts = entry.beyond > kBursts;
   return entries;
 }
 

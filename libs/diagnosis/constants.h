@@ -11,8 +11,7 @@ namespace fathom {
 
 /// Of what can be taken away, from which on a recording is explained. Chosen: the contract's rule.
 inline constexpr double kExplained = 0.95;
-/// ln of the odds that a kind of reading is noisier than its limit. Chosen: twenty to one. (How uncertain a
-/// component's sigma is, its estimate has in it.)
+/// ln of the odds that a component of the budget is beyond its limit. Chosen: twenty to one.
 inline constexpr double kBursts = 3;
 /// ln of the likelihood from which on a part of a recording is noisier than the rest. Chosen: more than for
 /// having looked at every part.

@@ -169,9 +169,8 @@ void Course::attribute() {
 /// What would be named were less allowed for: the most telling.
 void Course::lookUnderTightBudget() {
   if (options_.tight_budget.name == options_.budget.name) return;
-  NoiseModel tight = final_.noise;
-  tight.budget = options_.tight_budget;
-  const Screening screening(final_.model->under(tight.declared()), options_.segments, left_out_);
+  const NoiseModel tight = final_.noise.with(options_.tight_budget);
+  const Screening screening(final_.model->under(tight), options_.segments, left_out_);
   const auto& tested = screening.candidates();
   const auto most = std::max_element(tested.begin(), tested.end(), [](const auto& a, const auto& b) {
     return a.log_evidence < b.log_evidence;

@@ -68,6 +68,17 @@ std::optional<double> NoiseModel::sigmaApart(std::size_t component, const Owner&
   return found == apart[component].end() ? std::nullopt : std::optional(found->second);
 }
 
+NoiseModel NoiseModel::with(const ErrorBudget& other) const {
+  NoiseModel noise = declared();
+  noise.budget = other;
+  if (apart.empty()) return noise;
+  noise.apart.assign(other.components.size(), {});
+  for (std::size_t k = 0; k < apart.size(); ++k)
+    for (std::size_t i = 0; i < other.components.size(); ++i)
+      if (other.components[i].name == budget.components[k].name) noise.apart[i] = apart[k];
+  return noise;
+}
+
 NoiseModel NoiseModel::declared() const {
   NoiseModel declared = *this;
   declared.scales.clear();

@@ -45,6 +45,8 @@ struct NoiseModel {
   }
   /// Of an owner that is apart.
   std::optional<double> sigmaApart(std::size_t component, const Owner& owner) const;
+  /// With another budget as that declares it: who is apart stays so, where it has the component.
+  NoiseModel with(const ErrorBudget& other) const;
   /// With the budget as declared, but for what is apart.
   NoiseModel declared() const;
   /// Has a problem take readings for that noisy.

@@ -59,7 +59,7 @@ struct BudgetEntry {
   double log_sd = 0;  ///< of the estimate's logarithm
   /// ln of how much likelier the readings are so than were it just what 99 % of such are at most.
   double beyond = 0;
-  bool bursts = false;  ///< it is beyond
+  bool bursts = false;  ///< it would have to be beyond, by odds of twenty to one
   /// Where values are that are not of the others' kind, and how large the largest of them is.
   std::vector<std::string> apart;
   double largest_apart = 0;

@@ -67,7 +67,7 @@ TEST_F(DiagnoseCommand, NamesWhatIsMissingAndWritesItAsACalibration) {
   ASSERT_EQ(elsewhere.size(), 1U);
   EXPECT_LT(elsewhere[0]["metrics"][0]["after"], elsewhere[0]["metrics"][0]["before"]);
   const auto json = nlohmann::json::parse(bytes)["diagnosis"];
-  EXPECT_EQ(json["verdict"], "explained");
+  EXPECT_EQ(json["verdict"], "explained") << json["why"];
   ASSERT_GE(json["effects"].size(), 1U);
   const auto& effect = json["effects"][0];
   EXPECT_EQ(effect["id"], "dvl-scale");

@@ -38,9 +38,9 @@ TEST(ShownNoise, NoneBeyondWhatIsStated) {
   const NoiseModel noise = noiseOf(test::plainNull(test::lightDive(), 1));
   EXPECT_EQ(noise.light_scatter, 0);
   EXPECT_EQ(noise.parts, 0);
-  // Of some hundred values each that are all zero; a sixth of what is declared.
+  // Of some hundred values each that are all zero; what is declared holds it up.
   for (const char* component : {"print-placement", "panel-flatness", "print-albedo"})
-    EXPECT_LT(shown(noise, component), declared(component) / 3) << component;
+    EXPECT_LT(shown(noise, component), declared(component) / 2) << component;
 }
 
 TEST(ShownNoise, OfLightThatScattersWithItsStrength) {

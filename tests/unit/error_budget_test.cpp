@@ -73,6 +73,28 @@ EstimatedScale heldBy(const VarianceComponent& component, double told, double sd
   return {std::exp(mean), 1 / std::sqrt(prior + own), 0};
 }
 
+// Another budget may have other components, in another order.
+TEST(ErrorBudget, WhoIsApartStaysSoUnderAnother) {
+  NoiseModel noise;
+  noise.budget.components.resize(3);
+  noise.budget.components[0].name = "print";
+  noise.budget.components[1].name = "flatness";
+  noise.budget.components[2].name = "growth";
+  noise.scales.resize(3);
+  noise.apart.resize(3);
+  noise.apart[0][{7, 0}] = 0.5;
+  noise.apart[2][{9, 0}] = 0.25;
+  ErrorBudget other;
+  other.components.resize(2);
+  other.components[0].name = "jitter";
+  other.components[1].name = "print";
+  const NoiseModel under_other = noise.with(other);
+  EXPECT_TRUE(under_other.scales.empty());
+  ASSERT_EQ(under_other.apart.size(), 2U);
+  EXPECT_TRUE(under_other.apart[0].empty());
+  EXPECT_EQ(under_other.sigmaApart(1, {7, 0}), 0.5);
+}
+
 TEST(LearntBudget, StaysAsDeclaredWhereNothingIsTold) {
   const ErrorBudget before = parseErrorBudget(kComponent, "budget.yaml");
   const VarianceComponent& was = before.components.front();

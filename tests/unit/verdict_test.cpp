@@ -146,23 +146,8 @@ TEST(Verdict, ABudgetThatBurstsByLittleIsARemark) {
   EXPECT_TRUE(diagnosis.budget[0].bursts);
   ASSERT_FALSE(diagnosis.remarks.empty());
   EXPECT_NE(diagnosis.remarks.back().find(diagnosis.budget[0].component), std::string::npos);
-  // Its estimate is held by what is ordinary: beyond is beyond, however little of a difference that makes.
-  EXPECT_TRUE(burst(0.1).budget[0].bursts);
-}
-
-// Hundreds of readings that are by chance a little noisier than may be are no burst.
-TEST(Verdict, ANoiseBurstsWhereThatIsNoChance) {
-  const auto isBurst = [](double beyond_limit) {
-    Diagnosis diagnosis = found(0);
-    diagnosis.noise.channels[indexOf(kChannel<Dvl>)].rows = 200;
-    diagnosis.noise.channels[indexOf(kChannel<Dvl>)].scale =
-        beyond_limit * diagnosis.noise.budget.noise_factor;
-    for (const BudgetEntry& entry : judged(std::move(diagnosis)).budget)
-      if (entry.component == "noise of dvl") return entry.bursts;
-    return false;
-  };
-  EXPECT_FALSE(isBurst(1.05));
-  EXPECT_TRUE(isBurst(1.3));
+  // What chance does is no burst at all.
+  EXPECT_FALSE(burst(2).budget[0].bursts);
 }
 
 TEST(Verdict, WithoutAnEffectABurstIsAllThatIsLeft) {
