@@ -169,14 +169,14 @@ void Course::attribute() {
 /// What would be named were less allowed for: the most telling.
 void Course::lookUnderTightBudget() {
   if (options_.tight_budget.name == options_.budget.name) return;
-  const NoiseModel tight = final_.noise.with(options_.tight_budget);
-  const Screening screening(final_.model->under(tight), options_.segments, left_out_);
+  const Screening screening(*final_.model, final_.noise.with(options_.tight_budget), options_.segments,
+                            left_out_);
   const auto& tested = screening.candidates();
   const auto most = std::max_element(tested.begin(), tested.end(), [](const auto& a, const auto& b) {
     return a.log_evidence < b.log_evidence;
   });
   if (most == tested.end() || most->log_evidence < fits_.threshold()) return;
-  diagnosis_.allowed = {*most, options_.budget.name, tight.budget.name};
+  diagnosis_.allowed = {*most, options_.budget.name, options_.tight_budget.name};
   for (EffectEstimate& one : diagnosis_.allowed->most.one_step) one = whole(one);
 }
 
@@ -340,8 +340,10 @@ HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {
   HeldOutOptions options = options_.heldout;
   options.yardsticks = yardsticks;
   options.seed = options_.seed;
+  NoiseModel noise = fits_.noise();
+  noise.apart = fit.noise.apart;
   return holdOut(linearize(data_, *problemAt(data_, fit.estimate, fit.options)), fit.effects,
-                 fit.estimate.state, fits_.noise(), data_, options);
+                 fit.estimate.state, noise, data_, options);
 }
 
 void Course::report() {

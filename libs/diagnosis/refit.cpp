@@ -108,9 +108,11 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
   try {
     Linearization linear = linearize(data, *problemAt(data, fit.estimate, fit.options));
     applyRobustWeights(linear);
-    HeldColumns budget = budgetColumns(linear, noise);
-    fit.weight = weigh(linear, budget, effects, fit.estimate.state, noise);
     fit.noise = noise;
+    // Judged anew beside these effects: what they explain of a place is no growth there.
+    fit.noise.apart.clear();
+    HeldColumns budget = budgetColumns(linear, fit.noise);
+    fit.weight = weigh(linear, budget, effects, fit.estimate.state, fit.noise);
     fit.noise.scales = fit.weight.scales;
     fit.noise.apart = fit.weight.apart;
     fit.linearized_at = fit.estimate.state;

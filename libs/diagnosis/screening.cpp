@@ -53,8 +53,9 @@ Information::Information(const Eigen::MatrixXd& A, const Eigen::VectorXd& norms)
   }
 }
 
-Screening::Screening(const WhitenedModel& model, int segments, const LeftOut& left_out)
-    : model_(model.under(model.noise().declared())), prior_(model.linear(), segments) {
+Screening::Screening(const WhitenedModel& model, const NoiseModel& noise, int segments,
+                     const LeftOut& left_out)
+    : model_(model.under(noise)), prior_(model.linear(), segments) {
   layOut(model_.linear(), segments, left_out);
   noteAllowances();
   // Each by itself: side by side they would take as much as a hundred times the readings.

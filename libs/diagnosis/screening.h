@@ -73,7 +73,10 @@ class Screening {
  public:
   /// Onsets, ends and steps are tried where the recording is cut into so many equal segments. With the budget
   /// as declared: what the readings show it to be is for a fit to say.
-  Screening(const WhitenedModel& model, int segments, const LeftOut& left_out = {});
+  Screening(const WhitenedModel& model, int segments, const LeftOut& left_out = {})
+      : Screening(model, model.noise().declared(), segments, left_out) {}
+  /// The same under another noise.
+  Screening(const WhitenedModel& model, const NoiseModel& noise, int segments, const LeftOut& left_out);
 
   /// Each effect (and marker) for good, then with its best interval or time.
   const std::vector<TestedCandidate>& candidates() const { return tested_; }

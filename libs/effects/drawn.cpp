@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "core/fingerprint.h"
 #include "core/random.h"
 #include "effects/catalogue.h"
 
@@ -28,7 +29,10 @@ EffectParameters<double> withoutDraws(const EffectParameters<double>& effects) {
 
 EffectParameters<double> drawnFor(const EffectParameters<double>& effects, std::uint64_t seed, double t_s) {
   return withSpreadsTimes(effects, [&](std::size_t scalar) {
-    return Random::stream(seed ^ std::bit_cast<std::uint64_t>(t_s), scalar).normal();
+    // By name: another effect in the catalogue, or another parameter, changes no draw.
+    const std::string_view effect = allEffects()[effectOf(scalar)].id;
+    const auto stream = Fingerprint().add(effect).add(".").add(parameterOf(scalar).name).value();
+    return Random::stream(seed ^ std::bit_cast<std::uint64_t>(t_s), stream).normal();
   });
 }
 

@@ -141,8 +141,10 @@ struct SceneLight {
   /// Context: where on its panel that is, from the middle of the face, right and up; zero where it is of
   /// none.
   Eigen::Vector2d at_panel_m = Eigen::Vector2d::Zero();
-  T daylight = T(1);  ///< in units of the environment's ambient light
-  T lamps = T(0);     ///< irradiance of each of the vehicle's on its axis at 1 m, see imaging/lamps.h
+  T daylight = T(1);   ///< in units of the environment's ambient light
+  T lamps = T(0);      ///< irradiance of each of the vehicle's on its axis at 1 m, see imaging/lamps.h
+  T scattered = T(1);  ///< of it by the water, over what of daylight builds up the veil
+  T asymmetry = T(0);  ///< by Henyey and Greenstein: mean cosine of the angle by which it is scattered
 };
 
 /// One pixel's light on its way from the scene to the camera. A depth is optical: attenuation times way, one

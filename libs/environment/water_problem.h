@@ -69,8 +69,7 @@ class PatchModel {
       place.around_robot[i] = patch.on_robot.around_robot[i].template cast<T>();
     const Mounting<T, Camera> mount{patch.T_robot_camera.rotation.template cast<T>(),
                                     patch.T_robot_camera.position.template cast<T>()};
-    return underLamps<T>(place, lamps_, mount, {water.template head<3>(), water.template segment<3>(3)},
-                         water.template tail<3>());
+    return underLamps<T>(place, lamps_, mount, water, sceneLightOn<T>(patch, effectsAs<T>(), patch.t_s));
   }
 
   EffectParameters<double> effects_;

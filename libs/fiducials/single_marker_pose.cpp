@@ -1,5 +1,6 @@
 #include "fiducials/single_marker_pose.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <opencv2/calib3d.hpp>
 
@@ -39,6 +40,19 @@ std::vector<Pose> solve(const std::vector<cv::Point3d>& points, const std::vecto
       poses.push_back(pose);
   }
   return poses;
+}
+
+/// Of the square that is nearest to a marker's corners: on a panel that is bent it leans.
+Pose nearestSquare(const Marker& marker) {
+  if (marker.off_square_m.isZero()) return marker.T_panel_marker;
+  Eigen::Matrix<double, 3, 4> square, there;
+  for (Eigen::Index k = 0; k < 4; ++k) {
+    const auto& [right, up] = kMarkerCorners[static_cast<std::size_t>(k)];
+    square.col(k) = 0.5 * marker.size_m * Vector3d(right, up, 0);
+    there.col(k) = marker.corners_panel()[static_cast<std::size_t>(k)];
+  }
+  const Eigen::Matrix4d T = Eigen::umeyama(square, there, false);
+  return {T.topLeftCorner<3, 3>(), T.topRightCorner<3, 1>()};
 }
 
 }  // namespace
@@ -84,7 +98,7 @@ std::optional<Pose> meanOfMarkers(const std::vector<Detection>& detections, cons
     if (marker == nullptr) continue;
     const auto poses = poseOfMarker(detection, marker->size_m, camera);
     if (poses.empty()) continue;
-    const Pose T_camera_panel = poses.front().T_camera_marker * marker->T_panel_marker.inverse();
+    const Pose T_camera_panel = poses.front().T_camera_marker * nearestSquare(*marker).inverse();
     count += 1;
     if (!mean) mean = T_camera_panel;
     mean->position += (T_camera_panel.position - mean->position) / count;

@@ -59,6 +59,13 @@ struct ImagePatch : PatchSurface {
   }
 };
 
+template <class T>
+SceneLight<T> sceneLightOn(const PatchSurface& patch, const EffectParameters<T>& effects, double t_s) {
+  SceneLight<T> light{patch.at_panel_m};
+  applyEffects(effects, t_s, light);
+  return light;
+}
+
 /// What lamps of irradiance 1 add to a patch's light: at its surface, and on the line of sight.
 template <class T>
 struct PatchUnderLamps {
@@ -74,20 +81,20 @@ struct PatchOnRobot {
 
 template <class T>
 PatchUnderLamps<T> underLamps(const PatchOnRobot<T>& patch, const std::vector<LampSheet>& lamps,
-                              const Mounting<T, Camera>& mount, const WaterColumn<T>& water,
-                              const Vector3<T>& ambient) {
+                              const Mounting<T, Camera>& mount, const Vector9<T>& water,
+                              const SceneLight<T>& shining) {
+  const WaterColumn<T> column{water.template head<3>(), water.template segment<3>(3)};
   PatchUnderLamps<T> light;
-  Vector3<T> middle_robot = Vector3<T>::Zero();
   const double share = 1.0 / static_cast<double>(patch.around_robot.size());
   for (const Vector3<T>& point_robot : patch.around_robot) {
-    middle_robot += share * point_robot;
     light.irradiance +=
-        share * lampsOnSurface<T>(lamps, point_robot, patch.normal_robot, water.attenuation_per_m);
+        share * lampsOnSurface<T>(lamps, point_robot, patch.normal_robot, column.attenuation_per_m);
+    const Vector3<T> way = point_robot - mount.position_robot;
+    const T range_m = way.norm(), z_m = mount.R_robot_sensor.col(2).dot(way);
+    const LitSight<T> sight{mount.position_robot,     way / range_m,    z_m / range_m, column,
+                            water.template tail<3>(), shining.asymmetry};
+    light.in_water += share * lampsInWater(lamps, sight, range_m);
   }
-  const Vector3<T> way = middle_robot - mount.position_robot;
-  const T range_m = way.norm(), z_m = mount.R_robot_sensor.col(2).dot(way);
-  const LitSight<T> sight{mount.position_robot, way / range_m, z_m / range_m, water, ambient};
-  light.in_water = lampsInWater(lamps, sight, range_m);
   return light;
 }
 
@@ -98,13 +105,13 @@ Vector3<T> predictPatchLight(const PatchSurface& patch, const T& z_m, const T& r
                              const PatchUnderLamps<T>& under_lamps, const Vector9<T>& water,
                              const EffectParameters<T>& effects, double t_s) {
   const WaterColumn<T> column{water.template head<3>(), water.template segment<3>(3)};
-  SceneLight<T> shining{patch.at_panel_m};
-  applyEffects(effects, t_s, shining);
+  const SceneLight<T> shining = sceneLightOn<T>(patch, effects, t_s);
   const Vector3<T> irradiance =
       shining.daylight * water.template tail<3>() + shining.lamps * under_lamps.irradiance;
   const SceneRadiance<T> scene(irradiance.asDiagonal() * patch.albedo.cast<T>(),
                                irradiance.asDiagonal() * patch.albedo_around.cast<T>());
-  return predictLight<T>(scene, z_m, range_m, column, effects, t_s) + shining.lamps * under_lamps.in_water;
+  return predictLight<T>(scene, z_m, range_m, column, effects, t_s) +
+         shining.lamps * shining.scattered * under_lamps.in_water;
 }
 
 /// The radiance that the camera's numbers then stand for, by its data sheet; `gain` as in PixelResponse.
@@ -143,8 +150,7 @@ Vector3<T> predictPatch(const KinematicState<T>& state, PanelPlacement<T> panel,
     PatchOnRobot<T> place{{}, R_robot_panel.col(2)};
     for (std::size_t i = 0; i < place.around_robot.size(); ++i)
       place.around_robot[i] = panel_robot + R_robot_panel * patch.around_panel[i].template cast<T>();
-    under_lamps = underLamps<T>(place, lamps, mount, {water.template head<3>(), water.template segment<3>(3)},
-                                water.template tail<3>());
+    under_lamps = underLamps<T>(place, lamps, mount, water, sceneLightOn<T>(patch, effects, t_s));
   }
   const Vector3<T> light = predictPatchLight<T>(patch, z_m, range_m, under_lamps, water, effects, t_s);
   return predictPatchReading<T>(light, patch, effects, t_s);

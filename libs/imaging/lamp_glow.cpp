@@ -6,14 +6,14 @@ namespace fathom {
 
 /// Simpson's rule from each tabulated range to the next.
 LampGlow::LampGlow(const CameraModel& camera, const Pose& T_robot_camera, const std::vector<LampSheet>& lamps,
-                   const Environment& environment)
+                   const Environment& environment, double asymmetry)
     : rows_((camera.height_px - 1) / kCell_px + 2), columns_((camera.width_px - 1) / kCell_px + 2) {
   constexpr double kStep = 1.0 / kRanges;  // the last is short of infinity
   for (int row = 0; row < rows_; ++row)
     for (int column = 0; column < columns_; ++column) {
       const Vector3d ray = camera.rayAt({kCell_px * column, kCell_px * row});
       const LitSight<double> sight{T_robot_camera.position, T_robot_camera.rotation * ray, ray.z(),
-                                   environment.water, environment.ambient};
+                                   environment.water,       environment.ambient,           asymmetry};
       const auto slope = [&](double w) {
         return Vector3d(sight.gain(lamps, w / (1 - w)) / ((1 - w) * (1 - w)));
       };

@@ -12,7 +12,7 @@ namespace fathom {
 class LampGlow {
  public:
   LampGlow(const CameraModel& camera, const Pose& T_robot_camera, const std::vector<LampSheet>& lamps,
-           const Environment& environment);
+           const Environment& environment, double asymmetry = 0);
 
   /// `range_m`: CV_32FC1 along the lines of sight, infinite where nothing is hit. CV_32FC3, red green blue.
   cv::Mat upTo(const cv::Mat& range_m) const;

@@ -41,6 +41,14 @@ Vector3<T> lampsOnSurface(const std::vector<LampSheet>& lamps, const Vector3<T>&
   return sum;
 }
 
+/// Of light that is scattered by an angle of this cosine, over what it were if alike in all directions.
+template <class T>
+T henyeyGreenstein(const T& asymmetry, const T& cosine) {
+  using std::sqrt;
+  const T square = 1.0 + asymmetry * asymmetry - 2.0 * asymmetry * cosine;
+  return (1.0 - asymmetry * asymmetry) / (square * sqrt(square));
+}
+
 /// A line of sight in water that scatters the lamps' light as it does daylight, of which the veil comes:
 /// attenuation times veil is what it gains a metre in daylight.
 template <class T>
@@ -49,14 +57,19 @@ struct LitSight {
   T z_per_range;                             ///< attenuation is by z, see predictLight()
   WaterColumn<T> water;
   Vector3<T> ambient;
+  T asymmetry = T(0);  ///< see SceneLight
 
   /// Radiance that the lamps add a metre at range s_m, as it arrives at the camera.
   Vector3<T> gain(const std::vector<LampSheet>& lamps, const T& s_m) const {
     using std::exp;
     const Vector3<T> point_robot = camera_robot + s_m * direction_robot;
     Vector3<T> irradiance = Vector3<T>::Zero();
-    for (const LampSheet& lamp : lamps)
-      irradiance += lampIrradiance(lamp, point_robot, water.attenuation_per_m);
+    for (const LampSheet& lamp : lamps) {
+      const Vector3<T> way = point_robot - lamp.T_robot_lamp.position.template cast<T>();
+      const T cosine = -direction_robot.dot(way) / way.norm();
+      irradiance +=
+          henyeyGreenstein(asymmetry, cosine) * lampIrradiance(lamp, point_robot, water.attenuation_per_m);
+    }
     Vector3<T> radiance;
     for (int c = 0; c < 3; ++c) {
       const T a = water.attenuation_per_m[c], daylight = ambient[c] > T(kDusk) ? ambient[c] : T(kDusk);

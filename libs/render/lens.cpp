@@ -51,14 +51,14 @@ Sight sightAt(const CameraModel& camera, const Vector2d& pixel) {
 
 }  // namespace
 
-Lens::Lens(const CameraModel& camera) {
+Lens::Lens(const CameraModel& camera) : width(camera.width_px), height(camera.height_px) {
   checkCamera(camera);
   constexpr double kHuge = 1e9;
-  const auto pixels = static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px);
+  const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   for (std::vector<float>* of_pixel : {&x, &y, &x_u, &y_u, &x_v, &y_v}) of_pixel->reserve(pixels);
   Vector2d smallest(kHuge, kHuge), largest(-kHuge, -kHuge), widest(0, 0), narrowest(kHuge, kHuge);
-  for (int v = 0; v < camera.height_px; ++v)
-    for (int u = 0; u < camera.width_px; ++u) {
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u) {
       const Sight sight = sightAt(camera, Vector2d(u, v));
       x.push_back(static_cast<float>(sight.ideal.x()));
       y.push_back(static_cast<float>(sight.ideal.y()));
@@ -82,7 +82,7 @@ Lens::Lens(const CameraModel& camera) {
     return static_cast<int>(std::ceil((largest[k] - first[k]) / step[k])) + block_side + 1;
   };
   raster = {count(0), count(1), first.x(), first.y(), step.x(), step.y()};
-  block.reserve(x.size());
+  block.reserve(pixels);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double column = (static_cast<double>(x[i]) - raster.x0) / raster.step_x - 0.5 * samples;
     const double row = (static_cast<double>(y[i]) - raster.y0) / raster.step_y - 0.5 * samples;

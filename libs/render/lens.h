@@ -11,6 +11,7 @@ namespace fathom {
 
 /// A camera's lines of sight, pixel by pixel, row by row: what the distortion does, computed once.
 struct Lens {
+  int width = 0, height = 0;  ///< pixels
   /// Ideal image coordinates (x/z, y/z) of each pixel's centre, and how they change along the image's axes:
   /// by (x_u, y_u) to the next column, by (x_v, y_v) to the next row.
   std::vector<float> x, y, x_u, y_u, x_v, y_v;

@@ -19,39 +19,47 @@ constexpr std::uint32_t kNothing = 0;  // instead of a triangle's number, counte
 constexpr std::uint32_t kEdge = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kRendered = kEdge - 1;
 
-/// Rows of pixels that are rendered from one drawing, and the rows of the raster around them.
+/// Rows of pixels that are rendered from one drawing, and the rows of the raster around them; the ends are
+/// the first that are not.
 struct Band {
-  int first = 0, end = 0;             // pixels
-  int first_sample = 0, samples = 0;  // of the raster
+  int first = 0, end = 0;                // pixels
+  int first_sample = 0, end_sample = 0;  // of the raster
+
+  std::size_t samples(const Raster& raster) const {
+    return static_cast<std::size_t>(end_sample - first_sample) * static_cast<std::size_t>(raster.columns);
+  }
 };
 
-std::vector<Band> bandsOf(const Lens& lens, int width, int height, std::size_t largest) {
-  if (lens.raster.size() <= largest) return {{0, height, 0, lens.raster.rows}};
+Band bandOf(int row, const Lens& lens) {
+  const auto begin = lens.block.begin() + static_cast<std::ptrdiff_t>(row) * lens.width;
+  const auto [low, high] = std::minmax_element(begin, begin + lens.width);
   const auto columns = static_cast<std::uint32_t>(lens.raster.columns);
+  return {row, row + 1, static_cast<int>(*low / columns),
+          static_cast<int>(*high / columns) + lens.block_side};
+}
+
+/// As few as have at most so many samples each.
+std::vector<Band> bandsOf(const Lens& lens, std::size_t largest) {
+  if (lens.raster.size() <= largest) return {{0, lens.height, 0, lens.raster.rows}};
   std::vector<Band> bands;
-  int first = 0, end = 0;  // of the raster's rows
-  for (int row = 0; row < height; ++row) {
-    const auto begin = lens.block.begin() + static_cast<std::ptrdiff_t>(row) * width;
-    const auto [low, high] = std::minmax_element(begin, begin + width);
-    const int top = static_cast<int>(*low / columns),
-              bottom = static_cast<int>(*high / columns) + lens.block_side;
-    const auto size = static_cast<std::size_t>(std::max(end, bottom) - std::min(first, top)) * columns;
-    if (bands.empty() || size > largest) {
-      bands.push_back({row, row, 0, 0});
-      first = top;
-      end = bottom;
-    }
-    first = std::min(first, top);
-    end = std::max(end, bottom);
-    bands.back() = {bands.back().first, row + 1, first, end - first};
+  for (int row = 0; row < lens.height; ++row) {
+    const Band next = bandOf(row, lens);
+    Band both = next;
+    if (!bands.empty())
+      both = {bands.back().first, next.end, std::min(bands.back().first_sample, next.first_sample),
+              std::max(bands.back().end_sample, next.end_sample)};
+    if (bands.empty() || both.samples(lens.raster) > largest)
+      bands.push_back(next);
+    else
+      bands.back() = both;
   }
   return bands;
 }
 
-int mostSamples(const std::vector<Band>& bands) {
-  return std::max_element(bands.begin(), bands.end(),
-                          [](const Band& a, const Band& b) { return a.samples < b.samples; })
-      ->samples;
+int mostRows(const std::vector<Band>& bands) {
+  int most = 0;
+  for (const Band& band : bands) most = std::max(most, band.end_sample - band.first_sample);
+  return most;
 }
 
 void checkScene(const Surface& surface) {
@@ -67,9 +75,8 @@ void checkScene(const Surface& surface) {
 
 struct Renderer::Implementation {
   std::shared_ptr<const Lens> shared_lens;
-  const Lens& lens;
+  const Lens& lens = *shared_lens;
   Options options;
-  int width, height;
   std::vector<Band> bands;
   PixelSampler sampler;
   VisibilityBuffer visibility;
@@ -94,20 +101,15 @@ struct Renderer::Implementation {
   std::vector<std::uint32_t> numbers;        // of the triangles around a pixel …
   std::vector<TriangleInPixel> in_pixel;     // … and those of them that are in it
 
-  Implementation(std::shared_ptr<const Lens> its_lens, int its_width, int its_height,
-                 const Options& its_options)
+  Implementation(std::shared_ptr<const Lens> its_lens, const Options& its_options)
       : shared_lens(std::move(its_lens)),
-        lens(*shared_lens),
         options(its_options),
-        width(its_width),
-        height(its_height),
-        bands(bandsOf(lens, width, height, options.drawn_at_once)),
+        bands(bandsOf(lens, options.drawn_at_once)),
         sampler(options.supersampling),
-        visibility(lens.raster, mostSamples(bands)),
-        row_triangles(static_cast<std::size_t>(width)) {
-    const std::size_t most =
-        static_cast<std::size_t>(mostSamples(bands)) * static_cast<std::size_t>(lens.raster.columns);
-    for (auto* of_band : {&faces, &differs, &inner}) of_band->resize(most);
+        visibility(lens.raster, mostRows(bands)),
+        row_triangles(static_cast<std::size_t>(lens.width)) {
+    const Band largest{0, 0, 0, mostRows(bands)};
+    for (auto* of_band : {&faces, &differs, &inner}) of_band->resize(largest.samples(lens.raster));
   }
 
   const SeenTriangle& seenTriangle(std::uint32_t number) {
@@ -177,7 +179,7 @@ std::uint32_t Renderer::Implementation::renderIfShared(std::size_t pixel, float*
 
 /// Runs of pixels that one triangle fills are shaded together.
 void Renderer::Implementation::renderRow(int row, float* radiance, float* range_m) {
-  const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
+  const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(lens.width);
   for (std::size_t u = 0; u < row_triangles.size(); ++u) {
     const std::size_t pixel = first + u;
     std::uint32_t& triangle = row_triangles[u];
@@ -202,8 +204,7 @@ void Renderer::Implementation::renderRow(int row, float* radiance, float* range_
 Renderer::Renderer(const CameraModel& camera, const Options& options) {
   if (options.supersampling < 1 || options.supersampling > 16)
     throw std::invalid_argument("supersampling must be from 1 to 16");
-  implementation_ = std::make_unique<Implementation>(std::make_shared<const Lens>(camera), camera.width_px,
-                                                     camera.height_px, options);
+  implementation_ = std::make_unique<Implementation>(std::make_shared<const Lens>(camera), options);
   setScene({});
 }
 Renderer::Renderer(std::unique_ptr<Implementation> implementation)
@@ -212,7 +213,7 @@ Renderer::Renderer(std::unique_ptr<Implementation> implementation)
 }
 Renderer Renderer::another() const {
   const Implementation& r = *implementation_;
-  return Renderer(std::make_unique<Implementation>(r.shared_lens, r.width, r.height, r.options));
+  return Renderer(std::make_unique<Implementation>(r.shared_lens, r.options));
 }
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
@@ -238,8 +239,8 @@ void Renderer::render(const Pose& T_odom_camera, const Lighting& lighting, View&
   r.lighting.emplace(lighting, r.T_camera_odom);
   r.parts_of_pixels.emplace(*r.lighting);
   r.seen.assign(r.face_of.size(), std::nullopt);
-  view.radiance.create(r.height, r.width, CV_32FC3);
-  view.range_m.create(r.height, r.width, CV_32FC1);
+  view.radiance.create(r.lens.height, r.lens.width, CV_32FC3);
+  view.range_m.create(r.lens.height, r.lens.width, CV_32FC1);
   for (const Band& band : r.bands) {
     r.draw(band);
     for (int row = band.first; row < band.end; ++row)

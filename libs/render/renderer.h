@@ -38,7 +38,7 @@ class Renderer {
  public:
   struct Options {
     int supersampling = 5;  ///< its square is the number of samples in a pixel that an edge crosses; 1 to 16
-    /// What OSMesa draws at a time, in samples, about one and a half a pixel: larger images are drawn band by
+    /// What OSMesa draws at a time, in samples, about three a pixel: larger images are drawn band by
     /// band, which takes no more memory than small ones.
     std::size_t drawn_at_once = std::size_t{1} << 21;
   };

@@ -244,9 +244,10 @@ cv::Mat CameraStudio::throughWater(const Environment& environment, const CameraS
                                    const View& view) const {
   const ImageModel model = eyeOf(shot.camera.lens).model.in(environment.water).with(effectsOn(shot));
   cv::Mat light = model.light(view.radiance, view.range_m, shot.t_s);
-  if (const double lamps = sceneLight(shot).lamps; lamps > 0)
-    light += lamps *
-             LampGlow(shot.camera.lens, shot.camera.T_robot_camera, lamps_, environment).upTo(view.range_m);
+  if (const SceneLight<double> shining = sceneLight(shot); shining.lamps > 0)
+    light += shining.lamps * shining.scattered *
+             LampGlow(shot.camera.lens, shot.camera.T_robot_camera, lamps_, environment, shining.asymmetry)
+                 .upTo(view.range_m);
   addSnow(environment, shot, view, light);
   return light;
 }

@@ -216,6 +216,8 @@ TEST_P(HiddenDrawnEffect, IsNamed) {
   for (const auto& [image, error] : off) EXPECT_NEAR(error, mean, 0.003) << image;
   EXPECT_LT(std::abs(mean), 4 * kSpread / std::sqrt(static_cast<double>(off.size())));
 }
+INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenDrawnEffect, testing::Values("auto-exposure", "sun-flicker"));
+
 // Held-out images tell their own draws, beside gains of their own that the budget allows for. With a prior
 // far wider than what was drawn they would tell these gains, and nothing would be gained there.
 TEST(ImageDiagnosis, AFlickerLessThanTheGainsIsNamed) {
@@ -236,7 +238,6 @@ TEST(ImageDiagnosis, AFlickerLessThanTheGainsIsNamed) {
   const EffectEstimate& found = diagnosis.effects[0].estimates.at(0);
   EXPECT_NEAR(found.value, spreadGiven(hidden.run, effect, input.data.patches), 3 * found.sigma);
 }
-INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenDrawnEffect, testing::Values("auto-exposure", "sun-flicker"));
 
 }  // namespace
 }  // namespace fathom

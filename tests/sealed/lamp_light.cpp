@@ -11,9 +11,8 @@ constexpr int kRanges = 144;     // at which it is kept
 constexpr double kFirstRange_m = 0.02, kLastRange_m = 40.0;
 constexpr int kStepsPerRange = 2;
 
-/// What the data sheet's irradiance is relative to: full daylight, as bright as which a scene's light of 1
-/// is.
-constexpr double kFullDaylight = 0.87;
+/// A white scene's light under what the data sheet's irradiance is relative to.
+constexpr double kWhiteInDaylight = 0.87;
 
 /// Ranges grow by a constant factor: the integrand changes over its distance from the lamps.
 double rangeOf(double index) {
@@ -50,7 +49,7 @@ Array3d LampLight::fromLamp(const Beam& beam, const Vector3d& point_camera) cons
   const Vector3d way = point_camera - beam.position_camera;
   const double distance_m = way.norm(), cosine = way.dot(beam.axis_camera) / distance_m;
   const double profile = std::exp2(-(1 - cosine) / (1 - beam.half_angle_cosine));
-  return irradiance_1m_ / kFullDaylight * profile / (distance_m * distance_m) *
+  return irradiance_1m_ * kWhiteInDaylight * profile / (distance_m * distance_m) *
          (-water_.attenuation_per_m * distance_m).exp();
 }
 

@@ -14,7 +14,7 @@ struct OrdinaryImperfections {
   double flatness_m = 0.001, flatness_length_m = 0.5;  ///< of the panel
   double marker_height_m = 0.0002;                     ///< of each marker besides
   double marker_scale = 0.001;                         ///< all alike
-  double stretch = 0.001;                              ///< of the printed sheet, x and y apart
+  double stretch = 0.00033;                            ///< of the printed sheet, x and y apart
   double edge_px = 0.01;                               ///< white grows over black, all markers alike
   double marker_edge_px = 0.01;                        ///< each besides, by the corner detector
   double response = 0.005, response_length_dn = 60;    ///< fraction of the signal

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "effects/lamp.h"
+#include "imaging/image_patch.h"
 #include "imaging/lamp_glow.h"
 
 namespace fathom {
@@ -80,6 +82,56 @@ TEST(Lamps, ScatteringOnTheWayIsTheIntegralOfWhatIsScattered) {
           << direction.transpose() << " " << range_m;
       EXPECT_GT(direct.maxCoeff(), 2e-4);
     }
+}
+
+// Light is scattered somewhere, and its mean cosine is the asymmetry: by the midpoint rule over the sphere.
+TEST(Lamps, ThePhaseFunctionKeepsAllLight) {
+  for (const double g : {-0.4, 0.0, 0.5, 0.9}) {
+    constexpr int kPieces = 100000;
+    double all = 0, cosines = 0;
+    for (int i = 0; i < kPieces; ++i) {
+      const double cosine = -1 + (i + 0.5) * 2 / kPieces;
+      all += henyeyGreenstein(g, cosine) / kPieces;
+      cosines += cosine * henyeyGreenstein(g, cosine) / kPieces;
+    }
+    EXPECT_NEAR(all, 1, 1e-5) << g;
+    EXPECT_NEAR(cosines, g, 1e-5) << g;
+  }
+}
+
+// A black place shows what the water scatters and nothing else: of a water that scatters a seventh as much,
+// a seventh of it.
+TEST(Lamps, WhatComesBackNeedNotBeDaylightsShare) {
+  const std::vector<LampSheet> lamps{lampBeside()};
+  ImagePatch black;
+  black.T_robot_camera = {rotationFromYawPitchRoll(radians(-90), 0, radians(-90)), {0.35, 0, 0.05}};
+  black.around_panel.fill(Vector3d::Zero());
+  KinematicState<double> still{};
+  still.R_odom_robot.setIdentity();
+  const Pose T_odom_panel{rotationFromYawPitchRoll(radians(180), radians(90), 0), {3.1, 0.4, 0.2}};
+  Vector9<double> water;
+  water << kLitSea.water.attenuation_per_m, kLitSea.water.veil, kLitSea.ambient;
+  const auto seen = [&](std::optional<std::array<double, 3>> lit) {
+    EffectParameters<double> effects;
+    if (lit) effects.add<Lamp>(*lit);
+    const auto panel = nominalPlacement<double>(T_odom_panel, 0);
+    return predictPatch<double>(still, panel, black, lamps, water, effects, 0);
+  };
+  const Vector3d way = T_odom_panel.position - black.T_robot_camera.position;
+  const Vector3d whole = 1.2 * 0.87 * integrated(lamps, sightOf(way), way.norm());
+  const Vector3d daylight = seen({});
+  for (const auto& [ln_scatter, share] : {std::pair{0.0, 1.0}, {-std::log(7.0), 1 / 7.0}})
+    EXPECT_LT((seen({{1.2, ln_scatter, 0}}) - daylight - share * whole).cwiseAbs().maxCoeff(), 1e-5 * share);
+  EXPECT_GT(whole.minCoeff(), 1e-3);
+
+  // A lamp beside the camera is scattered by 90 to 180 degrees on its way into it, beyond where it is
+  // nearest.
+  const double behind = henyeyGreenstein(0.9, -1.0), abreast = henyeyGreenstein(0.9, 0.0);
+  const Vector3d forward = seen({{1.2, 0, 0.9}}) - daylight;
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_GT(forward[c], behind * whole[c]);
+    EXPECT_LT(forward[c], abreast * whole[c]);
+  }
 }
 
 // To a fifth of a digital number, likewise.

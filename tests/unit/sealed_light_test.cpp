@@ -132,7 +132,7 @@ TEST(SealedLamps, IrradianceIsThatOfADataSheet) {
   const LampLight both(vehicle, 1.0, water, water.daylight, sight);
   const Pose T_camera_lamp = vehicle.camera.pose.pose().inverse() * vehicle.lamps[0].pose.pose();
   const Vector3d ahead = T_camera_lamp * Vector3d(20, 0, 0);  // far off, both are at nearly one place
-  const double alone = 1 / 0.87 * std::exp(-water.attenuation_per_m[2] * 20) / 400;
+  const double alone = 0.87 * std::exp(-water.attenuation_per_m[2] * 20) / 400;
   EXPECT_NEAR(both.irradianceAt(ahead)[2] / alone, 2, 0.15);
 }
 
