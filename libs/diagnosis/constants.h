@@ -45,6 +45,10 @@ inline constexpr std::size_t kRivals = 4;  ///< tried in full. Chosen, for time
 /// sqrt(lambda) of what would never have been named. Derived: two sigma.
 inline constexpr double kVanished = 2;
 
+/// What a found effect changes is right to so much of it: what is less, in readings of the same kind, may be
+/// the other's error. In sizes (sqrt(lambda)). Chosen: what models of light are known to.
+inline constexpr double kModelError = 0.03;
+
 // Whether it holds on stretches that were not fitted.
 
 /// Of the gain that is expected there, that has to be seen. Chosen.

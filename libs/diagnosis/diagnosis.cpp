@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <set>
 
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "core/stable_sort.h"
 #include "core/text.h"
 #include "diagnosis/alternatives.h"
+#include "diagnosis/confirmation.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/contenders.h"
 #include "diagnosis/fits.h"
@@ -67,18 +67,14 @@ class Course {
   bool insufficient(const std::string& why);
   std::vector<Refit> contenders(const Screening& screening, std::size_t size);
   void noteScreening(const Screening& screening);
-  bool isConfirmed(const Refit& fit, std::size_t effect, const HeldOutGain& held);
-  std::set<std::size_t> unconfirmedOf(const Refit& fit);
-  Refit confirmed(Refit fit);
   void accept(Refit better);
   bool addsTo(const Refit& present, const Refit& better) const;
-  bool lastsLong(const Candidate& effect) const;
   bool takeMinimumOf(const std::vector<Refit>& found);
   bool takeNoise(const NoiseModel& shown);
   bool takeLeastNoise();
   /// Its fits are quick.
   bool isCameraAlone() const { return !data_.hasMotion(); }
-  HeldOutResult heldOut(const Refit& fit, bool yardsticks) const;
+  HeldOutOptions heldOutOptions(bool yardsticks) const;
   void lookForAlternatives();
   void lookUnderTightBudget();
   EffectEstimate whole(EffectEstimate estimate) const;
@@ -156,7 +152,8 @@ void Course::attribute() {
     Refit better = fits_.lastingWhereBetter(fits_.onlyNeeded(std::move(*best)));
     if (!addsTo(final_, better)) break;
     const std::size_t left_out = left_out_.count();
-    better = confirmed(std::move(better));
+    better = confirmed(std::move(better), final_.effects,
+                       {fits_, heldOutOptions(false), left_out_, diagnosis_.remarks});
     if (addsTo(final_, better))
       accept(std::move(better));
     else if (left_out_.count() == left_out)
@@ -210,56 +207,6 @@ void Course::lookForAlternatives() {
     if (others.set) diagnosis_.alternatives.push_back(std::move(*others.set));
     ++i;
   }
-}
-
-bool Course::lastsLong(const Candidate& effect) const {
-  if (effect.peak) return false;
-  const double least_s = kUnseenShare * (data_.last_s - data_.first_s);
-  if (effect.time_s)
-    return *effect.time_s - data_.first_s > least_s && data_.last_s - *effect.time_s > least_s;
-  const double on_s =
-      std::min(effect.active_s.to_s, data_.last_s) - std::max(effect.active_s.from_s, data_.first_s);
-  return on_s > least_s;
-}
-
-bool Course::isConfirmed(const Refit& fit, std::size_t effect, const HeldOutGain& held) {
-  const double seen = held.by_effect[effect], expected = held.expected_by_effect[effect];
-  const bool lasts = lastsLong(fit.effects[effect]);
-  if (lasts && seen > std::max(kUnseen, kConfirmed * expected)) return true;
-  const Refit rest = fits_.without(fit, effect);
-  const double gain = rest.succeeded ? fits_.gainOf(fit) - fits_.gainOf(rest) : 0;
-  return expected >= kShownAtAll * gain ? seen > kConfirmed * std::min(gain, expected)
-                                        : gain > kUnseen && lasts;
-}
-
-/// Those effects that do not show on stretches that they were not fitted to. None of them is tried again:
-/// where it was for a part, for a part, and after that not at all.
-std::set<std::size_t> Course::unconfirmedOf(const Refit& fit) {
-  const HeldOutResult held = heldOut(fit, false);
-  std::set<std::size_t> unconfirmed;
-  for (std::size_t i = 0; i < fit.effects.size(); ++i) {
-    const Candidate& effect = fit.effects[i];
-    if (isConfirmed(fit, i, held.gain)) continue;
-    unconfirmed.insert(i);
-    const bool is_last = effect.isForGood() || left_out_.parts.contains(effect.effect);
-    (is_last ? left_out_.all : left_out_.parts).insert(effect.effect);
-    if (effect.active_s != Interval{} && !lastsLong(effect)) left_out_.during.push_back(effect.active_s);
-    diagnosis_.remarks.push_back(nameOf(effect) + " would fit, but not stretches that it was not fitted to");
-  }
-  return unconfirmed;
-}
-
-/// What is left of a fit when effects that are not confirmed have gone, and what was there beside them only.
-Refit Course::confirmed(Refit fit) {
-  while (fit.succeeded && fit.effects != final_.effects) {
-    const std::set<std::size_t> unconfirmed = unconfirmedOf(fit);
-    if (unconfirmed.empty()) break;
-    std::vector<Candidate> kept;
-    for (std::size_t i = 0; i < fit.effects.size(); ++i)
-      if (!unconfirmed.contains(i)) kept.push_back(fit.effects[i]);
-    fit = fits_.onlyNeeded(fits_.of(fit, kept));
-  }
-  return fit;
 }
 
 /// What a large effect does beyond the first order was taken for noise as long as it was not in the model:
@@ -336,14 +283,11 @@ bool Course::takeLeastNoise() {
   return cameraNoise(least) < kLessNoise * cameraNoise(fits_.noise()) && takeNoise(least);
 }
 
-HeldOutResult Course::heldOut(const Refit& fit, bool yardsticks) const {
+HeldOutOptions Course::heldOutOptions(bool yardsticks) const {
   HeldOutOptions options = options_.heldout;
   options.yardsticks = yardsticks;
   options.seed = options_.seed;
-  NoiseModel noise = fits_.noise();
-  noise.apart = fit.noise.apart;
-  return holdOut(linearize(data_, *problemAt(data_, fit.estimate, fit.options)), fit.effects,
-                 fit.estimate.state, noise, data_, options);
+  return options;
 }
 
 void Course::report() {
@@ -387,7 +331,7 @@ void Course::verify() {
       final_.effects.empty() ? diagnosis_.mismatch : mismatchMaps(*final_.model, options_.seed);
   if (final_.effects.empty()) return;
   for (std::size_t i = 0; i < final_.effects.size(); ++i) diagnosis_.effects.push_back(describe(i));
-  diagnosis_.heldout = heldOut(final_, true);
+  diagnosis_.heldout = heldOut(fits_, final_, heldOutOptions(true));
   if (!isBeyondChance()) return withdraw();
   for (std::size_t i = 0; i < diagnosis_.effects.size(); ++i)
     diagnosis_.effects[i].heldout_log_likelihood_gain = diagnosis_.heldout.gain.by_effect[i];

@@ -1,0 +1,94 @@
+#include "diagnosis/confirmation.h"
+
+#include <algorithm>
+#include <set>
+
+#include "core/text.h"
+#include "diagnosis/constants.h"
+#include "effects/catalogue.h"
+
+namespace fathom {
+namespace {
+
+/// Of a fit's effects that act on the same kind of readings as one of them.
+std::size_t largestOfItsKind(const Refit& fit, std::size_t effect) {
+  const auto kindOf = [&](std::size_t i) { return allEffects()[fit.effects[i].effect].text.channel; };
+  std::size_t largest = effect;
+  for (std::size_t i = 0; i < fit.effects.size(); ++i)
+    if (kindOf(i) == kindOf(effect) &&
+        sqrtLambda(fit, fit.effects[i].effect) > sqrtLambda(fit, fit.effects[largest].effect))
+      largest = i;
+  return largest;
+}
+
+bool lastsLong(const Candidate& effect, const BatchData& data) {
+  if (effect.peak) return false;
+  const double least_s = kUnseenShare * (data.last_s - data.first_s);
+  if (effect.time_s) return *effect.time_s - data.first_s > least_s && data.last_s - *effect.time_s > least_s;
+  const double on_s =
+      std::min(effect.active_s.to_s, data.last_s) - std::max(effect.active_s.from_s, data.first_s);
+  return on_s > least_s;
+}
+
+bool isConfirmed(const Refit& fit, std::size_t effect, const HeldOutGain& held, Fits& fits) {
+  const double seen = held.by_effect[effect], expected = held.expected_by_effect[effect];
+  const bool lasts = lastsLong(fit.effects[effect], fits.data());
+  if (lasts && seen > std::max(kUnseen, kConfirmed * expected)) return true;
+  const Refit rest = fits.without(fit, effect);
+  const double gain = rest.succeeded ? fits.gainOf(fit) - fits.gainOf(rest) : 0;
+  return expected >= kShownAtAll * gain ? seen > kConfirmed * std::min(gain, expected)
+                                        : gain > kUnseen && lasts;
+}
+
+/// Why an effect is not named though it fits; empty where it is.
+std::string whyNot(const Refit& fit, std::size_t effect, const HeldOutGain& held, Fits& fits) {
+  if (!isConfirmed(fit, effect, held, fits)) return "not stretches that it was not fitted to";
+  const std::size_t larger = largestOfItsKind(fit, effect);
+  const double share =
+      sqrtLambda(fit, fit.effects[effect].effect) / sqrtLambda(fit, fit.effects[larger].effect);
+  if (share >= kModelError) return "";
+  return print("it is %.2g %% of ", 100 * share) + nameOf(fit.effects[larger]) +
+         ", and no model of that is so exact";
+}
+
+/// Those effects that are not named, each with its remark. None of them is tried again: where it was for a
+/// part, for a part, and after that not at all.
+std::set<std::size_t> unconfirmedOf(const Refit& fit, const Confirmation& by) {
+  const HeldOutGain held = heldOut(by.fits, fit, by.held_out).gain;
+  std::set<std::size_t> unconfirmed;
+  for (std::size_t i = 0; i < fit.effects.size(); ++i) {
+    const Candidate& effect = fit.effects[i];
+    const std::string why_not = whyNot(fit, i, held, by.fits);
+    if (why_not.empty()) continue;
+    unconfirmed.insert(i);
+    const bool is_last = effect.isForGood() || by.left_out.parts.contains(effect.effect);
+    (is_last ? by.left_out.all : by.left_out.parts).insert(effect.effect);
+    if (effect.active_s != Interval{} && !lastsLong(effect, by.fits.data()))
+      by.left_out.during.push_back(effect.active_s);
+    by.remarks.push_back(nameOf(effect) + " would fit, but " + why_not);
+  }
+  return unconfirmed;
+}
+
+}  // namespace
+
+HeldOutResult heldOut(const Fits& fits, const Refit& fit, const HeldOutOptions& options) {
+  NoiseModel noise = fits.noise();
+  noise.apart = fit.noise.apart;
+  return holdOut(linearize(fits.data(), *problemAt(fits.data(), fit.estimate, fit.options)), fit.effects,
+                 fit.estimate.state, noise, fits.data(), options);
+}
+
+Refit confirmed(Refit fit, const std::vector<Candidate>& already, const Confirmation& by) {
+  while (fit.succeeded && fit.effects != already) {
+    const std::set<std::size_t> unconfirmed = unconfirmedOf(fit, by);
+    if (unconfirmed.empty()) break;
+    std::vector<Candidate> kept;
+    for (std::size_t i = 0; i < fit.effects.size(); ++i)
+      if (!unconfirmed.contains(i)) kept.push_back(fit.effects[i]);
+    fit = by.fits.onlyNeeded(by.fits.of(fit, kept));
+  }
+  return fit;
+}
+
+}  // namespace fathom

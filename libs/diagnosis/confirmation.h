@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/fits.h"
+#include "diagnosis/held_out.h"
+
+/// Is what fits to be named?
+namespace fathom {
+
+/// How a fit does where it was not fitted.
+HeldOutResult heldOut(const Fits& fits, const Refit& fit, const HeldOutOptions& options);
+
+/// By what effects are confirmed, and where it is noted which are not.
+struct Confirmation {
+  Fits& fits;
+  HeldOutOptions held_out;
+  LeftOut& left_out;
+  std::vector<std::string>& remarks;
+};
+
+/// What is left of a fit when those effects have gone that do not show on stretches that they were not fitted
+/// to, or that may be a larger one's error, and then what was needed beside them only. Effects that are there
+/// `already` are not looked at again where nothing else is.
+Refit confirmed(Refit fit, const std::vector<Candidate>& already, const Confirmation& by);
+
+}  // namespace fathom
