@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/random.h"
@@ -33,8 +34,11 @@ inline EffectParameters<double> randomEffects(Random& random) {
     std::size_t i = effect.first_scalar;
     for (const Parameter& p : effect.parameters)
       for (int k = 0; k < p.size; ++k, ++i)
-        if (p.kind == ParameterKind::continuous || p.kind == ParameterKind::log_width)
-          parameters.values[i] *= p.positive ? std::abs(random.normal()) : random.normal();
+        if (p.kind == ParameterKind::continuous || p.kind == ParameterKind::log_width) {
+          const double size = parameters.values[i] * random.normal();
+          parameters.values[i] = p.positive ? std::abs(size) : size;
+          if (!p.squared) parameters.values[i] = std::clamp(parameters.values[i], -p.limit, p.limit);
+        }
   }
   return parameters;
 }
