@@ -41,6 +41,22 @@ Candidate during(const Interval& active_s) {
   return candidate;
 }
 
+// A place that seemed covered with growth as long as a veil was missing is as all others beside it.
+TEST(Fits, JudgeAnewWhoIsApart) {
+  const BatchInput input = test::plainNull(test::lightDive(), 1).input();
+  const NominalFit nominal = nominalFit(input.data, input.start, {}, fieldBudget(), 1);
+  ASSERT_TRUE(nominal.failure.empty()) << nominal.failure;
+  NoiseModel noise = nominal.noise;
+  noise.apart.resize(noise.budget.components.size());
+  for (std::size_t k = 0; k < noise.apart.size(); ++k)
+    if (noise.budget.components[k].name == "print-reflectance")
+      noise.apart[k][{input.data.patches.front().marker_id, 0}] = 0.5;
+  const Refit again = refit(input.data, nominal.fit.estimate, nominal.options, {}, noise);
+  ASSERT_TRUE(again.succeeded);
+  for (const auto& apart : again.noise.apart) EXPECT_TRUE(apart.empty());
+  EXPECT_NEAR(again.weight.log_evidence, nominal.fit.weight.log_evidence, 0.1);
+}
+
 // A part of a latency of a second, and a DVL that is turned elsewhere, were a minimum of their own in a real
 // recording.
 TEST(Fits, LetAPartLastWhereThatFitsBetter) {

@@ -1,6 +1,7 @@
 // Diagnosis with images: black and white of the markers beside navigation and corners.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -98,6 +99,24 @@ TEST(ImageDiagnosis, ALatencyIsToldByWhatItAsksOfTheGyro) {
     for (const Candidate& other : set.candidates) named.insert(nameOf(other));
   EXPECT_TRUE(named.contains("dark-offset")) << diagnosis.why;
   EXPECT_TRUE(named.contains("camera-latency")) << diagnosis.why;
+}
+
+// What the veil's model errs by in another world may be as large as a hundredth of it, and look like
+// anything.
+TEST(ImageDiagnosis, WhatMayBeAnothersErrorIsARemark) {
+  if (test::kSanitized)
+    GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
+  const auto ofSize = [](const char* effect, double sqrt_lambda) {
+    return test::effectOfSize(test::lightDive(), lightExcitation(), *findEffect(effect), sqrt_lambda, 1);
+  };
+  test::DiagnosisRun hidden = ofSize("separate-backscatter", 800);
+  hidden.run.effects.add<DarkOffset>({*ofSize("dark-offset", 7).run.effects.of<DarkOffset>()});
+  const Diagnosis diagnosis = diagnose(hidden.input());
+  ASSERT_EQ(diagnosis.effects.size(), 1U) << diagnosis.why;
+  EXPECT_EQ(nameOf(diagnosis.effects[0].candidate), "separate-backscatter");
+  EXPECT_TRUE(std::any_of(diagnosis.remarks.begin(), diagnosis.remarks.end(), [](const std::string& remark) {
+    return remark.starts_with("dark-offset would fit, but it is ");
+  })) << diagnosis.why;
 }
 
 class HiddenImageEffect : public testing::TestWithParam<const char*> {};

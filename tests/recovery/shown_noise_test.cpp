@@ -38,7 +38,7 @@ TEST(ShownNoise, NoneBeyondWhatIsStated) {
   const NoiseModel noise = noiseOf(test::plainNull(test::lightDive(), 1));
   EXPECT_EQ(noise.light_scatter, 0);
   EXPECT_EQ(noise.parts, 0);
-  // Of some hundred values each that are all zero; a sixth of what is declared.
+  // Of some hundred values each that are all zero.
   for (const char* component : {"print-placement", "print-albedo"})
     EXPECT_LT(shown(noise, component), declared(component) / 3) << component;
   // Heights are not seen better than to some 0.2 mm here, however flat one expects a panel to be.
