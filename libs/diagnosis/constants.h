@@ -46,7 +46,7 @@ inline constexpr std::size_t kRivals = 4;  ///< tried in full. Chosen, for time
 inline constexpr double kVanished = 2;
 
 /// What a found effect changes is right to so much of it: what is less, in readings of the same kind, may be
-/// the other's error. In sizes (sqrt(lambda)). Chosen: what models of light are known to.
+/// the other's error. In sizes (sqrt(lambda)). Chosen with one recording's lamp in view.
 inline constexpr double kModelError = 0.03;
 
 // Whether it holds on stretches that were not fitted.

@@ -52,7 +52,7 @@ struct Lamp {
           .limit = 0.999,
           .optional = true,
           .usual = "of that scattering; forward is positive: 0.8 to 0.95, back to the camera comes little"}};
-  static constexpr double kWhiteInDaylight = 0.87;
+  static constexpr double kWhiteInDaylight = 0.87;  ///< radiance of white by irradiance 1
   template <class T>
   static void apply(const T* p, Stage<T>& light) {
     using std::exp;

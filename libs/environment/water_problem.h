@@ -35,9 +35,10 @@ class PatchModel {
   template <class T>
   Vector3<T> light(const Patch& patch, const Vector9<T>& water) const {
     const EffectParameters<T>& effects = effectsAs<T>();
+    const SceneLight<T> shining = sceneLightOn<T>(patch, effects, patch.t_s);
     PatchUnderLamps<T> under_lamps;
-    if (effects.isActive(kEffectIndex<Lamp>, patch.t_s)) under_lamps = lampsOn<T>(patch, water);
-    return predictPatchLight<T>(patch, T(patch.z_m), T(patch.range_m), under_lamps, water, effects,
+    if (effects.isActive(kEffectIndex<Lamp>, patch.t_s)) under_lamps = lampsOn<T>(patch, water, shining);
+    return predictPatchLight<T>(patch, T(patch.z_m), T(patch.range_m), shining, under_lamps, water, effects,
                                 patch.t_s);
   }
 
@@ -63,13 +64,14 @@ class PatchModel {
       return jet_effects_;
   }
   template <class T>
-  PatchUnderLamps<T> lampsOn(const Patch& patch, const Vector9<T>& water) const {
+  PatchUnderLamps<T> lampsOn(const Patch& patch, const Vector9<T>& water,
+                             const SceneLight<T>& shining) const {
     PatchOnRobot<T> place{{}, patch.on_robot.normal_robot.template cast<T>()};
     for (std::size_t i = 0; i < place.around_robot.size(); ++i)
       place.around_robot[i] = patch.on_robot.around_robot[i].template cast<T>();
     const Mounting<T, Camera> mount{patch.T_robot_camera.rotation.template cast<T>(),
                                     patch.T_robot_camera.position.template cast<T>()};
-    return underLamps<T>(place, lamps_, mount, water, sceneLightOn<T>(patch, effectsAs<T>(), patch.t_s));
+    return underLamps<T>(place, lamps_, mount, water, shining);
   }
 
   EffectParameters<double> effects_;

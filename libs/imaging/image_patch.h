@@ -59,6 +59,7 @@ struct ImagePatch : PatchSurface {
   }
 };
 
+/// The light where a patch is, with what effects make of it.
 template <class T>
 SceneLight<T> sceneLightOn(const PatchSurface& patch, const EffectParameters<T>& effects, double t_s) {
   SceneLight<T> light{patch.at_panel_m};
@@ -66,7 +67,7 @@ SceneLight<T> sceneLightOn(const PatchSurface& patch, const EffectParameters<T>&
   return light;
 }
 
-/// What lamps of irradiance 1 add to a patch's light: at its surface, and on the line of sight.
+/// What lamps of irradiance 1 add to a patch's light: at its surface, and on the lines of sight to it.
 template <class T>
 struct PatchUnderLamps {
   Vector3<T> irradiance = Vector3<T>::Zero(), in_water = Vector3<T>::Zero();
@@ -93,7 +94,7 @@ PatchUnderLamps<T> underLamps(const PatchOnRobot<T>& patch, const std::vector<La
     const T range_m = way.norm(), z_m = mount.R_robot_sensor.col(2).dot(way);
     const LitSight<T> sight{mount.position_robot,     way / range_m,    z_m / range_m, column,
                             water.template tail<3>(), shining.asymmetry};
-    light.in_water += share * lampsInWater(lamps, sight, range_m);
+    light.in_water += share * shining.scattered * lampsInWater(lamps, sight, range_m);
   }
   return light;
 }
@@ -102,16 +103,14 @@ PatchUnderLamps<T> underLamps(const PatchOnRobot<T>& patch, const std::vector<La
 /// `under_lamps` counts as far as an effect has them shine.
 template <class T>
 Vector3<T> predictPatchLight(const PatchSurface& patch, const T& z_m, const T& range_m,
-                             const PatchUnderLamps<T>& under_lamps, const Vector9<T>& water,
-                             const EffectParameters<T>& effects, double t_s) {
+                             const SceneLight<T>& shining, const PatchUnderLamps<T>& under_lamps,
+                             const Vector9<T>& water, const EffectParameters<T>& effects, double t_s) {
   const WaterColumn<T> column{water.template head<3>(), water.template segment<3>(3)};
-  const SceneLight<T> shining = sceneLightOn<T>(patch, effects, t_s);
   const Vector3<T> irradiance =
       shining.daylight * water.template tail<3>() + shining.lamps * under_lamps.irradiance;
   const SceneRadiance<T> scene(irradiance.asDiagonal() * patch.albedo.cast<T>(),
                                irradiance.asDiagonal() * patch.albedo_around.cast<T>());
-  return predictLight<T>(scene, z_m, range_m, column, effects, t_s) +
-         shining.lamps * shining.scattered * under_lamps.in_water;
+  return predictLight<T>(scene, z_m, range_m, column, effects, t_s) + shining.lamps * under_lamps.in_water;
 }
 
 /// The radiance that the camera's numbers then stand for, by its data sheet; `gain` as in PixelResponse.
@@ -145,21 +144,24 @@ Vector3<T> predictPatch(const KinematicState<T>& state, PanelPlacement<T> panel,
       panel_robot + R_robot_panel * patch.point_panel.cast<T>() - mount.position_robot;
   const T z_m = mount.R_robot_sensor.col(2).dot(from_camera_robot), range_m = from_camera_robot.norm();
 
+  const SceneLight<T> shining = sceneLightOn<T>(patch, effects, t_s);
   PatchUnderLamps<T> under_lamps;
   if (effects.isActive(kEffectIndex<Lamp>, t_s)) {  // be it 0: its derivative is not
     PatchOnRobot<T> place{{}, R_robot_panel.col(2)};
     for (std::size_t i = 0; i < place.around_robot.size(); ++i)
       place.around_robot[i] = panel_robot + R_robot_panel * patch.around_panel[i].template cast<T>();
-    under_lamps = underLamps<T>(place, lamps, mount, water, sceneLightOn<T>(patch, effects, t_s));
+    under_lamps = underLamps<T>(place, lamps, mount, water, shining);
   }
-  const Vector3<T> light = predictPatchLight<T>(patch, z_m, range_m, under_lamps, water, effects, t_s);
+  const Vector3<T> light =
+      predictPatchLight<T>(patch, z_m, range_m, shining, under_lamps, water, effects, t_s);
   return predictPatchReading<T>(light, patch, effects, t_s);
 }
 
 // Without derivatives: compiled once, in image_patch.cpp.
 extern template Vector3<double> predictPatchLight(const PatchSurface&, const double&, const double&,
-                                                  const PatchUnderLamps<double>&, const Vector9<double>&,
-                                                  const EffectParameters<double>&, double);
+                                                  const SceneLight<double>&, const PatchUnderLamps<double>&,
+                                                  const Vector9<double>&, const EffectParameters<double>&,
+                                                  double);
 extern template Vector3<double> predictPatch(const KinematicState<double>&, PanelPlacement<double>,
                                              const ImagePatch&, const std::vector<LampSheet>&,
                                              const Vector9<double>&, const EffectParameters<double>&, double);

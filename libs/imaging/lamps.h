@@ -41,7 +41,8 @@ Vector3<T> lampsOnSurface(const std::vector<LampSheet>& lamps, const Vector3<T>&
   return sum;
 }
 
-/// Of light that is scattered by an angle of this cosine, over what it were if alike in all directions.
+/// Light that is scattered by an angle of this cosine, over what it would be if scattering were the same in
+/// all directions (Henyey & Greenstein 1941).
 template <class T>
 T henyeyGreenstein(const T& asymmetry, const T& cosine) {
   using std::sqrt;
@@ -49,8 +50,8 @@ T henyeyGreenstein(const T& asymmetry, const T& cosine) {
   return (1.0 - asymmetry * asymmetry) / (square * sqrt(square));
 }
 
-/// A line of sight in water that scatters the lamps' light as it does daylight, of which the veil comes:
-/// attenuation times veil is what it gains a metre in daylight.
+/// A line of sight in water that scatters of the lamps' light as much as of daylight, which makes the veil:
+/// attenuation times veil is what it gains a metre in daylight. But by a phase function of its own.
 template <class T>
 struct LitSight {
   Vector3<T> camera_robot, direction_robot;  ///< unit length

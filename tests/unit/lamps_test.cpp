@@ -20,9 +20,9 @@ LampSheet lampBeside() {
   return lamp;
 }
 
-LitSight<double> sightOf(const Vector3d& direction_robot) {
+LitSight<double> sightOf(const Vector3d& direction_robot, double asymmetry = 0) {
   const Vector3d ray = direction_robot.normalized();
-  return {{0.35, 0, 0.05}, ray, ray.x(), kLitSea.water, kLitSea.ambient};
+  return {{0.35, 0, 0.05}, ray, ray.x(), kLitSea.water, kLitSea.ambient, asymmetry};
 }
 
 TEST(Lamps, FallWithTheSquareOfTheDistanceAndToHalfAtTheHalfAngle) {
@@ -61,9 +61,11 @@ Vector3d integrated(const std::vector<LampSheet>& lamps, const LitSight<double>&
       const Vector3d way = sight.camera_robot + s * sight.direction_robot - lamp.T_robot_lamp.position;
       const double d = way.norm(), cosine = lamp.T_robot_lamp.rotation.col(0).dot(way) / d;
       const double beam = std::pow(0.5, (1 - cosine) / (1 - std::cos(lamp.half_angle_rad))) / (d * d);
+      const double g = sight.asymmetry, turned = way.dot(-sight.direction_robot) / d;
+      const double phase = (1 - g * g) * std::pow(1 + g * g - 2 * g * turned, -1.5);
       for (int c = 0; c < 3; ++c) {
         const double a = kLitSea.water.attenuation_per_m[c];
-        sum[c] += range_m / kPieces * beam * std::exp(-a * d) * a * kLitSea.water.veil[c] /
+        sum[c] += range_m / kPieces * beam * phase * std::exp(-a * d) * a * kLitSea.water.veil[c] /
                   kLitSea.ambient[c] * std::exp(-a * s * sight.z_per_range);
       }
     }
@@ -74,14 +76,15 @@ Vector3d integrated(const std::vector<LampSheet>& lamps, const LitSight<double>&
 // To a tenth of a digital number of 255 for lamps of irradiance 4.
 TEST(Lamps, ScatteringOnTheWayIsTheIntegralOfWhatIsScattered) {
   const std::vector<LampSheet> lamps{lampBeside()};
-  for (const Vector3d& direction : {Vector3d(1, 0, 0), Vector3d(1, 0.4, -0.2), Vector3d(1, -0.6, 0.3)})
-    for (const double range_m : {0.3, 1.0, 2.5, 8.0, 30.0}) {
-      const LitSight<double> sight = sightOf(direction);
-      const Vector3d direct = integrated(lamps, sight, range_m);
-      EXPECT_LT((lampsInWater(lamps, sight, range_m) - direct).cwiseAbs().maxCoeff(), 1e-4)
-          << direction.transpose() << " " << range_m;
-      EXPECT_GT(direct.maxCoeff(), 2e-4);
-    }
+  for (const double asymmetry : {0.0, 0.9})
+    for (const Vector3d& direction : {Vector3d(1, 0, 0), Vector3d(1, 0.4, -0.2), Vector3d(1, -0.6, 0.3)})
+      for (const double range_m : {0.3, 1.0, 2.5, 8.0, 30.0}) {
+        const LitSight<double> sight = sightOf(direction, asymmetry);
+        const Vector3d direct = integrated(lamps, sight, range_m);
+        EXPECT_LT((lampsInWater(lamps, sight, range_m) - direct).cwiseAbs().maxCoeff(), 1e-4)
+            << direction.transpose() << " " << range_m << " " << asymmetry;
+        EXPECT_GT(direct.maxCoeff(), asymmetry > 0 ? 0 : 2e-4);
+      }
 }
 
 // Light is scattered somewhere, and its mean cosine is the asymmetry: by the midpoint rule over the sphere.
