@@ -24,6 +24,8 @@ struct FlatPortRefraction {
           "tan(theta_water)\n"
           "normal = Exp(tilt_deg, tilt_y_deg, 0) z, camera frame\n"
           "nominal line of sight: n sin(theta) with n = 1.34 / (1 + index_error), in the same plane\n"
+          "calibration_per_m: 1 over the range at which they were calibrated through the port, where they "
+          "are right\n"
           "slab_m: one more layer, of an index 1.34 times that of what lies beyond it\n"
           "a vehicle's `window` adds its distance and tilt; up to it the nominal index holds",
       .source =
@@ -75,7 +77,15 @@ struct FlatPortRefraction {
                 .optional = true,
                 .other_start = 0.1,
                 .usual = "thickness of the water, where a camera in air looks through a tank and out again; "
-                         "else 0"}};
+                         "else 0"},
+      Parameter{.name = "calibration_per_m",
+                .unit = "1/m",
+                .prior_sigma = 0.5,
+                .limit = 10.0,
+                .positive = true,
+                .optional = true,
+                .usual = "1 over the range at which the camera was calibrated under water through this port: "
+                         "0.3 to 1; 0: far away"}};
   template <class T>
   static void apply(const T* p, Stage<T>& port) {
     port.present = true;
@@ -85,6 +95,7 @@ struct FlatPortRefraction {
     port.tilt_y_rad += p[3] * T(radians(1.0));
     port.index_error += p[4];
     port.slab_m += p[5];
+    port.calibration_per_m += p[6];
   }
 };
 

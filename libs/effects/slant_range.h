@@ -28,6 +28,7 @@ struct SlantRange {
                 .unit = "1",
                 .prior_sigma = 1.0,
                 .limit = 10,
+                .positive = true,
                 .usual = "1 where light dies away along the line of sight, 0 along the axis"}};
   static constexpr DerivedParameter derived{.name = "attenuation_per_m", .unit = "1/m"};
   static Vector3d derive(const double*, const Vector3d& attenuation_per_m) { return attenuation_per_m; }

@@ -109,7 +109,8 @@ struct FlatPort {
   T tilt_y_rad = T(0);
   T index_error = T(0);  ///< water's refractive index over that which the intrinsics contain, minus 1
   T slab_m = T(0);       ///< thickness of water behind the glass, where what follows is what the camera is in
-  T window_m = T(0);     ///< way to it through what the intrinsics are for, such as air before an aquarium
+  T calibration_per_m = T(0);  ///< 1 over the range at which the intrinsics were found, through this port
+  T window_m = T(0);  ///< way to it through what the intrinsics are for, such as air before an aquarium
 };
 
 /// Pinhole and plumb-bob lens, as in CameraModel: starts as the nominal camera.

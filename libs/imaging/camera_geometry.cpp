@@ -20,11 +20,22 @@ double detail::solveSlope(const PortCrossing<double>& port) {
   constexpr double kSteepest = 50;  // tan(theta_air)
   double slope = 0;
   for (int i = 0; i < 100; ++i) {
-    const double step = -port.miss(slope) / missBySlope(port, slope);
+    const double step = -port.miss(slope) / port.missBySlope(slope);
     slope += step;
     if (slope * slope * port.lateral_squared > kSteepest * kSteepest)
       return kSteepest / std::sqrt(port.lateral_squared);
     if (step <= 1e-15 * slope) break;
+  }
+  return slope;
+}
+
+double detail::solveApparent(const PortCrossing<double>& port, double apparent) {
+  const double n2 = port.layers[0].index * port.layers[0].index;
+  double slope = apparent * std::sqrt(n2 / (1 + (1 - n2) * apparent * apparent * port.lateral_squared));
+  for (int i = 0; port.calibration_per_m != 0 && i < 20; ++i) {
+    const double step = (apparent - port.apparent(slope)) / port.apparentBySlope(slope);
+    slope += step;
+    if (!(std::abs(step) > 1e-15 * slope)) break;
   }
   return slope;
 }

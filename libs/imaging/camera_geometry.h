@@ -85,6 +85,7 @@ struct CameraProjector {
                     valueOf(port.tilt_y_rad),
                     valueOf(port.index_error),
                     valueOf(port.slab_m),
+                    valueOf(port.calibration_per_m),
                     valueOf(port.window_m)};
       plain.shutter = {shutter.rolling, valueOf(shutter.readout_s)};
       plain.height_px = height_px;

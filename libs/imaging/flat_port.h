@@ -47,6 +47,14 @@ template <class T>
 struct PortCrossing {
   std::array<PortLayer<T>, 5> layers;  ///< the last one is the water
   T lateral_squared;                   ///< of the point, m²
+  T calibration_per_m;
+
+  PortCrossing<double> plain() const {
+    PortCrossing<double> values{{}, valueOf(lateral_squared), valueOf(calibration_per_m)};
+    for (std::size_t i = 0; i < layers.size(); ++i)
+      values.layers[i] = {valueOf(layers[i].index), valueOf(layers[i].thickness_m)};
+    return values;
+  }
 
   /// tan(theta) over the lateral distance, in a medium of index n: tan(theta_n) = tan(theta_air) /
   /// sqrt(n² + (n² - 1) tan²(theta_air)).
@@ -55,27 +63,62 @@ struct PortCrossing {
     const T n2 = index * index;
     return slope / sqrt(n2 + (n2 - 1.0) * slope * slope * lateral_squared);
   }
+  /// d slopeIn / d slope = n² (n² + (n² - 1) tan²(theta_air))^-3/2.
+  T slopeInBySlope(const T& index, const T& slope) const {
+    using std::pow;
+    const T n2 = index * index;
+    return n2 * pow(n2 + (n2 - 1.0) * slope * slope * lateral_squared, -1.5);
+  }
   /// Where the light of this slope ends, as a share of the lateral distance, minus 1: zero for the point.
   T miss(const T& slope) const {
     T reached(0);
     for (const PortLayer<T>& layer : layers) reached += slopeIn(layer.index, slope) * layer.thickness_m;
     return reached - 1.0;
   }
-};
-
-/// d miss / d slope: d/ds s (n² + (n² - 1) s² q)^-1/2 = n² (…)^-3/2.
-inline double missBySlope(const PortCrossing<double>& port, double slope) {
-  double sum = 0;
-  for (const PortLayer<double>& layer : port.layers) {
-    const double n2 = layer.index * layer.index;
-    sum += n2 / std::pow(n2 + (n2 - 1) * slope * slope * port.lateral_squared, 1.5) * layer.thickness_m;
+  T missBySlope(const T& slope) const {
+    T sum(0);
+    for (const PortLayer<T>& layer : layers) sum += slopeInBySlope(layer.index, slope) * layer.thickness_m;
+    return sum;
   }
-  return sum;
-}
+  /// What the light's slope is taken for by the intrinsics.
+  T apparent(const T& slope) const {
+    return asCalibrated([&](const T& index) { return slopeIn(index, slope); });
+  }
+  T apparentBySlope(const T& slope) const {
+    return asCalibrated([&](const T& index) { return slopeInBySlope(index, slope); });
+  }
+  /// In the medium that the intrinsics contain and, where they were found through this port at a range of
+  /// 1 / calibration_per_m, what the light is off sideways there.
+  template <class SlopeIn>
+  T asCalibrated(const SlopeIn& slope_in) const {
+    const T nominal = slope_in(layers[0].index);
+    T aside_m(0);
+    for (std::size_t i = 1; i + 1 < layers.size(); ++i)
+      aside_m += (slope_in(layers[i].index) - nominal) * layers[i].thickness_m;
+    return nominal + calibration_per_m * aside_m;
+  }
+};
 
 /// Newton's method from 0. miss() is concave and grows, so it comes up to the root and never beyond. A point
 /// that no light reaches the camera from (beyond the critical angle) is seen along the port.
 double solveSlope(const PortCrossing<double>& port);
+
+template <class T, class P>
+Vector3<T> normalOf(const FlatPort<P>& port) {
+  return expSO3<T>(Vector3<T>(T(port.tilt_x_rad), T(port.tilt_y_rad), T(0))).col(2);
+}
+
+/// To a point with so much water between it and the port.
+template <class T, class P>
+PortCrossing<T> crossingOf(const FlatPort<P>& port, const T& lateral_squared, const T& water_m) {
+  const auto before = layersBeforeWater<T>(port);
+  return {{before[0], before[1], before[2], before[3], {T(kWaterIndex), water_m}},
+          lateral_squared,
+          T(port.calibration_per_m)};
+}
+
+/// Newton's method for the light that is taken for this slope, from where a calibration far away has it.
+double solveApparent(const PortCrossing<double>& port, double apparent);
 
 }  // namespace detail
 
@@ -85,25 +128,20 @@ double solveSlope(const PortCrossing<double>& port);
 /// Newton step in T.
 template <class T, class P>
 Vector3<T> apparentDirection(const FlatPort<P>& port, const Vector3<T>& point_camera) {
-  const Vector3<T> tilt(T(port.tilt_x_rad), T(port.tilt_y_rad), T(0));
-  const Vector3<T> normal = expSO3<T>(tilt).col(2);
+  const Vector3<T> normal = detail::normalOf<T>(port);
   const T height = normal.dot(point_camera);
   const Vector3<T> lateral = point_camera - height * normal;
 
   constexpr double kThinnestWater_m = 1e-3;  // what touches the port
-  const auto before = detail::layersBeforeWater<T>(port);
   T water_m = height;
-  for (const auto& layer : before) water_m -= layer.thickness_m;
+  for (const auto& layer : detail::layersBeforeWater<T>(port)) water_m -= layer.thickness_m;
   if (water_m < kThinnestWater_m) water_m = T(kThinnestWater_m);
-  const detail::PortCrossing<T> crossing{
-      {before[0], before[1], before[2], before[3], {T(kWaterIndex), water_m}}, lateral.squaredNorm()};
-  detail::PortCrossing<double> plain{{}, valueOf(crossing.lateral_squared)};
-  for (std::size_t i = 0; i < plain.layers.size(); ++i)
-    plain.layers[i] = {valueOf(crossing.layers[i].index), valueOf(crossing.layers[i].thickness_m)};
+  const detail::PortCrossing<T> crossing = detail::crossingOf<T>(port, T(lateral.squaredNorm()), water_m);
+  const detail::PortCrossing<double> plain = crossing.plain();
   const double root = detail::solveSlope(plain);
-  const T slope = T(root) - crossing.miss(T(root)) / detail::missBySlope(plain, root);
+  const T slope = T(root) - crossing.miss(T(root)) / plain.missBySlope(root);
 
-  return normal + crossing.slopeIn(before[0].index, slope) * lateral;
+  return normal + crossing.apparent(slope) * lateral;
 }
 
 template <class T>
@@ -114,21 +152,17 @@ struct SightLine {
 /// The inverse: where the light comes from, behind the port, that appears in a direction (of any length).
 template <class T, class P>
 SightLine<T> lightBehind(const FlatPort<P>& port, const Vector3<T>& apparent) {
-  using std::sqrt;
-  const Vector3<T> normal = expSO3<T>(Vector3<T>(T(port.tilt_x_rad), T(port.tilt_y_rad), T(0))).col(2);
-  const Vector3<T> sight = apparent.normalized();
-  const auto before = detail::layersBeforeWater<T>(port);
-  // n sin(theta), the same in each layer, along the port.
-  const Vector3<T> along = before[0].index * (sight - sight.dot(normal) * normal);
-  const auto direction = [&](const T& index) {
-    const Vector3<T> lateral = along / index;
-    return Vector3<T>(lateral + sqrt(1.0 - lateral.squaredNorm()) * normal);
-  };
-  SightLine<T> line{Vector3<T>::Zero(), direction(T(kWaterIndex))};
-  for (const auto& layer : before) {
-    const Vector3<T> d = direction(layer.index);
-    line.origin += d * (layer.thickness_m / d.dot(normal));
-  }
+  const Vector3<T> normal = detail::normalOf<T>(port);
+  const Vector3<T> lateral = apparent / apparent.dot(normal) - normal;
+  const detail::PortCrossing<T> crossing = detail::crossingOf<T>(port, T(lateral.squaredNorm()), T(0));
+  const detail::PortCrossing<double> plain = crossing.plain();
+  const double root = detail::solveApparent(plain, 1.0);
+  const T slope = T(root) - (crossing.apparent(T(root)) - 1.0) / plain.apparentBySlope(root);
+
+  SightLine<T> line{Vector3<T>::Zero(), normal + crossing.slopeIn(T(kWaterIndex), slope) * lateral};
+  line.direction.normalize();
+  for (const auto& layer : detail::layersBeforeWater<T>(port))
+    line.origin += (normal + crossing.slopeIn(layer.index, slope) * lateral) * layer.thickness_m;
   return line;
 }
 

@@ -16,7 +16,9 @@ namespace {
 /// What the generator knows nothing of stays as it is.
 bool isMade(std::string_view effect, std::string_view parameter) {
   if (effect == "vignetting") return parameter == "corner_loss";
-  if (effect == "flat-port-refraction") return parameter != "index_error" && parameter != "slab_m";
+  if (effect == "flat-port-refraction")
+    return parameter != "index_error" && parameter != "slab_m" && parameter != "calibration_per_m";
+  if (effect == "lens-distortion") return parameter != "cx_error_px" && parameter != "cy_error_px";
   return true;
 }
 

@@ -101,6 +101,30 @@ TEST(FlatPort, LightBehindItComesFromThePoint) {
   }
 }
 
+/// Calibrated under water through the port, at a range: what is there is seen right ahead, and what is
+/// elsewhere on the same traced light is seen there too.
+TEST(FlatPort, CalibratedThroughItIsRightAtThatRange) {
+  Random random(10);
+  for (int i = 0; i < 1000; ++i) {
+    FlatPort<double> port = randomPort(random);
+    port.index_error = 0;
+    const Vector3d in_lens(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), 1);
+    const LightRay ray = traced(port, in_lens);
+    const double range_m = random.uniform(0.7, 4.0);
+    const Vector3d normal = expSO3<double>(Vector3d(port.tilt_x_rad, port.tilt_y_rad, 0)).col(2);
+    const Vector3d calibrated =
+        ray.origin + (range_m - ray.origin.dot(normal)) / ray.direction.dot(normal) * ray.direction;
+    port.calibration_per_m = 1 / range_m;
+    const Vector3d seen =
+        apparentDirection(port, Vector3d(ray.origin + random.uniform(0.05, 5.0) * ray.direction))
+            .normalized();
+    EXPECT_LT((seen - calibrated.normalized()).norm(), kPortDirection);
+    const SightLine<double> line = lightBehind(port, calibrated);
+    EXPECT_LT((line.origin - ray.origin).norm(), kPortDirection);
+    EXPECT_LT((line.direction - ray.direction).norm(), kPortDirection);
+  }
+}
+
 /// An aquarium's window some way off bends nothing as long as there is air behind it.
 TEST(FlatPort, AWindowByItselfIsNoPort) {
   FlatPort<double> port{true, 0, 0, radians(4), radians(-7), 0, 0};
