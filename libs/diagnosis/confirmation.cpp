@@ -10,12 +10,20 @@
 namespace fathom {
 namespace {
 
-/// Of a fit's effects that act on the same kind of readings as one of them.
-std::size_t largestOfItsKind(const Refit& fit, std::size_t effect) {
-  const auto kindOf = [&](std::size_t i) { return allEffects()[fit.effects[i].effect].text.channel; };
+/// Whether what one effect is wrong by would show in readings of the other's kind. Corners are found in the
+/// light of the images: what comes and goes in them may be an error of that.
+bool mayErrAs(const Candidate& larger, const Candidate& effect) {
+  const EffectChannel its = allEffects()[larger.effect].text.channel,
+                      own = allEffects()[effect.effect].text.channel;
+  return its == own || (its == EffectChannel::image && own == EffectChannel::marker_geometry &&
+                        effect.active_s.to_s < Interval::kForever_s);
+}
+
+/// The largest of a fit's effects whose error one of them may be; itself, where that is none.
+std::size_t largestThatErrsAs(const Refit& fit, std::size_t effect) {
   std::size_t largest = effect;
   for (std::size_t i = 0; i < fit.effects.size(); ++i)
-    if (kindOf(i) == kindOf(effect) &&
+    if (mayErrAs(fit.effects[i], fit.effects[effect]) &&
         sqrtLambda(fit, fit.effects[i].effect) > sqrtLambda(fit, fit.effects[largest].effect))
       largest = i;
   return largest;
@@ -43,7 +51,7 @@ bool isConfirmed(const Refit& fit, std::size_t effect, const HeldOutGain& held, 
 /// Why an effect is not named though it fits; empty where it is.
 std::string whyNot(const Refit& fit, std::size_t effect, const HeldOutGain& held, Fits& fits) {
   if (!isConfirmed(fit, effect, held, fits)) return "not stretches that it was not fitted to";
-  const std::size_t larger = largestOfItsKind(fit, effect);
+  const std::size_t larger = largestThatErrsAs(fit, effect);
   const double share =
       sqrtLambda(fit, fit.effects[effect].effect) / sqrtLambda(fit, fit.effects[larger].effect);
   if (share >= kModelError) return "";

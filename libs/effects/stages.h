@@ -148,6 +148,12 @@ struct SceneLight {
   T asymmetry = T(0);  ///< by Henyey and Greenstein: mean cosine of the angle by which it is scattered
 };
 
+/// Where a line of sight runs: in odom axes, from where the map has the first panel.
+template <class T>
+struct SightInScene {
+  Vector3<T> camera_m = Vector3<T>::Zero(), direction = Vector3<T>::Zero();  ///< unit length; zero: unknown
+};
+
 /// One pixel's light on its way from the scene to the camera. A depth is optical: attenuation times way, one
 /// a colour channel (red, green, blue). Both start as the base model has them, attenuation times z.
 template <class T>
@@ -158,6 +164,7 @@ struct WaterRay {
   Vector3<T> signal_depth = Vector3<T>::Zero();  ///< through which the scene's light comes
   Vector3<T> veil_depth = Vector3<T>::Zero();    ///< which builds up the veil
   Vector3<T> bends = Vector3<T>::Zero();  ///< of signal_depth, what only bends: see imaging/forward_scatter.h
+  SightInScene<T> sight{};                ///< context
 };
 
 /// Flakes between the camera and the scene, strewn evenly. See imaging/marine_snow.h.

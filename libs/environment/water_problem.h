@@ -38,8 +38,9 @@ class PatchModel {
     const SceneLight<T> shining = sceneLightOn<T>(patch, effects, patch.t_s);
     PatchUnderLamps<T> under_lamps;
     if (effects.isActive(kEffectIndex<Lamp>, patch.t_s)) under_lamps = lampsOn<T>(patch, water, shining);
-    return predictPatchLight<T>(patch, T(patch.z_m), T(patch.range_m), shining, under_lamps, water, effects,
-                                patch.t_s);
+    return predictPatchLight<T>(
+        patch, T(patch.z_m), T(patch.range_m), shining, under_lamps, water, effects, patch.t_s,
+        {patch.sight.camera_m.template cast<T>(), patch.sight.direction.template cast<T>()});
   }
 
   /// What the patch should read. Where no effect is on the camera's response it is the light itself, be it

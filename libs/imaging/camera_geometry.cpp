@@ -10,14 +10,17 @@ CameraProjector<double>::RowSought CameraProjector<double>::rowOf(const Vector3d
   for (int i = 0; i < 20; ++i) {
     const Slope seen = rowSeen(point, Slope(row, 0));
     const double step = (seen.a - row) / (1.0 - seen.v[0]);
-    if (std::abs(step) < 1e-11 * (1.0 + std::abs(row))) return {row, seen.v[0]};
     row = std::clamp(row + step, -height_px, 2.0 * height_px);
+    if (std::abs(step) < 1e-11 * (1.0 + std::abs(row))) return {row, seen.v[0]};
   }
   return {row, std::nullopt};
 }
 
+namespace {
+constexpr double kSteepest = 50;  // tan(theta_air)
+}
+
 double detail::solveSlope(const PortCrossing<double>& port) {
-  constexpr double kSteepest = 50;  // tan(theta_air)
   double slope = 0;
   for (int i = 0; i < 100; ++i) {
     const double step = -port.miss(slope) / port.missBySlope(slope);
@@ -31,11 +34,15 @@ double detail::solveSlope(const PortCrossing<double>& port) {
 
 double detail::solveApparent(const PortCrossing<double>& port, double apparent) {
   const double n2 = port.layers[0].index * port.layers[0].index;
-  double slope = apparent * std::sqrt(n2 / (1 + (1 - n2) * apparent * apparent * port.lateral_squared));
+  const double steepest = kSteepest / std::sqrt(port.lateral_squared);
+  const double square = n2 / (1 + (1 - n2) * apparent * apparent * port.lateral_squared);
+  if (!(square > 0 && square < steepest * steepest)) return steepest;
+  double slope = apparent * std::sqrt(square);
   for (int i = 0; port.calibration_per_m != 0 && i < 20; ++i) {
     const double step = (apparent - port.apparent(slope)) / port.apparentBySlope(slope);
     slope += step;
-    if (!(std::abs(step) > 1e-15 * slope)) break;
+    if (!(slope < steepest)) return steepest;
+    if (std::abs(step) <= 1e-15 * slope) break;
   }
   return slope;
 }

@@ -88,20 +88,28 @@ struct PortCrossing {
     return asCalibrated([&](const T& index) { return slopeInBySlope(index, slope); });
   }
   /// In the medium that the intrinsics contain and, where they were found through this port at a range of
-  /// 1 / calibration_per_m, what the light is off sideways there.
+  /// 1 / calibration_per_m, what the light is off sideways there. A slab of water is not the camera's own.
   template <class SlopeIn>
   T asCalibrated(const SlopeIn& slope_in) const {
     const T nominal = slope_in(layers[0].index);
-    T aside_m(0);
-    for (std::size_t i = 1; i + 1 < layers.size(); ++i)
-      aside_m += (slope_in(layers[i].index) - nominal) * layers[i].thickness_m;
-    return nominal + calibration_per_m * aside_m;
+    const auto aside_m = [&](const PortLayer<T>& own) {
+      return T((slope_in(own.index) - nominal) * own.thickness_m);
+    };
+    return nominal + calibration_per_m * (aside_m(layers[1]) + aside_m(layers[2]));
   }
 };
 
 /// Newton's method from 0. miss() is concave and grows, so it comes up to the root and never beyond. A point
 /// that no light reaches the camera from (beyond the critical angle) is seen along the port.
 double solveSlope(const PortCrossing<double>& port);
+
+/// One Newton step in T, which gives a root its derivatives (implicit function). What is no root, beyond the
+/// critical angle, has none.
+template <class T>
+T withDerivatives(double root, const T& miss, double by_root) {
+  constexpr double kMissed = 1e-6;
+  return std::abs(valueOf(miss)) > kMissed ? T(root) : T(root) - miss / by_root;
+}
 
 template <class T, class P>
 Vector3<T> normalOf(const FlatPort<P>& port) {
@@ -117,15 +125,15 @@ PortCrossing<T> crossingOf(const FlatPort<P>& port, const T& lateral_squared, co
           T(port.calibration_per_m)};
 }
 
-/// Newton's method for the light that is taken for this slope, from where a calibration far away has it.
+/// Newton's method for the light that is taken for this slope, from where a calibration far away has it. What
+/// no light is taken for is light along the port.
 double solveApparent(const PortCrossing<double>& port, double apparent);
 
 }  // namespace detail
 
 /// The direction (of any length, camera frame) in which a camera with the nominal intrinsics would have to
 /// look straight at a point to see it where it appears through the port. Parameters of the port may be
-/// constants among the point's Jets. Differentiable by the implicit function: solved in double, then one
-/// Newton step in T.
+/// constants among the point's Jets.
 template <class T, class P>
 Vector3<T> apparentDirection(const FlatPort<P>& port, const Vector3<T>& point_camera) {
   const Vector3<T> normal = detail::normalOf<T>(port);
@@ -139,7 +147,7 @@ Vector3<T> apparentDirection(const FlatPort<P>& port, const Vector3<T>& point_ca
   const detail::PortCrossing<T> crossing = detail::crossingOf<T>(port, T(lateral.squaredNorm()), water_m);
   const detail::PortCrossing<double> plain = crossing.plain();
   const double root = detail::solveSlope(plain);
-  const T slope = T(root) - crossing.miss(T(root)) / plain.missBySlope(root);
+  const T slope = detail::withDerivatives(root, crossing.miss(T(root)), plain.missBySlope(root));
 
   return normal + crossing.apparent(slope) * lateral;
 }
@@ -157,7 +165,8 @@ SightLine<T> lightBehind(const FlatPort<P>& port, const Vector3<T>& apparent) {
   const detail::PortCrossing<T> crossing = detail::crossingOf<T>(port, T(lateral.squaredNorm()), T(0));
   const detail::PortCrossing<double> plain = crossing.plain();
   const double root = detail::solveApparent(plain, 1.0);
-  const T slope = T(root) - (crossing.apparent(T(root)) - 1.0) / plain.apparentBySlope(root);
+  const T slope =
+      detail::withDerivatives(root, T(crossing.apparent(T(root)) - 1.0), plain.apparentBySlope(root));
 
   SightLine<T> line{Vector3<T>::Zero(), normal + crossing.slopeIn(T(kWaterIndex), slope) * lateral};
   line.direction.normalize();

@@ -213,8 +213,11 @@ cv::Mat ImageModel::lightWithEffects(const cv::Mat& radiance, const cv::Mat& ran
       for (std::size_t i = 0; i < kBends.size(); ++i)
         scene.around.col(static_cast<Eigen::Index>(i)) = at(soft[i], v, u);
       const double range = range_m.at<float>(v, u);
-      const Vector3d light =
-          predictLight<double>(scene, range * z_per_range_.at<float>(v, u), range, water_, effects_, t_s);
+      SightInScene<double> sight;
+      if (T_scene_camera_)
+        sight = {T_scene_camera_->position, T_scene_camera_->rotation * at(rays_, v, u).normalized()};
+      const Vector3d light = predictLight<double>(scene, range * z_per_range_.at<float>(v, u), range, water_,
+                                                  effects_, t_s, sight);
       result.at<cv::Vec3f>(v, u) = cv::Vec3d(light[0], light[1], light[2]);
     }
   return result;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "core/random.h"
@@ -22,11 +23,12 @@ namespace fathom {
 /// stamp, since the recording's first entry.
 template <class T>
 Vector3<T> predictLight(const SceneRadiance<T>& scene, const T& z_m, const T& range_m,
-                        const WaterColumn<T>& water, const EffectParameters<T>& effects, double t_s = 0) {
+                        const WaterColumn<T>& water, const EffectParameters<T>& effects, double t_s = 0,
+                        const SightInScene<T>& sight = {}) {
   using std::exp, std::isfinite;
   if (!isfinite(z_m)) return water.veil;
   const Vector3<T> depth = water.attenuation_per_m * z_m;
-  WaterRay<T> ray{t_s, z_m, range_m, depth, depth, Vector3<T>::Zero()};
+  WaterRay<T> ray{t_s, z_m, range_m, depth, depth, Vector3<T>::Zero(), sight};
   applyEffects(effects, t_s, ray);
   Vector3<T> light;
   for (int c = 0; c < 3; ++c) {
@@ -102,6 +104,13 @@ class ImageModel {
     return other;
   }
 
+  /// The same camera at another place, from where the map has the first panel, in odom axes; cheap.
+  ImageModel at(const Pose& T_scene_camera) const {
+    ImageModel other = *this;
+    other.T_scene_camera_ = T_scene_camera;
+    return other;
+  }
+
   /// The same camera with other effects; cheap.
   ImageModel with(const EffectParameters<double>& effects) const {
     ImageModel other = *this;
@@ -131,6 +140,7 @@ class ImageModel {
   CameraSheet sheet_;
   Water water_;
   EffectParameters<double> effects_;
+  std::optional<Pose> T_scene_camera_;
   cv::Mat rays_;         ///< raysOf() the camera
   cv::Mat z_per_range_;  ///< their third components
 };

@@ -23,6 +23,7 @@ struct PatchSurface {
   Surroundings<double> albedo_around = Surroundings<double>::Zero();
   double image_radius = 0;                               ///< see PixelResponse
   Eigen::Vector2d at_panel_m = Eigen::Vector2d::Zero();  ///< see SceneLight
+  Vector3d scene_odom = Vector3d::Zero();                ///< see SightInScene: where it has its origin
   double response_gamma = 1;  ///< by which its radiance was made of the image's numbers
 };
 
@@ -104,13 +105,15 @@ PatchUnderLamps<T> underLamps(const PatchOnRobot<T>& patch, const std::vector<La
 template <class T>
 Vector3<T> predictPatchLight(const PatchSurface& patch, const T& z_m, const T& range_m,
                              const SceneLight<T>& shining, const PatchUnderLamps<T>& under_lamps,
-                             const Vector9<T>& water, const EffectParameters<T>& effects, double t_s) {
+                             const Vector9<T>& water, const EffectParameters<T>& effects, double t_s,
+                             const SightInScene<T>& sight) {
   const WaterColumn<T> column{water.template head<3>(), water.template segment<3>(3)};
   const Vector3<T> irradiance =
       shining.daylight * water.template tail<3>() + shining.lamps * under_lamps.irradiance;
   const SceneRadiance<T> scene(irradiance.asDiagonal() * patch.albedo.cast<T>(),
                                irradiance.asDiagonal() * patch.albedo_around.cast<T>());
-  return predictLight<T>(scene, z_m, range_m, column, effects, t_s) + shining.lamps * under_lamps.in_water;
+  return predictLight<T>(scene, z_m, range_m, column, effects, t_s, sight) +
+         shining.lamps * under_lamps.in_water;
 }
 
 /// The radiance that the camera's numbers then stand for, by its data sheet; `gain` as in PixelResponse.
@@ -152,8 +155,11 @@ Vector3<T> predictPatch(const KinematicState<T>& state, PanelPlacement<T> panel,
       place.around_robot[i] = panel_robot + R_robot_panel * patch.around_panel[i].template cast<T>();
     under_lamps = underLamps<T>(place, lamps, mount, water, shining);
   }
+  const SightInScene<T> sight{
+      state.position_odom + state.R_odom_robot * mount.position_robot - patch.scene_odom.template cast<T>(),
+      state.R_odom_robot * (from_camera_robot / range_m)};
   const Vector3<T> light =
-      predictPatchLight<T>(patch, z_m, range_m, shining, under_lamps, water, effects, t_s);
+      predictPatchLight<T>(patch, z_m, range_m, shining, under_lamps, water, effects, t_s, sight);
   return predictPatchReading<T>(light, patch, effects, t_s);
 }
 
@@ -161,7 +167,7 @@ Vector3<T> predictPatch(const KinematicState<T>& state, PanelPlacement<T> panel,
 extern template Vector3<double> predictPatchLight(const PatchSurface&, const double&, const double&,
                                                   const SceneLight<double>&, const PatchUnderLamps<double>&,
                                                   const Vector9<double>&, const EffectParameters<double>&,
-                                                  double);
+                                                  double, const SightInScene<double>&);
 extern template Vector3<double> predictPatch(const KinematicState<double>&, PanelPlacement<double>,
                                              const ImagePatch&, const std::vector<LampSheet>&,
                                              const Vector9<double>&, const EffectParameters<double>&, double);

@@ -154,6 +154,7 @@ ImagePatch patchOf(const Patch& plain, ImagePatch::Surface surface, const PosedI
   patch.point_panel = T_panel_camera * pointOf(plain, camera);
   patch.around_panel = placesAround(plain, camera, T_panel_camera);
   if (surface != ImagePatch::Surface::water) patch.at_panel_m = middleOnPanel_m(patch.around_panel);
+  patch.scene_odom = panels.front().T_odom_panel.position;
   patch.albedo = plain.albedo;
   patch.albedo_around = plain.albedo_around;
   patch.pixel = plain.pixel;

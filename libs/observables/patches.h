@@ -31,6 +31,7 @@ struct Patch : PatchSurface {
   /// black up to its noise.
   Vector3d sigma = Vector3d::Constant(std::numeric_limits<double>::infinity());
   PatchOnRobot<double> on_robot{};  ///< where lamps shine: its place before them
+  SightInScene<double> sight{};     ///< to its middle
   Pose T_robot_camera;              ///< likewise: where the camera truly is
 };
 

@@ -242,7 +242,10 @@ void CameraStudio::addSnow(const Environment& environment, const CameraShot& sho
 /// Of a lit view: radiance at the scene to light at the camera.
 cv::Mat CameraStudio::throughWater(const Environment& environment, const CameraShot& shot,
                                    const View& view) const {
-  const ImageModel model = eyeOf(shot.camera.lens).model.in(environment.water).with(effectsOn(shot));
+  Pose T_scene_camera = shot.T_odom_camera();
+  if (!world_.panels.empty()) T_scene_camera.position -= world_.panels.front().T_odom_panel.position;
+  const ImageModel model =
+      eyeOf(shot.camera.lens).model.in(environment.water).with(effectsOn(shot)).at(T_scene_camera);
   cv::Mat light = model.light(view.radiance, view.range_m, shot.t_s);
   if (const SceneLight<double> shining = sceneLight(shot); shining.lamps > 0)
     light += shining.lamps * shining.scattered *

@@ -18,6 +18,7 @@ bool isMade(std::string_view effect, std::string_view parameter) {
   if (effect == "vignetting") return parameter == "corner_loss";
   if (effect == "flat-port-refraction")
     return parameter != "index_error" && parameter != "slab_m" && parameter != "calibration_per_m";
+  if (effect == "turbidity-plume") return parameter != "per_m" && parameter != "middle";
   if (effect == "lens-distortion") return parameter != "cx_error_px" && parameter != "cy_error_px";
   return true;
 }

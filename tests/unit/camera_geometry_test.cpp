@@ -246,6 +246,11 @@ TEST(FlatPort, HoldsOnItsNormalAndBeyondWhatCanBeSeen) {
   EXPECT_TRUE(beyond.allFinite());
   EXPECT_GT(beyond.z(), 0);
   EXPECT_GT(beyond.x(), 0.99);
+  const FlatPort<double> calibrated_in_water{true, 0, 0, 0, 0, 0, 0};
+  for (const double tangent : {1.1, 1.2, 3.0}) {
+    const SightLine<double> line = lightBehind(calibrated_in_water, Vector3d(tangent, 0, 1));
+    EXPECT_TRUE(line.origin.allFinite() && line.direction.allFinite()) << tangent;
+  }
 }
 
 /// The figure of the literature: a port 20 mm before a camera calibrated under water acts like the camera

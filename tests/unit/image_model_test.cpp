@@ -150,6 +150,39 @@ TEST(ImageModel, APlumeIsMoreTurbidWaterForAWhile) {
   EXPECT_GT(differs(31, peak), 0.01);
 }
 
+// A cloud that drifts past in space: what it takes of the light is marched along the line of sight, step by
+// step.
+TEST(ImageModel, ACloudInSpaceTakesWhatIsOnTheWayThroughIt) {
+  Random random(12);
+  const WaterColumn<double> water{Vector3d::Constant(0.1), Vector3d::Zero()};
+  for (int i = 0; i < 200; ++i) {
+    const double size_m = random.uniform(0.3, 3), speed_m_s = random.uniform(0.02, 0.3), peak_per_m = 0.4;
+    const double heading = random.uniform(-3, 3), peak_s = 30, t_s = random.uniform(20, 40);
+    const Vector3d drift = speed_m_s * Vector3d(std::cos(heading), std::sin(heading), 0);
+    const Vector3d across = Vector3d::UnitZ().cross(drift.normalized());
+    const double across_m = random.uniform(-2, 2), up_m = random.uniform(-2, 2);
+    const Vector3d middle = across_m * across + up_m * Vector3d::UnitZ() + (t_s - peak_s) * drift;
+
+    const SightInScene<double> sight{random.normals(3, 1), Vector3d(random.normals(3, 1)).normalized()};
+    const double range_m = random.uniform(0.5, 6), z_m = random.uniform(0.8, 1) * range_m;
+    constexpr int kSteps = 4000;
+    double way_m = 0;  // as much at the cloud's middle takes as much
+    for (int step = 0; step < kSteps; ++step) {
+      const Vector3d there = sight.camera_m + (step + 0.5) / kSteps * range_m * sight.direction;
+      way_m += range_m / kSteps * std::exp(-0.5 * (there - middle).squaredNorm() / (size_m * size_m));
+    }
+    const double depth = 0.1 * z_m + peak_per_m * way_m * z_m / range_m;
+
+    EffectParameters<double> plume;
+    const Vector3d per_m = drift.normalized() / size_m;
+    plume.add<TurbidityPlume>({peak_per_m, peak_s, std::log(size_m / speed_m_s / 10), per_m.x(), per_m.y(),
+                               across_m / size_m, up_m / size_m});
+    const Vector3d light =
+        predictLight<double>(Vector3d::Ones().eval(), z_m, range_m, water, plume, t_s, sight);
+    EXPECT_NEAR(-std::log(light[1]), depth, 1e-6);  // steps of 1e-3 sizes: their square
+  }
+}
+
 TEST(ImageModel, NumbersFollowTheResponse) {
   CameraSheet sheet = sheetOf(16, 12);
   const ImageModel linear(sheet, kTurbid);

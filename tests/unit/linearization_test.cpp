@@ -203,9 +203,9 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
     EXPECT_LT((found - expected).norm(), 1e-4 * expected.norm() + 1e-7) << column.name;
     if (expected.norm() > 1e-3) ++columns_seen;
   }
-  // Without a peak it does not matter when it is, and how wide; a lamp that is off scatters nothing; through
-  // a port without thickness the camera is calibrated alike at any range; there is no compass.
-  EXPECT_EQ(columns_seen + 7 + parameterSize<HeadingDisturbance>(), linear.columns.size());
+  // Without a peak it does not matter when it is, how wide and where; a lamp that is off scatters nothing;
+  // through a port without thickness the camera is calibrated alike at any range; there is no compass.
+  EXPECT_EQ(columns_seen + 11 + parameterSize<HeadingDisturbance>(), linear.columns.size());
 }
 
 TEST(Linearization, RowsSayWhatTheyAre) {
