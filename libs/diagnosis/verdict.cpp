@@ -42,7 +42,10 @@ std::string sentence(const FoundEffect& found) {
 void remarkOnAllowance(Diagnosis& diagnosis) {
   if (!diagnosis.allowed) return;
   const auto& [most, budget, tight] = *diagnosis.allowed;
-  const std::string sizes = textOf(most.one_step, allEffects()[most.candidate.effect]);
+  std::vector<EffectEstimate> known = most.one_step;  // better than before
+  std::erase_if(known,
+                [](const EffectEstimate& one) { return one.sigma > parameterOf(one.scalar).prior_sigma; });
+  const std::string sizes = textOf(known, allEffects()[most.candidate.effect]);
   diagnosis.remarks.push_back(nameOf(most.candidate) + (sizes.empty() ? "" : " (" + sizes + ")") +
                               " is within what the budget `" + budget + "` allows for; under `" + tight +
                               "` it would be looked into");

@@ -88,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(
                     "{id: ins-latency, latency_s: 0.03}", "{id: pressure-density, density_error_kg_m3: 15}",
                     "{id: camera-latency, latency_s: 0.06}", "{id: rolling-shutter, readout_s: 0.03}",
                     "{id: camera-misalignment, rotation_deg: [1, -0.5, 0.7]}",
-                    "{id: flat-port-refraction, distance_m: 0.03, glass_m: 0.01, tilt_deg: 1, tilt_y_deg: 0}",
+                    "{id: flat-port-refraction, distance_m: 0.05, glass_m: 0.01, tilt_deg: 1, tilt_y_deg: 0}",
                     "{id: marker-moved, marker_id: 5, offset_m: [0.012, -0.008, 0], rotation_deg: 1.5},"
                     "{id: dvl-lever-arm, offset_m: [0.15, 0, 0]}",
                     "{id: panel-moved, time_s: 12.5, offset_m: [0.05, 0, 0], rotation_deg: [0, 3, 0]}"));
