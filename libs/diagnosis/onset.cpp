@@ -30,6 +30,13 @@ bool isInOrder(const Interval& interval) {
   return true;
 }
 
+/// Whether there are readings of each of its parts.
+bool isSeen(const Interval& interval, const Interval& span) {
+  for (const auto& [from_s, to_s] : interval.parts())
+    if (to_s <= span.from_s || from_s >= span.to_s) return false;
+  return true;
+}
+
 /// With one more pause; nothing where it has as many as it can, or they would overlap.
 std::optional<Interval> withPause(Interval interval, double from_s, double to_s) {
   const auto free = std::find_if(interval.pauses.begin(), interval.pauses.end(),
@@ -65,7 +72,8 @@ Candidate refinedInterval(const WhitenedModel& model, Candidate candidate, doubl
         *edgesOf(tried.back())[edge] += 0.5 * k * step_s;
         const Candidate& last = tried.back();
         const bool is_outside = last.time_s && !(*last.time_s > span.from_s && *last.time_s < span.to_s);
-        if (is_outside || !isInOrder(last.active_s) || (last.peak && last.peak->width_s <= 0))
+        if (is_outside || !isInOrder(last.active_s) || !isSeen(last.active_s, span) ||
+            (last.peak && last.peak->width_s <= 0))
           tried.pop_back();
       }
       const std::vector<double> evidence = evidencesOf(model, tried);

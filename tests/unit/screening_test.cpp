@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/random.h"
+#include "diagnosis/onset.h"
 #include "effects/catalogue.h"
 #include "support/linear_run.h"
 #include "support/sanitized.h"
@@ -39,6 +40,20 @@ TEST(Screening, FindsTheTimeAtWhichAnEffectIsThere) {
   ASSERT_TRUE(part);
   EXPECT_NEAR(part->from_s, kOdd.from_s, 0.5 * kSegment_s);
   EXPECT_NEAR(part->to_s, kOdd.to_s, 0.5 * kSegment_s);
+}
+
+// The first of two parts says nothing: it gets shorter, but does not end before the recording begins.
+TEST(Onset, KeepsNoPartWithoutReadings) {
+  const WhitenedModel model = oddRun();
+  Candidate parts{kEffectIndex<DvlScale>, {}, {}, {}, {}};
+  parts.active_s.to_s = 5.5;
+  parts.active_s.pauses[0] = {0.6, 4.5};
+  const Interval found = refinedInterval(model, parts, 1.0).active_s, span = readingsSpan(model.linear());
+  ASSERT_EQ(found.parts().size(), 2U);
+  EXPECT_GT(found.parts()[0][1], span.from_s);
+  EXPECT_LT(found.parts()[0][1], 0.6);
+  EXPECT_NEAR(found.parts()[1][0], kOdd.from_s, 0.2);  // between two readings of the DVL
+  EXPECT_NEAR(found.parts()[1][1], kOdd.to_s, 0.2);
 }
 
 TEST(Screening, TriesNoPartThatNoStretchIsLeftToFit) {
