@@ -128,7 +128,8 @@ std::vector<Refit> Course::contenders(const Screening& screening, std::size_t si
 
 bool Course::addsTo(const Refit& present, const Refit& better) const {
   return better.effects != present.effects &&
-         fits_.logOdds(better) >= fits_.logOdds(present) + fits_.threshold();
+         fits_.logOdds(better) >=
+             fits_.logOdds(present) + (present.effects.empty() ? fits_.threshold() : fits_.thresholdBeside());
 }
 
 void Course::attribute() {

@@ -179,6 +179,8 @@ Refit Fits::lastingWhereBetter(Refit fit) {
   return fit;
 }
 
+double Fits::thresholdBeside() const { return std::max(threshold_, kExcluded); }
+
 Refit Fits::onlyNeeded(Refit fit) {
   for (std::size_t i = 0; fit.effects.size() > 1 && i < fit.effects.size();) {
     if (sqrtLambda(fit, fit.effects[i].effect) > kPlainlyNeeded) {
@@ -186,7 +188,7 @@ Refit Fits::onlyNeeded(Refit fit) {
       continue;
     }
     Refit less = without(fit, i);
-    if (!less.succeeded || logOdds(fit) >= logOdds(less) + threshold_) {
+    if (!less.succeeded || logOdds(fit) >= logOdds(less) + thresholdBeside()) {
       ++i;
       continue;
     }

@@ -48,6 +48,8 @@ class Fits {
   std::optional<Refit> bestOf(std::vector<Refit> all) const;
   /// What an effect has to add to the log odds to be named.
   double threshold() const { return threshold_; }
+  /// The same, of one that comes beside others.
+  double thresholdBeside() const;
   /// Of each: intervals and times to a fraction of a segment, and whether what seems lasting was on for a
   /// part only.
   std::vector<Refit> settled(std::vector<Refit> all);
