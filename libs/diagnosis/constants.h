@@ -36,8 +36,8 @@ inline constexpr double kEvenOdds = 0;
 
 // What else it could be.
 
-/// ln of odds beyond which a rival is excluded, or one more effect is named. Derived: what is stated holds 95
-/// % of the mass, ln 19.
+/// ln of odds beyond which a rival is excluded, or one more effect is named. Derived: what is stated holds
+/// 95 % of the mass, ln 19.
 inline constexpr double kExcluded = 2.94;
 /// lambda (1 - |c|), below which two effects cannot be told apart. Derived: what one in a hundred recordings
 /// is off by (discrepancy.md).

@@ -23,7 +23,6 @@ struct PatchSurface {
   Surroundings<double> albedo_around = Surroundings<double>::Zero();
   double image_radius = 0;                               ///< see PixelResponse
   Eigen::Vector2d at_panel_m = Eigen::Vector2d::Zero();  ///< see SceneLight
-  Vector3d scene_odom = Vector3d::Zero();                ///< see SightInScene: where it has its origin
   double response_gamma = 1;  ///< by which its radiance was made of the image's numbers
 };
 
@@ -49,7 +48,8 @@ struct ImagePatch : PatchSurface {
   Vector3d radiance = Vector3d::Zero();      ///< mean, as the camera read it
   /// Of that mean. Infinite for a colour that does not count: saturated, or black up to its noise.
   Vector3d sigma = Vector3d::Constant(std::numeric_limits<double>::infinity());
-  Pose T_robot_camera;  ///< nominal mounting of this very eye
+  Pose T_robot_camera;                     ///< nominal mounting of this very eye
+  Vector3d scene_odom = Vector3d::Zero();  ///< where SightInScene has its origin
 
   /// Those that count: 0 red, 1 green, 2 blue.
   std::vector<int> colours() const {

@@ -44,9 +44,8 @@ void place(const PosedImage& posed, const std::vector<PanelMap>& panels, Patch& 
   patch.on_robot.around_robot = placesAround(patch, posed.camera.lens, T_panel_camera);
   patch.at_panel_m = middleOnPanel_m(patch.on_robot.around_robot);
   for (Vector3d& point : patch.on_robot.around_robot) point = T_robot_panel * point;
-  patch.scene_odom = panels.front().T_odom_panel.position;
   const Pose T_odom_camera = posed.T_odom_camera();
-  patch.sight = {T_odom_camera.position - patch.scene_odom,
+  patch.sight = {T_odom_camera.position - panels.front().T_odom_panel.position,
                  T_odom_camera.rotation * posed.camera.lens.rayAt(patch.pixel)};
   patch.on_robot.normal_robot = T_robot_panel.rotation.col(2);
 }
