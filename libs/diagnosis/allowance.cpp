@@ -26,12 +26,11 @@ Eigen::MatrixXd allowanceOf(const Eigen::SparseMatrix<double>& columns,
 }
 
 std::vector<Eigen::MatrixXd> allowancesOf(const WhitenedModel& model, const std::vector<Candidate>& lasting) {
-  const HeldColumns budget = budgetColumns(model.linear(), model.noise().declared());
-  const Eigen::SparseMatrix<double> whitened = model.whitened(budget.columns);
+  const HeldColumns budget = heldBy(model.whitenedBudget(), model.noise().declared());
   std::vector<Eigen::MatrixXd> all;
   for (const Candidate& candidate : lasting)
-    all.push_back(allowanceOf(model.whitened(columnsOf(model.linear(), {candidate})), whitened, budget.sigma,
-                              priorSigmas(model.linear(), {candidate})));
+    all.push_back(allowanceOf(model.whitened(columnsOf(model.linear(), {candidate})), budget.columns,
+                              budget.sigma, priorSigmas(model.linear(), {candidate})));
   return all;
 }
 

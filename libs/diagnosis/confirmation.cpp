@@ -10,15 +10,6 @@
 namespace fathom {
 namespace {
 
-/// Whether what one effect is wrong by would show in readings of the other's kind. Corners are found in the
-/// light of the images: what comes and goes in them may be an error of that.
-bool mayErrAs(const Candidate& larger, const Candidate& effect) {
-  const EffectChannel its = allEffects()[larger.effect].text.channel,
-                      own = allEffects()[effect.effect].text.channel;
-  return its == own || (its == EffectChannel::image && own == EffectChannel::marker_geometry &&
-                        effect.active_s.to_s < Interval::kForever_s);
-}
-
 /// The largest of a fit's effects whose error one of them may be; itself, where that is none.
 std::size_t largestThatErrsAs(const Refit& fit, std::size_t effect) {
   std::size_t largest = effect;
@@ -79,6 +70,13 @@ std::set<std::size_t> unconfirmedOf(const Refit& fit, const Confirmation& by) {
 }
 
 }  // namespace
+
+bool mayErrAs(const Candidate& larger, const Candidate& effect) {
+  const EffectChannel its = allEffects()[larger.effect].text.channel,
+                      own = allEffects()[effect.effect].text.channel;
+  return its == own || (its == EffectChannel::image && own == EffectChannel::marker_geometry &&
+                        effect.active_s.to_s < Interval::kForever_s);
+}
 
 HeldOutResult heldOut(const Fits& fits, const Refit& fit, const HeldOutOptions& options) {
   NoiseModel noise = fits.noise();

@@ -9,6 +9,10 @@
 /// Is what fits to be named?
 namespace fathom {
 
+/// Whether what one effect is wrong by would show in readings of the other's kind. Corners are found in the
+/// light of the images: what comes and goes in them may be an error of that.
+bool mayErrAs(const Candidate& larger, const Candidate& effect);
+
 /// How a fit does where it was not fitted.
 HeldOutResult heldOut(const Fits& fits, const Refit& fit, const HeldOutOptions& options);
 

@@ -28,8 +28,6 @@ double mostLikely(const Screening& screening) {
   return most;
 }
 
-double probabilityOf(double log_odds) { return 0.5 * (1 + std::tanh(0.5 * log_odds)); }
-
 /// The course of a diagnosis.
 class Course {
  public:
@@ -86,7 +84,7 @@ class Course {
   Fits fits_;
   Refit final_;
   LeftOut left_out_;
-  std::vector<double> confidence_;  // of each effect in the final model
+  std::vector<double> rivals_odds_;  // of each effect in the final model: its own and its rivals', against it
   Diagnosis diagnosis_;
 };
 
@@ -195,7 +193,7 @@ void Course::noteScreening(const Screening& screening) {
 
 /// Other effects in each one's place that are as good; one that is better takes it.
 void Course::lookForAlternatives() {
-  confidence_.assign(final_.effects.size(), probabilityOf(fits_.logOdds(final_)));
+  rivals_odds_.assign(final_.effects.size(), 1);
   fits_.makeWithoutEach(final_);
   for (std::size_t i = 0; i < final_.effects.size();) {
     InItsPlace others = othersInPlaceOf(i, final_, fits_, left_out_);
@@ -204,7 +202,7 @@ void Course::lookForAlternatives() {
       final_.model = modelOf(data_, final_);
       continue;
     }
-    confidence_[i] /= others.odds;
+    rivals_odds_[i] = others.odds;
     if (others.set) diagnosis_.alternatives.push_back(std::move(*others.set));
     ++i;
   }
@@ -316,13 +314,15 @@ FoundEffect Course::describe(std::size_t effect) {
   if (found.candidate.peak)
     found.candidate.peak = peakOf(final_.estimate.state.effects, found.candidate.effect);
   found.sqrt_lambda = sqrtLambda(final_, found.candidate.effect);
-  found.confidence = confidence_[effect];
   const Refit rest = fits_.without(final_, effect);
+  found.log_odds = fits_.logOdds(final_);
   if (rest.succeeded) {
-    found.log_odds = fits_.logOdds(final_) - fits_.logOdds(rest);
+    found.log_odds -= fits_.logOdds(rest);
     found.log_likelihood_gain = fits_.gainOf(final_) - fits_.gainOf(rest);
     found.bic_gain = 2 * found.log_likelihood_gain;
   }
+  found.confidence = 1 / (rivals_odds_[effect] + oddsAgainst(found.log_odds) +
+                          (final_.effects.size() > 1 ? oddsAgainst(fits_.logOdds(final_)) : 0));
   found.interactions = interactionTests(final_, found.candidate);
   return found;
 }

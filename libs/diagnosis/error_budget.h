@@ -15,6 +15,8 @@ struct SmoothField {
   std::vector<std::string> over;  ///< names of covariate.h: "image x", "brightness", …
   /// Of correlation, one for each, in the unit that is printed; in the image in focal lengths.
   std::vector<double> length;
+
+  bool operator==(const SmoothField&) const = default;
 };
 
 /// One way in which readings are off, whose sigma is known to a factor.
@@ -34,6 +36,7 @@ struct VarianceComponent {
 
   /// Standard deviation of ln sigma.
   double logSd() const;
+  bool operator==(const VarianceComponent&) const = default;
 };
 
 struct ErrorBudget {
@@ -41,6 +44,8 @@ struct ErrorBudget {
   std::vector<VarianceComponent> components;
   double outlier_share = 0;  ///< of any channel's readings
   double noise_factor = 3;   ///< within which a channel's noise is what is stated
+
+  bool operator==(const ErrorBudget&) const = default;
 };
 
 }  // namespace fathom

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/median.h"
+#include "core/parallel.h"
 #include "diagnosis/constants.h"
 
 namespace fathom {
@@ -20,12 +21,12 @@ HeldColumns budgetColumns(const Linearization& linear, const NoiseModel& noise) 
     Owner owner;
   };
   const std::size_t count = noise.budget.components.size();
-  std::vector<OwnedColumns> components;
+  std::vector<OwnedColumns> components(count);
+  parallelFor(count, [&](std::size_t k) { components[k] = columnsOf(linear, noise.budget.components[k]); });
   std::vector<Column> columns, behind;
   HeldColumns held;
-  components.reserve(count);
   for (std::size_t k = 0; k < count; ++k) {
-    const OwnedColumns& own = components.emplace_back(columnsOf(linear, noise.budget.components[k]));
+    const OwnedColumns& own = components[k];
     const auto before = std::ssize(columns);
     for (Eigen::Index c = 0; c < own.columns.cols(); ++c) {
       const Owner& owner = own.owners[static_cast<std::size_t>(c)];

@@ -203,7 +203,8 @@ double oddsOfSomethingElse(const Diagnosis& diagnosis) {
   return std::exp(std::min(log_odds, kMostLogOdds));
 }
 
-/// The effects stated, each rival in its place, what is none of the catalogue, and nothing at all.
+/// The effects stated, all but one of them, each rival in one's place, what is none of the catalogue, and
+/// nothing at all.
 void weighHypotheses(Diagnosis& diagnosis) {
   std::vector<Candidate> stated;
   for (const FoundEffect& found : diagnosis.effects) stated.push_back(found.candidate);
@@ -215,9 +216,12 @@ void weighHypotheses(Diagnosis& diagnosis) {
       diagnosis.posterior.push_back({other, false, std::exp(std::min(0.0, set.log_odds[k]))});
     }
   diagnosis.posterior.push_back({{}, true, oddsOfSomethingElse(diagnosis)});
-  if (!stated.empty())
-    diagnosis.posterior.push_back(
-        {{}, false, 1 / std::exp(std::clamp(diagnosis.log_odds, 0.0, kMostLogOdds))});
+  if (!stated.empty()) diagnosis.posterior.push_back({{}, false, oddsAgainst(diagnosis.log_odds)});
+  for (std::size_t i = 0; stated.size() > 1 && i < stated.size(); ++i) {
+    std::vector<Candidate> rest = stated;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
+    diagnosis.posterior.push_back({rest, false, oddsAgainst(diagnosis.effects[i].log_odds)});
+  }
   double sum = 0;
   for (const Hypothesis& hypothesis : diagnosis.posterior) sum += hypothesis.mass;
   for (Hypothesis& hypothesis : diagnosis.posterior) hypothesis.mass /= sum;
@@ -275,6 +279,8 @@ void judgeNothingFound(Diagnosis& diagnosis, const Linearization& nominal) {
 }
 
 }  // namespace
+
+double oddsAgainst(double log_odds) { return std::exp(std::clamp(-log_odds, -kMostLogOdds, kMostLogOdds)); }
 
 void judge(Diagnosis& diagnosis, const Linearization& nominal) {
   remarkOnNoise(diagnosis);

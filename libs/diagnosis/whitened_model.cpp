@@ -13,6 +13,11 @@ Linearization weighted(Linearization linear) {
   return linear;
 }
 
+HeldColumns through(const ThroughPoses& poses, HeldColumns budget) {
+  budget.columns = poses.of(budget.columns);
+  return budget;
+}
+
 }  // namespace
 
 WhitenedModel::WhitenedModel(Linearization linear, const NoiseModel& noise)
@@ -29,14 +34,33 @@ WhitenedModel::WhitenedModel(Weighted, Linearization linear, const NoiseModel& n
     : WhitenedModel(std::make_shared<Linearization>(std::move(linear)), noise, budget) {}
 
 WhitenedModel::WhitenedModel(std::shared_ptr<const Linearization> linear, const NoiseModel& noise,
-                             const HeldColumns& budget)
+                             HeldColumns budget)
     : linear_(std::move(linear)),
       noise_(noise),
       through_(linear_->J, linear_->taken, linear_->blocks),
+      budget_(through(through_, heldBy(std::move(budget), noise))),
       W_(*linear_, noise),
-      nuisances_(nuisancesOf(budget)) {
-  residual_ = Eigen::VectorXd::Zero(nuisances_.J().rows());
-  residual_.head(linear_->residual.size()) = W_ * linear_->residual;
+      nuisances_(nuisancesOf()),
+      residual_(whitenedResidual()) {}
+
+WhitenedModel::WhitenedModel(const WhitenedModel& same, const NoiseModel& noise)
+    : linear_(same.linear_),
+      noise_(noise),
+      through_(same.through_),
+      budget_(heldBy(same.budget_, noise)),
+      W_(*linear_, noise),
+      nuisances_(nuisancesOf()),
+      residual_(whitenedResidual()) {}
+
+WhitenedModel WhitenedModel::under(const NoiseModel& noise) const {
+  const bool has_its_columns = noise.budget == noise_.budget && noise.apart == noise_.apart;
+  return has_its_columns ? WhitenedModel(*this, noise) : WhitenedModel(linear_, noise);
+}
+
+Eigen::VectorXd WhitenedModel::whitenedResidual() const {
+  Eigen::VectorXd residual = Eigen::VectorXd::Zero(nuisances_.J().rows());
+  residual.head(linear_->residual.size()) = W_ * linear_->residual;
+  return residual;
 }
 
 Whitener::Whitener(const Linearization& linear, const NoiseModel& noise)
@@ -77,16 +101,26 @@ Eigen::VectorXd Whitener::transposed(const Eigen::VectorXd& v) const {
   return diagonal_.cwiseProduct(v) + below_.transpose() * v;
 }
 
-Nuisances WhitenedModel::nuisancesOf(const HeldColumns& budget) const {
-  const HeldColumns held = localFirst(heldBy(budget, noise_), noise_.budget);
-  return {withHeldColumns(W_ * linear_->J, followed(held.columns), held.sigma),
+Nuisances WhitenedModel::nuisancesOf() const {
+  const HeldColumns held = localFirst(budget_, noise_.budget);
+  return {withHeldColumns(W_ * linear_->J, W_ * held.columns, held.sigma),
           {held.local, held.sigma.size() - held.local}};
 }
 
-Eigen::SparseMatrix<double> WhitenedModel::whitened(const Eigen::SparseMatrix<double>& columns) const {
-  Eigen::SparseMatrix<double> all = followed(columns);
-  all.conservativeResize(residual_.size(), columns.cols());
+Eigen::SparseMatrix<double> WhitenedModel::whitenedOf(const Eigen::SparseMatrix<double>& followed) const {
+  Eigen::SparseMatrix<double> all = W_ * followed;
+  all.conservativeResize(residual_.size(), followed.cols());
   return all;
+}
+
+Eigen::SparseMatrix<double> WhitenedModel::whitened(const Eigen::SparseMatrix<double>& columns) const {
+  return whitenedOf(through_.of(columns));
+}
+
+HeldColumns WhitenedModel::whitenedBudget() const {
+  HeldColumns budget = budget_;
+  budget.columns = whitenedOf(budget_.columns);
+  return budget;
 }
 
 Eigen::VectorXd WhitenedModel::scoreShares() const {

@@ -36,10 +36,12 @@ class WhitenedModel {
   /// And whose budget's columns are at hand.
   WhitenedModel(Weighted, Linearization linear, const NoiseModel& noise, const HeldColumns& budget);
   /// This one under another noise.
-  WhitenedModel under(const NoiseModel& noise) const { return {linear_, noise}; }
+  WhitenedModel under(const NoiseModel& noise) const;
 
   const Linearization& linear() const { return *linear_; }
   const NoiseModel& noise() const { return noise_; }
+  /// The budget's columns, like whitened().
+  HeldColumns whitenedBudget() const;
   const Nuisances& nuisances() const { return nuisances_; }
   const Eigen::VectorXd& residual() const { return residual_; }
   /// Columns over the linearization's rows, with what they do to light through the poses.
@@ -59,17 +61,18 @@ class WhitenedModel {
 
  private:
   WhitenedModel(const std::shared_ptr<const Linearization>& linear, const NoiseModel& noise);
-  WhitenedModel(std::shared_ptr<const Linearization> linear, const NoiseModel& noise,
-                const HeldColumns& budget);
-  Nuisances nuisancesOf(const HeldColumns& budget) const;
-  /// As they are changed by what changes the readings so.
-  Eigen::SparseMatrix<double> followed(const Eigen::SparseMatrix<double>& columns) const {
-    return W_ * through_.of(columns);
-  }
+  WhitenedModel(std::shared_ptr<const Linearization> linear, const NoiseModel& noise, HeldColumns budget);
+  /// With the columns of one of the same budget.
+  WhitenedModel(const WhitenedModel& same, const NoiseModel& noise);
+  Nuisances nuisancesOf() const;
+  Eigen::VectorXd whitenedResidual() const;
+  /// Of columns with what they do to light.
+  Eigen::SparseMatrix<double> whitenedOf(const Eigen::SparseMatrix<double>& followed) const;
 
   std::shared_ptr<const Linearization> linear_;
   NoiseModel noise_;
   ThroughPoses through_;
+  HeldColumns budget_;  // with what it does to light
   Whitener W_;
   Nuisances nuisances_;
   Eigen::VectorXd residual_;

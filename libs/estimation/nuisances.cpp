@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/parallel.h"
-#include "estimation/sparse.h"
 
 namespace fathom {
 namespace {
@@ -48,7 +47,7 @@ Eigen::MatrixXd gramOf(const Eigen::Ref<const Eigen::MatrixXd>& U) {
 }  // namespace
 
 Nuisances::Nuisances(const Eigen::SparseMatrix<double>& J, const AtEnd& at_end)
-    : at_end_(at_end), J_(J), full_(J_.rightCols(at_end.full)), order_(J_.cols()) {
+    : at_end_(at_end), J_(J), full_(J.rightCols(at_end.full)), order_(J_.cols()) {
   order_.setIdentity();
   Eigen::SparseMatrix<double> sparse = J_.leftCols(J_.cols() - at_end.full);
   Eigen::SparseMatrix<double> product = transposedTimes(sparse, sparse);
@@ -64,7 +63,7 @@ Nuisances::Nuisances(const Eigen::SparseMatrix<double>& J, const AtEnd& at_end)
   if (sparse.cols() > 0 && (factors_.info() != Eigen::Success || factors_.vectorD().minCoeff() <= 0))
     throw Singular("the nuisances' derivative lacks rank");
   across_.resize(sparse.cols(), full());
-  eliminate(full_, across_);
+  eliminate(J_.rightCols(full()), across_);
   if (full() == 0) return;
   last_.compute(denseGramOf(full_) - gramOf(across_));
   if (!last_.succeeded()) throw Singular("the nuisances' derivative lacks rank");

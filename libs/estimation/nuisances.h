@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/linear_algebra.h"
+#include "estimation/sparse.h"
 
 namespace fathom {
 
@@ -62,7 +63,9 @@ class Nuisances {
   Eigen::Index sparse() const { return J_.cols() - full(); }
 
   AtEnd at_end_;
-  Eigen::SparseMatrix<double> J_, full_, transposed_;  // all columns; the full ones; the others, as rows
+  Eigen::SparseMatrix<double> J_;
+  SparseRows full_;                                                      // its full columns
+  Eigen::SparseMatrix<double> transposed_;                               // the others, as rows
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order_;  // in which they are eliminated
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factors_;
   Eigen::MatrixXd across_;  // the full columns' share of J^T J with the others, eliminated

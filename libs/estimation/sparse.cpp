@@ -49,33 +49,29 @@ Matrix withHeldColumns(const Matrix& J, const Matrix& C, const Eigen::VectorXd& 
 
 /// Row by row: a row's entries of both, each with each. Tiles of B's columns side by side, so that nothing
 /// depends on the number of threads.
-Eigen::MatrixXd denseTransposedTimes(const Eigen::SparseMatrix<double>& A,
-                                     const Eigen::SparseMatrix<double>& B) {
+Eigen::MatrixXd denseTransposedTimes(const SparseRows& A, const Eigen::SparseMatrix<double>& B) {
   constexpr Eigen::Index kTile = 64;
-  using RowMajor = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-  const RowMajor rows = A;
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(A.cols(), B.cols());
   parallelFor((B.cols() + kTile - 1) / kTile, [&](Eigen::Index tile) {
     const Eigen::Index first = tile * kTile, count = std::min(kTile, B.cols() - first);
-    const RowMajor own = B.middleCols(first, count);
+    const SparseRows own = B.middleCols(first, count);
     for (Eigen::Index row = 0; row < own.rows(); ++row)
-      for (RowMajor::InnerIterator b(own, row); b; ++b)
-        for (RowMajor::InnerIterator a(rows, row); a; ++a)
+      for (SparseRows::InnerIterator b(own, row); b; ++b)
+        for (SparseRows::InnerIterator a(A, row); a; ++a)
           product(a.col(), first + b.col()) += a.value() * b.value();
   });
   return product;
 }
 
 /// The same, of the lower half: a row's entries of the tile with each that is not before them.
-Eigen::MatrixXd denseGramOf(const Eigen::SparseMatrix<double>& A) {
+Eigen::MatrixXd denseGramOf(const SparseRows& A) {
   constexpr Eigen::Index kTile = 64;
-  const Eigen::SparseMatrix<double, Eigen::RowMajor> rows = A;
-  const int *first_of = rows.outerIndexPtr(), *column = rows.innerIndexPtr();
-  const double* value = rows.valuePtr();
+  const int *first_of = A.outerIndexPtr(), *column = A.innerIndexPtr();
+  const double* value = A.valuePtr();
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(A.cols(), A.cols());
   parallelFor((A.cols() + kTile - 1) / kTile, [&](Eigen::Index tile) {
     const auto first = static_cast<int>(tile * kTile), behind = static_cast<int>((tile + 1) * kTile);
-    for (Eigen::Index row = 0; row < rows.rows(); ++row) {
+    for (Eigen::Index row = 0; row < A.rows(); ++row) {
       const int end = first_of[row + 1];
       for (auto b = static_cast<int>(std::lower_bound(column + first_of[row], column + end, first) - column);
            b < end && column[b] < behind; ++b)

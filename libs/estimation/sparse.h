@@ -10,12 +10,13 @@ namespace fathom {
 Eigen::SparseMatrix<double> transposedTimes(const Eigen::SparseMatrix<double>& A,
                                             const Eigen::SparseMatrix<double>& B);
 
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
 /// The same as a dense matrix: where most columns of A have readings in common with most of B, by far faster.
-Eigen::MatrixXd denseTransposedTimes(const Eigen::SparseMatrix<double>& A,
-                                     const Eigen::SparseMatrix<double>& B);
+Eigen::MatrixXd denseTransposedTimes(const SparseRows& A, const Eigen::SparseMatrix<double>& B);
 
 /// A^T A so.
-Eigen::MatrixXd denseGramOf(const Eigen::SparseMatrix<double>& A);
+Eigen::MatrixXd denseGramOf(const SparseRows& A);
 
 /// Columns of b behind those of a.
 Eigen::SparseMatrix<double> sideBySide(const Eigen::SparseMatrix<double>& a,

@@ -199,5 +199,42 @@ TEST(Verdict, TheHypothesesMassIsOne) {
   EXPECT_NEAR(diagnosis.posterior[1].mass, 2 * diagnosis.posterior[2].mass, 1e-12);
 }
 
+// Of what would be named under a tighter budget, parameters are told that the recording knows better than
+// was known before.
+TEST(Verdict, ARemarkTellsWhatIsKnown) {
+  Diagnosis diagnosis = found(0);
+  const EffectInfo& lamp = allEffects()[kEffectIndex<Lamp>];
+  Allowed allowed;
+  allowed.budget = "field";
+  allowed.tight_budget = "laboratory";
+  allowed.most.candidate.effect = lamp.index;
+  const double prior_sigma = parameterOf(lamp.first_scalar).prior_sigma;
+  allowed.most.one_step = {{lamp.index, lamp.first_scalar, 0.02, 0.1 * prior_sigma},
+                           {lamp.index, lamp.first_scalar + 1, 0.5, 1e3}};
+  diagnosis.allowed = allowed;
+  diagnosis = judged(std::move(diagnosis));
+  ASSERT_FALSE(diagnosis.remarks.empty());
+  const std::string& remark = diagnosis.remarks.front();
+  EXPECT_NE(remark.find(std::string(parameterOf(lamp.first_scalar).name) + " = 0.02"), std::string::npos)
+      << remark;
+  EXPECT_EQ(remark.find(parameterOf(lamp.first_scalar + 1).name), std::string::npos) << remark;
+}
+
+// The second of two effects is a third as likely not to be there as to be there.
+TEST(Verdict, ASetWithoutOneOfItsEffectsIsAHypothesis) {
+  Diagnosis diagnosis = found(0);
+  diagnosis.log_odds = 50;
+  diagnosis.effects[0].log_odds = 40;
+  FoundEffect second;
+  second.candidate.effect = kEffectIndex<DvlLatency>;
+  second.log_odds = std::log(3);
+  diagnosis.effects.push_back(second);
+  diagnosis = judged(std::move(diagnosis));
+  ASSERT_EQ(diagnosis.posterior[0].effects.size(), 2U);
+  EXPECT_NEAR(diagnosis.posterior[0].mass, 0.75, 1e-12);
+  ASSERT_EQ(diagnosis.posterior[1].effects, std::vector{diagnosis.effects[0].candidate});
+  EXPECT_NEAR(diagnosis.posterior[1].mass, 0.25, 1e-12);
+}
+
 }  // namespace
 }  // namespace fathom
