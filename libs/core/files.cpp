@@ -93,10 +93,16 @@ void PendingFile::commit() {
 }
 
 FolderClaim::FolderClaim(const fs::path& folder) {
+  if (folder.empty()) return;
   std::error_code problem;
   for (fs::path part = folder; !part.empty() && !isThere(part); part = part.parent_path())
     made_.push_back(part);
   fs::create_directories(folder, problem);
+  if (problem) {
+    removeEmpty();
+    throw Error(folder.string(), "", "cannot create its folder: " + problem.message());
+  }
+  if (access(folder.c_str(), W_OK) != 0) throw Error(folder.string(), "", "cannot be written to");
   claim_ = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (claim_ < 0 || !isAnothers(claim_)) return;
   close(claim_);
@@ -104,9 +110,13 @@ FolderClaim::FolderClaim(const fs::path& folder) {
 }
 
 FolderClaim::~FolderClaim() {
+  removeEmpty();
+  if (claim_ >= 0) close(claim_);
+}
+
+void FolderClaim::removeEmpty() const {
   std::error_code not_empty;
   for (const fs::path& part : made_) fs::remove(part, not_empty);
-  if (claim_ >= 0) close(claim_);
 }
 
 void writeTextFile(const fs::path& target, const std::string& text) {

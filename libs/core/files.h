@@ -36,8 +36,8 @@ class PendingFile {
 };
 
 /// A folder of results that is one run's until destroyed: two at once would mix theirs. Made where it is
-/// missing; what is still empty of it at the end is removed again. A folder that cannot be made or locked is
-/// not claimed. Throws Error where another run has it.
+/// missing; what is still empty of it at the end is removed again. A folder that cannot be locked is not
+/// claimed. Throws Error where it cannot be made or written to, or another run has it.
 class FolderClaim {
  public:
   explicit FolderClaim(const std::filesystem::path& folder);
@@ -46,6 +46,8 @@ class FolderClaim {
   FolderClaim& operator=(const FolderClaim&) = delete;
 
  private:
+  void removeEmpty() const;
+
   std::vector<std::filesystem::path> made_;  ///< the innermost first
   int claim_ = -1;                           ///< the folder, open and locked
 };

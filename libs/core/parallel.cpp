@@ -6,11 +6,18 @@
 
 namespace fathom {
 
+using tbb::task_group_context;
+
+/// Of its own, whoever calls: where one of several bodies throws, a loop within another one would else end in
+/// the middle, without a word.
 void detail::parallelFor(std::size_t count, const void* body, void (*call)(const void* body, std::size_t i)) {
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { call(body, i); });
+  task_group_context apart(task_group_context::isolated);
+  tbb::parallel_for(
+      std::size_t{0}, count, [&](std::size_t i) { call(body, i); }, apart);
 }
 
 void forEachIndex(std::size_t count, SharedProgress& progress, const std::function<void(std::size_t)>& make) {
+  task_group_context apart(task_group_context::isolated);
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, count, 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
@@ -19,7 +26,7 @@ void forEachIndex(std::size_t count, SharedProgress& progress, const std::functi
           progress.oneDone();
         }
       },
-      tbb::simple_partitioner());
+      tbb::simple_partitioner(), apart);
 }
 
 void forEachIndex(std::size_t count, const std::string& what, const std::function<void(std::size_t)>& make) {

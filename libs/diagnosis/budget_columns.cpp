@@ -274,6 +274,24 @@ bool isOfPlaces(const VarianceComponent& component) {
 
 }  // namespace
 
+std::string unitOf(const std::string& by) {
+  const Name name(by);
+  if (const EffectInfo* effect = findEffect(name.first)) {
+    for (const Parameter& parameter : effect->parameters)
+      if (parameter.name == name.second) return std::string(parameter.unit);
+    throw std::invalid_argument("`" + name.second + "` is no parameter of " + name.first);
+  }
+  if (name.second == "level" || name.second == "reflected") return "1";
+  for (const Channel channel : kEveryChannel) {
+    if (nameOf(channel) != name.first) continue;
+    const ChannelText& text = textOf(channel);
+    const std::string unit(text.unit);
+    if (text.scale == 1) return unit;
+    return text.scale == 1000 && unit.starts_with("mm") ? unit.substr(1) : "";
+  }
+  throw std::invalid_argument("`" + name.first + "` is neither an effect nor a channel");
+}
+
 OwnedColumns columnsOf(const Linearization& linear, const VarianceComponent& component) {
   OwnedColumns all_columns;
   std::vector<Eigen::Triplet<double>> entries;

@@ -37,6 +37,10 @@ struct OwnedColumns {
   std::vector<Owner> owners;
 };
 
+/// The unit of values of what acts (VarianceComponent::by): an effect's parameter's, or a reading's; "1" of
+/// shares. Empty where none is laid down. Throws std::invalid_argument where it names none.
+std::string unitOf(const std::string& by);
+
 /// What a component of the budget can do to a linearization's readings: columns over its rows, of values that
 /// are independent of each other, each of sigma VarianceComponent::sigma (in its unit). No column where no
 /// reading shows it. Throws std::invalid_argument where an effect, parameter, channel or covariate that it

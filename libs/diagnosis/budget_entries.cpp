@@ -105,6 +105,7 @@ std::vector<BudgetEntry> budgetOf(const NoiseModel& noise, const Linearization& 
   for (std::size_t k = 0; k < noise.scales.size(); ++k) {
     const VarianceComponent& c = noise.budget.components[k];
     const EstimatedScale& own = noise.scales[k];
+    if (own.amount == 0) continue;  // no reading tells of it
     BudgetEntry& entry = entries.emplace_back();
     std::tie(entry.component, entry.unit, entry.source) = std::tie(c.name, c.unit, c.source);
     std::tie(entry.prior, entry.estimate) = std::tie(c.sigma, own.scale);

@@ -67,6 +67,9 @@ VarianceComponent readComponent(const YamlMap& y, const std::string& name) {
   } catch (const std::invalid_argument& e) {
     throw y.error("by", e.what());
   }
+  for (const std::string& by : component.by)
+    if (const std::string unit = unitOf(by); !unit.empty() && unit != component.unit)
+      throw y.error("unit", "must be `" + unit + "`, which " + by + " is in");
   component.source = y.text("source");
   return component;
 }

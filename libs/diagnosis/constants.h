@@ -28,6 +28,9 @@ inline constexpr double kDetectable = 18;
 inline constexpr double kLeastShare = 0.2;
 /// Than stated: worth a remark. Chosen.
 inline constexpr double kNoisier = 1.5, kQuieter = 0.5;
+/// Of a prior's sigma: a screening's is less where nothing is told of a parameter, and it is left out of the
+/// inverse. Derived: rounding.
+inline constexpr double kNothingTold = 1e-6;
 inline constexpr std::size_t kToldFailures = 3;  ///< chosen: as many as one reads
 /// Beyond, its exponential is no double. Derived: ln 1e308 = 709.
 inline constexpr double kMostLogOdds = 300;
@@ -66,7 +69,8 @@ inline constexpr int kResamples = 1000;  ///< usual for 95 % intervals (Efron & 
 inline constexpr int kFloorDraws = 8;    ///< of noise, for the floor. Chosen
 inline constexpr int kPlacebos = 20;     ///< draws of noise: the largest is their 95th percentile
 inline constexpr double kRidge =
-    1e-4;  ///< of a column's length, where a stretch by itself says nothing. Chosen
+    1e-6;  ///< of a column's length, where a stretch by itself says nothing. Chosen: more than rounding, and
+           ///< a path that is 10 m elsewhere costs nothing
 
 // What is tried.
 

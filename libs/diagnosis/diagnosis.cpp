@@ -15,6 +15,7 @@
 #include "diagnosis/contenders.h"
 #include "diagnosis/fits.h"
 #include "diagnosis/nominal.h"
+#include "diagnosis/onset.h"
 #include "diagnosis/shown_noise.h"
 #include "diagnosis/verdict.h"
 #include "imaging/exposure_time.h"
@@ -162,16 +163,25 @@ void Course::attribute() {
   lookUnderTightBudget();
 }
 
-/// What would be named were less allowed for: the most telling.
+/// What would be named were less allowed for: the most telling of what this budget, and nothing else, keeps
+/// from being named.
 void Course::lookUnderTightBudget() {
   if (options_.tight_budget.name == options_.budget.name) return;
   const Screening screening(*final_.model, final_.noise.with(options_.tight_budget), options_.segments,
                             left_out_);
-  const auto& tested = screening.candidates();
-  const auto most = std::max_element(tested.begin(), tested.end(), [](const auto& a, const auto& b) {
-    return a.log_evidence < b.log_evidence;
+  std::vector<TestedCandidate> telling = screening.candidates();
+  std::erase_if(telling,
+                [&](const TestedCandidate& tested) { return tested.log_evidence < fits_.threshold(); });
+  stableSort(telling, [](const TestedCandidate& a, const TestedCandidate& b) {
+    return a.log_evidence > b.log_evidence;
   });
-  if (most == tested.end() || most->log_evidence < fits_.threshold()) return;
+  const WhitenedModel declared = final_.model->under(final_.noise.declared());
+  const PriorOdds prior(declared.linear(), options_.segments);
+  const auto most = std::find_if(telling.begin(), telling.end(), [&](const TestedCandidate& tested) {
+    const double here = evidencesOf(declared, {tested.candidate}).front() + prior.logOf(tested.candidate);
+    return here < fits_.threshold() && here < tested.log_evidence - kExcluded;
+  });
+  if (most == telling.end()) return;
   diagnosis_.allowed = {*most, options_.budget.name, options_.tight_budget.name};
   for (EffectEstimate& one : diagnosis_.allowed->most.one_step) one = whole(one);
 }

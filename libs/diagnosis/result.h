@@ -28,7 +28,7 @@ struct FoundEffect {
   double sqrt_lambda = 0;  ///< its size in units of what the recording could resolve at best
   double log_odds = 0;     ///< for it, against the model without it, everything refitted
   double confidence = 0;   ///< that it is this one: by its odds, all others' in its place and nothing's, and
-                          ///< by what is left on the same readings beside it
+                           ///< by what is left on the same readings beside it
   double log_likelihood_gain = 0;  ///< over the model without it, all that is unknown integrated out
   double bic_gain = 0;             ///< what the BIC approximates: twice that
   double heldout_log_likelihood_gain = 0;

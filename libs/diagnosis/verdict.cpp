@@ -43,8 +43,10 @@ void remarkOnAllowance(Diagnosis& diagnosis) {
   if (!diagnosis.allowed) return;
   const auto& [most, budget, tight] = *diagnosis.allowed;
   std::vector<EffectEstimate> known = most.one_step;  // better than before
-  std::erase_if(known,
-                [](const EffectEstimate& one) { return one.sigma > parameterOf(one.scalar).prior_sigma; });
+  std::erase_if(known, [](const EffectEstimate& one) {
+    const double prior_sigma = parameterOf(one.scalar).prior_sigma;
+    return one.sigma > prior_sigma || one.sigma < kNothingTold * prior_sigma;
+  });
   const std::string sizes = textOf(known, allEffects()[most.candidate.effect]);
   diagnosis.remarks.push_back(nameOf(most.candidate) + (sizes.empty() ? "" : " (" + sizes + ")") +
                               " is within what the budget `" + budget + "` allows for; under `" + tight +
@@ -152,11 +154,16 @@ std::string effectsText(const Diagnosis& diagnosis) {
   return text;
 }
 
-void judgeUnexplained(Diagnosis& diagnosis, const std::vector<std::string>& failures) {
-  diagnosis.verdict = Verdict::unexplained;
-  diagnosis.why = diagnosis.effects.empty()
-                      ? "Something is missing that no effect of the catalogue describes. It shows as "
-                      : "The model leaves out " + effectsText(diagnosis) + ". That is not all: it shows as ";
+void tellUnexplained(Diagnosis& diagnosis, const std::vector<std::string>& failures) {
+  const bool is_likely = std::any_of(diagnosis.effects.begin(), diagnosis.effects.end(),
+                                     [](const FoundEffect& found) { return found.confidence >= 0.5; });
+  if (diagnosis.effects.empty())
+    diagnosis.why = "Something is missing that no effect of the catalogue describes. It shows as ";
+  else if (is_likely)
+    diagnosis.why = "The model leaves out " + effectsText(diagnosis) + ". That is not all: it shows as ";
+  else
+    diagnosis.why =
+        "Something else is missing than what comes nearest, " + effectsText(diagnosis) + ". It shows as ";
   diagnosis.why += failures[0];
   for (std::size_t i = 1; i < std::min(kToldFailures, failures.size()); ++i)
     diagnosis.why += "; " + failures[i];
@@ -204,7 +211,7 @@ double oddsOfSomethingElse(const Diagnosis& diagnosis) {
 }
 
 /// The effects stated, all but one of them, each rival in one's place, what is none of the catalogue, and
-/// nothing at all.
+/// nothing at all; where nothing is stated, what would have been, to first order.
 void weighHypotheses(Diagnosis& diagnosis) {
   std::vector<Candidate> stated;
   for (const FoundEffect& found : diagnosis.effects) stated.push_back(found.candidate);
@@ -217,6 +224,10 @@ void weighHypotheses(Diagnosis& diagnosis) {
     }
   diagnosis.posterior.push_back({{}, true, oddsOfSomethingElse(diagnosis)});
   if (!stated.empty()) diagnosis.posterior.push_back({{}, false, oddsAgainst(diagnosis.log_odds)});
+  for (const TestedCandidate& tested : diagnosis.tested)
+    if (stated.empty() && tested.log_evidence > -kExcluded)
+      diagnosis.posterior.push_back(
+          {{tested.candidate}, false, std::exp(std::min(0.0, tested.log_evidence))});
   for (std::size_t i = 0; stated.size() > 1 && i < stated.size(); ++i) {
     std::vector<Candidate> rest = stated;
     rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
@@ -288,16 +299,17 @@ void judge(Diagnosis& diagnosis, const Linearization& nominal) {
   diagnosis.budget = budgetOf(diagnosis.noise, nominal);
   shareOut(diagnosis);
   const std::vector<std::string> failures = failuresOf(diagnosis);
+  if (!failures.empty()) diagnosis.verdict = Verdict::unexplained;
+  weighHypotheses(diagnosis);
+  doubtImitations(diagnosis, nominal);
   if (!failures.empty())
-    judgeUnexplained(diagnosis, failures);
+    tellUnexplained(diagnosis, failures);
   else if (!diagnosis.effects.empty())
     judgeExplained(diagnosis);
   else
     judgeNothingFound(diagnosis, nominal);
   remarkOnYardstick(diagnosis);
   tellAlternatives(diagnosis);
-  weighHypotheses(diagnosis);
-  doubtImitations(diagnosis, nominal);
 }
 
 }  // namespace fathom

@@ -52,7 +52,11 @@ class Watch : public ceres::IterationCallback {
  public:
   explicit Watch(const BatchOptions& options) : options_(options) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    progress_.update(static_cast<double>(summary.iteration) / options_.max_iterations);
+    try {
+      progress_.update(static_cast<double>(summary.iteration) / options_.max_iterations);
+    } catch (const Interrupted&) {
+      return ceres::SOLVER_ABORT;  // Ceres lets no exception through whole: solve() throws it again
+    }
     const bool is_last =
         summary.iteration > 0 && summary.step_is_successful && summary.cost_change < options_.cost_tolerance;
     return is_last ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
@@ -109,6 +113,7 @@ ceres::Solver::Summary solve(const BatchProblem& problem, const std::vector<Batc
   solver.callbacks.push_back(&watch);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &ceres_problem, &summary);
+  if (summary.termination_type == ceres::USER_FAILURE) throw Interrupted{};
   return summary;
 }
 

@@ -147,8 +147,19 @@ TEST(ErrorBudget, WrongValuesAreNamed) {
                                                         {"noise_factor: 3", "noise_factor: 0.5"},
                                                         {"outlier_share: 0.01", "outlier_share: 0.6"},
                                                         {"source: a sheet", "sauce: a sheet"},
+                                                        {"unit: '1'", "unit: '%'"},
                                                         {"smooth: {over", "each: face, smooth: {over"}})
     EXPECT_THROW(parseErrorBudget(replaced(kComponent, what, by), "budget.yaml"), Error) << by;
+}
+
+TEST(ErrorBudget, UnitsAreThoseOfWhatActs) {
+  EXPECT_EQ(unitOf("panel-shape.stretch_x"), "1");
+  EXPECT_EQ(unitOf("marker-moved.offset_m.x"), "m");
+  EXPECT_EQ(unitOf("pixels.reflected"), "1");
+  EXPECT_EQ(unitOf("markers.x"), "px");
+  EXPECT_EQ(unitOf("dvl"), "m/s") << "reports have it in mm/s";
+  EXPECT_THROW(unitOf("panel-shape.stretch"), std::invalid_argument);
+  EXPECT_THROW(unitOf("panels"), std::invalid_argument);
 }
 
 /// Readings of light, at levels that go up evenly; three to an image.

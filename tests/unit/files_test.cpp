@@ -47,6 +47,16 @@ TEST(PendingFile, OldFileStaysUntilCommit) {
   EXPECT_EQ(readTextFile(target), "new");
 }
 
+// Before the work, not after it.
+TEST(FolderClaim, RefusesWhatCannotBeMade) {
+  const auto folder = test::scratchFolder();
+  writeTextFile(folder / "file", "text");
+  EXPECT_THROW(FolderClaim(folder / "file"), Error);
+  EXPECT_THROW(FolderClaim(folder / "file" / "results"), Error);
+  EXPECT_THROW(FolderClaim(folder / "new" / std::string(300, 'a')), Error);
+  EXPECT_EQ(entriesIn(folder), 1U);
+}
+
 TEST(PendingFile, AnExceptionRemovesThePart) {
   const auto folder = test::scratchFolder();
   writeTextFile(folder / "out.txt", "old");

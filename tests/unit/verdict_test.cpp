@@ -68,7 +68,7 @@ TEST(Verdict, WhatHeldOutStretchesGainInSumIsNoMoreThanAllOfIt) {
 }
 
 TEST(Verdict, WhatIsNamedMayImitateWhatIsLeft) {
-  const auto confidence = [](double left, bool acts) {
+  const auto judgedWith = [](double left, bool acts) {
     Diagnosis diagnosis = found(left);
     diagnosis.effects[0].confidence = 0.999;
     Linearization nominal;
@@ -78,8 +78,13 @@ TEST(Verdict, WhatIsNamedMayImitateWhatIsLeft) {
     nominal.residual = Eigen::VectorXd::Zero(1);
     nominal.C = Eigen::MatrixXd::Ones(1, 1);
     judge(diagnosis, nominal);
-    return diagnosis.effects[0].confidence;
+    return diagnosis;
   };
+  const auto confidence = [&](double left, bool acts) {
+    return judgedWith(left, acts).effects[0].confidence;
+  };
+  EXPECT_EQ(judgedWith(3000, true).why.find("Something else is missing than"), 0);
+  EXPECT_EQ(judgedWith(80, true).why.find("The model leaves out"), 0);
   EXPECT_NEAR(confidence(3000, true), 0.25, 1e-3);
   EXPECT_NEAR(confidence(80, true), 1000.0 / 1080, 1e-2);
   EXPECT_EQ(confidence(3000, false), 0.999) << "of another sensor";
@@ -197,6 +202,26 @@ TEST(Verdict, TheHypothesesMassIsOne) {
   // 30 of log likelihood beyond chance, of six parameters, are something else by far.
   EXPECT_TRUE(diagnosis.posterior[0].is_something_else);
   EXPECT_NEAR(diagnosis.posterior[1].mass, 2 * diagnosis.posterior[2].mass, 1e-12);
+}
+
+// What came nearest to being named has even odds at most against nothing at all.
+TEST(Verdict, WhereNothingIsStatedWhatCameNearestIsAHypothesis) {
+  Diagnosis diagnosis = found(0);
+  diagnosis.effects.clear();
+  for (const double log_evidence : {4.0, std::log(0.5), -20.0}) {
+    TestedCandidate tested;
+    tested.candidate.effect = kEffectIndex<DvlScale>;
+    tested.log_evidence = log_evidence;
+    diagnosis.tested.push_back(tested);
+  }
+  diagnosis = judged(std::move(diagnosis));
+  std::vector<double> masses;
+  for (const Hypothesis& hypothesis : diagnosis.posterior)
+    if (!hypothesis.is_something_else) masses.push_back(hypothesis.mass);
+  ASSERT_EQ(masses.size(), 3U) << "nothing, and two that are likelier than one in twenty";
+  EXPECT_NEAR(masses[0], 0.4, 1e-12);
+  EXPECT_NEAR(masses[1], 0.4, 1e-12);
+  EXPECT_NEAR(masses[2], 0.2, 1e-12);
 }
 
 // Of what would be named under a tighter budget, parameters are told that the recording knows better than
