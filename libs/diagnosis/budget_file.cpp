@@ -69,7 +69,7 @@ VarianceComponent readComponent(const YamlMap& y, const std::string& name) {
   }
   for (const std::string& by : component.by)
     if (const std::string unit = unitOf(by); !unit.empty() && unit != component.unit)
-      throw y.error("unit", "must be `" + unit + "`, which " + by + " is in");
+      throw y.error("unit", print("must be `%s`, which %s is in", unit.c_str(), by.c_str()));
   component.source = y.text("source");
   return component;
 }
