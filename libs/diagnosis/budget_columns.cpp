@@ -285,7 +285,7 @@ std::string unitOf(const std::string& by) {
   for (const Channel channel : kEveryChannel) {
     if (nameOf(channel) != name.first) continue;
     const ChannelText& text = textOf(channel);
-    const std::string unit(text.unit);
+    std::string unit(text.unit);
     if (text.scale == 1) return unit;
     return text.scale == 1000 && unit.starts_with("mm") ? unit.substr(1) : "";
   }
