@@ -17,4 +17,16 @@ void parallelFor(Index count, const Body& body) {
   });
 }
 
+/// Calls both, side by side where there is more than one core; what one throws ends both. Not
+/// tbb::parallel_invoke(), which is left half done where a loop around it ends.
+template <class First, class Second>
+void bothAtOnce(const First& first, const Second& second) {
+  parallelFor(2, [&](int i) {
+    if (i == 0)
+      first();
+    else
+      second();
+  });
+}
+
 }  // namespace fathom

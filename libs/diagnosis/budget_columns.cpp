@@ -50,23 +50,37 @@ Change changeBy(const Linearization& linear, std::size_t effect, std::size_t sca
   return change;
 }
 
-std::vector<Change> changesByEffect(const Linearization& linear, const VarianceComponent& component,
-                                    const EffectInfo& effect, const Name& name) {
-  std::size_t scalar = 0;
-  for (const Parameter& parameter : effect.parameters) {
-    const auto size = static_cast<std::size_t>(parameter.size);
-    if (parameter.name == name.second) {
-      std::vector<Change> changes;
+/// What a name is of: an effect's parameter, or a channel.
+struct Acting {
+  const EffectInfo* effect = nullptr;  ///< null: a channel
+  std::size_t scalar = 0;              ///< the parameter's first, in EffectParameters::values
+  Channel channel{};
+};
+
+/// Throws std::invalid_argument where it names none.
+Acting actingOf(const Name& name) {
+  if (const EffectInfo* effect = findEffect(name.first)) {
+    std::size_t scalar = effect->first_scalar;
+    for (const Parameter& parameter : effect->parameters) {
       const int axis = axisOf(name.third);
-      if (!name.third.empty() && (axis < 0 || axis >= parameter.size)) break;
-      for (std::size_t k = 0; k < size; ++k)
-        if (!linear.columns.empty() && (name.third.empty() || k == static_cast<std::size_t>(axis)))
-          changes.push_back(changeBy(linear, effect.index, scalar + k));
-      return changes;
+      const bool has_axis = name.third.empty() || (axis >= 0 && axis < parameter.size);
+      if (parameter.name == name.second && has_axis) return {effect, scalar};
+      scalar += static_cast<std::size_t>(parameter.size);
     }
-    scalar += size;
+    throw std::invalid_argument("`" + name.second + "` is no parameter of " + name.first);
   }
-  throw unknown(component, "`" + name.second + "` is no parameter of " + name.first);
+  for (const Channel channel : kEveryChannel)
+    if (nameOf(channel) == name.first) return {.channel = channel};
+  throw std::invalid_argument("`" + name.first + "` is neither an effect nor a channel");
+}
+
+std::vector<Change> changesByEffect(const Linearization& linear, const Acting& acting, const Name& name) {
+  std::vector<Change> changes;
+  const std::size_t first = acting.scalar - acting.effect->first_scalar;
+  for (int k = 0; k < parameterOf(acting.scalar).size; ++k)
+    if (!linear.columns.empty() && (name.third.empty() || k == axisOf(name.third)))
+      changes.push_back(changeBy(linear, acting.effect->index, first + static_cast<std::size_t>(k)));
+  return changes;
 }
 
 /// The reading itself: what one unit of it is in its row.
@@ -90,11 +104,14 @@ std::vector<Change> changesOfReading(const Linearization& linear, const Variance
 std::vector<Change> changesBy(const Linearization& linear, const VarianceComponent& component,
                               const std::string& by) {
   const Name name(by);
-  if (const EffectInfo* effect = findEffect(name.first))
-    return changesByEffect(linear, component, *effect, name);
-  for (const Channel channel : kEveryChannel)
-    if (nameOf(channel) == name.first) return changesOfReading(linear, component, channel, name);
-  throw unknown(component, "`" + name.first + "` is neither an effect nor a channel");
+  Acting acting;
+  try {
+    acting = actingOf(name);
+  } catch (const std::invalid_argument& e) {
+    throw unknown(component, e.what());
+  }
+  return acting.effect != nullptr ? changesByEffect(linear, acting, name)
+                                  : changesOfReading(linear, component, acting.channel, name);
 }
 
 /// Whose a row's value is. Instruments are numbered as they come.
@@ -276,20 +293,13 @@ bool isOfPlaces(const VarianceComponent& component) {
 
 std::string unitOf(const std::string& by) {
   const Name name(by);
-  if (const EffectInfo* effect = findEffect(name.first)) {
-    for (const Parameter& parameter : effect->parameters)
-      if (parameter.name == name.second) return std::string(parameter.unit);
-    throw std::invalid_argument("`" + name.second + "` is no parameter of " + name.first);
-  }
+  const Acting acting = actingOf(name);
+  if (acting.effect != nullptr) return std::string(parameterOf(acting.scalar).unit);
   if (name.second == "level" || name.second == "reflected") return "1";
-  for (const Channel channel : kEveryChannel) {
-    if (nameOf(channel) != name.first) continue;
-    const ChannelText& text = textOf(channel);
-    std::string unit(text.unit);
-    if (text.scale == 1) return unit;
-    return text.scale == 1000 && unit.starts_with("mm") ? unit.substr(1) : "";
-  }
-  throw std::invalid_argument("`" + name.first + "` is neither an effect nor a channel");
+  const ChannelText& text = textOf(acting.channel);
+  std::string unit(text.unit);
+  if (text.scale == 1) return unit;
+  return text.scale == 1000 && unit.starts_with("mm") ? unit.substr(1) : "";
 }
 
 OwnedColumns columnsOf(const Linearization& linear, const VarianceComponent& component) {

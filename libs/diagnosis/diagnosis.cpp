@@ -23,6 +23,13 @@
 namespace fathom {
 namespace {
 
+std::vector<TestedCandidate> likeliestFirst(std::vector<TestedCandidate> tested) {
+  stableSort(tested, [](const TestedCandidate& a, const TestedCandidate& b) {
+    return a.log_evidence > b.log_evidence;
+  });
+  return tested;
+}
+
 double mostLikely(const Screening& screening) {
   double most = -std::numeric_limits<double>::infinity();
   for (const TestedCandidate& tested : screening.candidates()) most = std::max(most, tested.log_evidence);
@@ -169,12 +176,10 @@ void Course::lookUnderTightBudget() {
   if (options_.tight_budget.name == options_.budget.name) return;
   const Screening screening(*final_.model, final_.noise.with(options_.tight_budget), options_.segments,
                             left_out_);
-  std::vector<TestedCandidate> telling = screening.candidates();
+  std::vector<TestedCandidate> telling = likeliestFirst(screening.candidates());
   std::erase_if(telling,
                 [&](const TestedCandidate& tested) { return tested.log_evidence < fits_.threshold(); });
-  stableSort(telling, [](const TestedCandidate& a, const TestedCandidate& b) {
-    return a.log_evidence > b.log_evidence;
-  });
+  if (telling.empty()) return;
   const WhitenedModel declared = final_.model->under(final_.noise.declared());
   const PriorOdds prior(declared.linear(), options_.segments);
   const auto most = std::find_if(telling.begin(), telling.end(), [&](const TestedCandidate& tested) {
@@ -190,12 +195,9 @@ void Course::lookUnderTightBudget() {
 void Course::noteScreening(const Screening& screening) {
   const Screening::Chance chance = screening.chance(options_.seed);
   fits_.setThreshold(std::max(kEvenOdds, chance.evidenceOf(options_.false_alarm)));
-  diagnosis_.tested = screening.candidates();
+  diagnosis_.tested = likeliestFirst(screening.candidates());
   for (TestedCandidate& tested : diagnosis_.tested)
     for (EffectEstimate& one : tested.one_step) one = whole(one);
-  stableSort(diagnosis_.tested, [](const TestedCandidate& a, const TestedCandidate& b) {
-    return a.log_evidence > b.log_evidence;
-  });
   if (diagnosis_.tested.empty()) return;
   diagnosis_.most_improbable = nameOf(diagnosis_.tested.front().candidate);
   diagnosis_.alarm_p = chance.alarmOf(diagnosis_.tested.front().log_evidence);
@@ -260,12 +262,8 @@ bool Course::takeNoise(const NoiseModel& shown) {
   BatchOptions base = fits_.base();
   shown.applyTo(base.problem);
   Refit nominal, present;
-  parallelFor(2, [&](int i) {
-    if (i == 0)
-      nominal = refit(data_, fits_.nominal().estimate, base, {}, shown);
-    else
-      present = refit(data_, final_.estimate, base, final_.effects, shown);
-  });
+  bothAtOnce([&] { nominal = refit(data_, fits_.nominal().estimate, base, {}, shown); },
+             [&] { present = refit(data_, final_.estimate, base, final_.effects, shown); });
   if (!nominal.succeeded || !present.succeeded) return false;
   // Where readings contradict each other there are many minima: no effect is to profit from a better one.
   const BatchEstimate back = minimumFrom(data_, present.estimate, nominal.options);

@@ -13,11 +13,6 @@ Linearization weighted(Linearization linear) {
   return linear;
 }
 
-HeldColumns through(const ThroughPoses& poses, HeldColumns budget) {
-  budget.columns = poses.of(budget.columns);
-  return budget;
-}
-
 }  // namespace
 
 WhitenedModel::WhitenedModel(Linearization linear, const NoiseModel& noise)
@@ -33,34 +28,29 @@ WhitenedModel::WhitenedModel(Weighted, Linearization linear, const NoiseModel& n
                              const HeldColumns& budget)
     : WhitenedModel(std::make_shared<Linearization>(std::move(linear)), noise, budget) {}
 
+WhitenedModel::WhitenedModel(const std::shared_ptr<const Linearization>& linear, const NoiseModel& noise,
+                             const HeldColumns& budget)
+    : WhitenedModel(linear, noise, Followed(*linear, budget)) {}
+
+WhitenedModel::Followed::Followed(const Linearization& linear, HeldColumns all)
+    : through(linear.J, linear.taken, linear.blocks), budget(std::move(all)) {
+  budget.columns = through.of(budget.columns);
+}
+
 WhitenedModel::WhitenedModel(std::shared_ptr<const Linearization> linear, const NoiseModel& noise,
-                             HeldColumns budget)
+                             Followed followed)
     : linear_(std::move(linear)),
       noise_(noise),
-      through_(linear_->J, linear_->taken, linear_->blocks),
-      budget_(through(through_, heldBy(std::move(budget), noise))),
+      followed_{std::move(followed.through), heldBy(std::move(followed.budget), noise)},
       W_(*linear_, noise),
-      nuisances_(nuisancesOf()),
-      residual_(whitenedResidual()) {}
-
-WhitenedModel::WhitenedModel(const WhitenedModel& same, const NoiseModel& noise)
-    : linear_(same.linear_),
-      noise_(noise),
-      through_(same.through_),
-      budget_(heldBy(same.budget_, noise)),
-      W_(*linear_, noise),
-      nuisances_(nuisancesOf()),
-      residual_(whitenedResidual()) {}
+      nuisances_(nuisancesOf()) {
+  residual_ = Eigen::VectorXd::Zero(nuisances_.J().rows());
+  residual_.head(linear_->residual.size()) = W_ * linear_->residual;
+}
 
 WhitenedModel WhitenedModel::under(const NoiseModel& noise) const {
   const bool has_its_columns = noise.budget == noise_.budget && noise.apart == noise_.apart;
-  return has_its_columns ? WhitenedModel(*this, noise) : WhitenedModel(linear_, noise);
-}
-
-Eigen::VectorXd WhitenedModel::whitenedResidual() const {
-  Eigen::VectorXd residual = Eigen::VectorXd::Zero(nuisances_.J().rows());
-  residual.head(linear_->residual.size()) = W_ * linear_->residual;
-  return residual;
+  return has_its_columns ? WhitenedModel(linear_, noise, followed_) : WhitenedModel(linear_, noise);
 }
 
 Whitener::Whitener(const Linearization& linear, const NoiseModel& noise)
@@ -102,7 +92,7 @@ Eigen::VectorXd Whitener::transposed(const Eigen::VectorXd& v) const {
 }
 
 Nuisances WhitenedModel::nuisancesOf() const {
-  const HeldColumns held = localFirst(budget_, noise_.budget);
+  const HeldColumns held = localFirst(followed_.budget, noise_.budget);
   return {withHeldColumns(W_ * linear_->J, W_ * held.columns, held.sigma),
           {held.local, held.sigma.size() - held.local}};
 }
@@ -114,17 +104,17 @@ Eigen::SparseMatrix<double> WhitenedModel::whitenedOf(const Eigen::SparseMatrix<
 }
 
 Eigen::SparseMatrix<double> WhitenedModel::whitened(const Eigen::SparseMatrix<double>& columns) const {
-  return whitenedOf(through_.of(columns));
+  return whitenedOf(followed_.through.of(columns));
 }
 
 HeldColumns WhitenedModel::whitenedBudget() const {
-  HeldColumns budget = budget_;
-  budget.columns = whitenedOf(budget_.columns);
+  HeldColumns budget = followed_.budget;
+  budget.columns = whitenedOf(followed_.budget.columns);
   return budget;
 }
 
 Eigen::VectorXd WhitenedModel::scoreShares() const {
-  return through_.transposed(
+  return followed_.through.transposed(
       W_.transposed(nuisances_.project(residual_).col(0).head(linear_->residual.size())));
 }
 

@@ -61,18 +61,24 @@ class WhitenedModel {
 
  private:
   WhitenedModel(const std::shared_ptr<const Linearization>& linear, const NoiseModel& noise);
-  WhitenedModel(std::shared_ptr<const Linearization> linear, const NoiseModel& noise, HeldColumns budget);
-  /// With the columns of one of the same budget.
-  WhitenedModel(const WhitenedModel& same, const NoiseModel& noise);
+  WhitenedModel(const std::shared_ptr<const Linearization>& linear, const NoiseModel& noise,
+                const HeldColumns& budget);
+  /// A budget's columns with what they do to light.
+  struct Followed {
+    Followed(const Linearization& linear, HeldColumns all);
+    Followed(ThroughPoses poses, HeldColumns of_budget)
+        : through(std::move(poses)), budget(std::move(of_budget)) {}
+    ThroughPoses through;
+    HeldColumns budget;
+  };
+  WhitenedModel(std::shared_ptr<const Linearization> linear, const NoiseModel& noise, Followed followed);
   Nuisances nuisancesOf() const;
-  Eigen::VectorXd whitenedResidual() const;
   /// Of columns with what they do to light.
   Eigen::SparseMatrix<double> whitenedOf(const Eigen::SparseMatrix<double>& followed) const;
 
   std::shared_ptr<const Linearization> linear_;
   NoiseModel noise_;
-  ThroughPoses through_;
-  HeldColumns budget_;  // with what it does to light
+  Followed followed_;
   Whitener W_;
   Nuisances nuisances_;
   Eigen::VectorXd residual_;

@@ -1,7 +1,5 @@
 #include "localization/run_tasks.h"
 
-#include <tbb/parallel_invoke.h>
-
 #include "core/parallel.h"
 
 namespace fathom {
@@ -32,12 +30,12 @@ std::vector<LocalizationSummary> runTasks(SampleSource& source, const std::vecto
       newest_t_s = std::max(newest_t_s, secondsBetween(time_zero, sample.time));
     }
     std::vector<Sample> next;
-    tbb::parallel_invoke([&] { next = readBlock(source); },
-                         [&] {
-                           parallelFor(tasks.size(), [&](std::size_t i) {
-                             for (const Sample& sample : block) tasks[i]->add(sample);
-                           });
-                         });
+    bothAtOnce([&] { next = readBlock(source); },
+               [&] {
+                 parallelFor(tasks.size(), [&](std::size_t i) {
+                   for (const Sample& sample : block) tasks[i]->add(sample);
+                 });
+               });
     hooks.block(newest_t_s);
     block = std::move(next);
   }

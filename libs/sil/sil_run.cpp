@@ -265,9 +265,12 @@ void pairAll(const std::vector<const PosedImage*>& posed, const Workshop& worksh
   };
   using enum tbb::filter_mode;
   const auto threads = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  tbb::parallel_pipeline(2 * threads, tbb::make_filter<void, std::size_t>(serial_in_order, hand_out) &
-                                          tbb::make_filter<std::size_t, Finished>(parallel, finish) &
-                                          tbb::make_filter<Finished, void>(serial_in_order, take));
+  tbb::task_group_context apart(tbb::task_group_context::isolated);  // as loops are, see parallel.cpp
+  tbb::parallel_pipeline(2 * threads,
+                         tbb::make_filter<void, std::size_t>(serial_in_order, hand_out) &
+                             tbb::make_filter<std::size_t, Finished>(parallel, finish) &
+                             tbb::make_filter<Finished, void>(serial_in_order, take),
+                         apart);
 }
 
 /// For each of `count` ranges, evenly spread, the pair that is nearest to it.

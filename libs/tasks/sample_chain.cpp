@@ -1,8 +1,7 @@
 #include "tasks/sample_chain.h"
 
-#include <tbb/parallel_invoke.h>
-
 #include "core/error.h"
+#include "core/parallel.h"
 #include "effects/calibration.h"
 #include "panel/panel_maps.h"
 #include "sources/make_source.h"
@@ -32,10 +31,10 @@ SampleChain::SampleChain(const ChainOptions& options, bool landmarks) : options_
       requirePlausible(audit(*openBare(), setup_.vehicle), options.audit, options.rawlog).remarks;
   std::vector<std::string> lacking;
   // Each reads the recording once, so side by side.
-  tbb::parallel_invoke([&] { remarks_ = disagreements(inspectRecording(options.rawlog), setup_.vehicle); },
-                       [&] {
-                         if (landmarks) lacking = findLandmarks(header);
-                       });
+  bothAtOnce([&] { remarks_ = disagreements(inspectRecording(options.rawlog), setup_.vehicle); },
+             [&] {
+               if (landmarks) lacking = findLandmarks(header);
+             });
   remarks_.insert(remarks_.end(), remarks.begin(), remarks.end());
   remarks_.insert(remarks_.end(), lacking.begin(), lacking.end());
 }

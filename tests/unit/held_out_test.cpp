@@ -49,6 +49,21 @@ TEST(HeldOut, WhatIsThereGainsMuchOfWhatItExplains) {
   EXPECT_LT(gain.by_effect[0], options.folds * all);
 }
 
+// What a stretch by itself knows little of, as where the robot is, costs it nothing, be it ten metres away: a
+// current that lasts for a part of a dive moves the path so far, and is no loss of the path's.
+TEST(RowsAlone, APathThatIsElsewhereCostsNothing) {
+  const test::LinearRun run(12.0);
+  const WhitenedModel model = run.model();
+  const Eigen::SparseMatrix<double>& J = model.nuisances().J();
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(J.cols());
+  for (const UnknownBlock& block : model.linear().blocks)
+    if (block.kind == UnknownBlock::Kind::pose) x.segment<3>(block.column).setConstant(10);
+  std::vector<Eigen::Index> rows;
+  for (std::size_t i = 0; i < model.linear().rows.size(); ++i)
+    if (model.linear().rows[i].t_s < 6) rows.push_back(static_cast<Eigen::Index>(i));
+  EXPECT_LT(RowsAlone(model, rows).project(J * x).squaredNorm(), 0.01);
+}
+
 /// What each of the draws gains, by itself.
 double gainOfDraw(const WhitenedModel& model, const Eigen::VectorXd& draw, const RowsAlone& train) {
   Placebo alone(model, draw.replicate(1, kPlacebos), 1);

@@ -155,6 +155,16 @@ TEST(Verdict, ABudgetThatBurstsByLittleIsARemark) {
   EXPECT_FALSE(burst(2).budget[0].bursts);
 }
 
+// A recording without a camera says nothing of a panel's print.
+TEST(Verdict, WhatNoReadingTellsOfIsNoEntryOfTheBudget) {
+  Diagnosis diagnosis = found(0);
+  const std::size_t all = judged(diagnosis).budget.size();
+  diagnosis.noise.scales[0].amount = 0;
+  diagnosis = judged(std::move(diagnosis));
+  EXPECT_EQ(diagnosis.budget.size(), all - 1);
+  EXPECT_NE(diagnosis.budget[0].component, diagnosis.noise.budget.components[0].name);
+}
+
 TEST(Verdict, WithoutAnEffectABurstIsAllThatIsLeft) {
   Diagnosis diagnosis = found(0);
   diagnosis.effects.clear();
