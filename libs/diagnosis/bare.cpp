@@ -51,6 +51,7 @@ Bare bareOf(const Linearization& linear, const std::vector<Candidate>& effects, 
   }
   bare.J = columnsOf(linear.J, kept);
   if (linear.taken.nonZeros() > 0) bare.taken = columnsOf(linear.taken, kept);
+  bare.unknowns = std::move(kept);
   bare.through = {bare.J, bare.taken, bare.blocks};
   bare.columns = bare.through.of(columnsOf(linear, effects));
   bare.values = valuesOf(linear, effects, state);

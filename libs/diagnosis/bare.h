@@ -14,6 +14,7 @@ struct Bare {
   /// The effects are none of its unknowns.
   Eigen::SparseMatrix<double> J, taken;
   std::vector<UnknownBlock> blocks;
+  std::vector<Eigen::Index> unknowns;   ///< which of the linearization's they are
   ThroughPoses through;                 ///< of these unknowns
   Eigen::SparseMatrix<double> columns;  ///< of the effects, over its rows, through the poses too
   Eigen::VectorXd values;               ///< as the fit found them

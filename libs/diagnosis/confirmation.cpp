@@ -81,8 +81,10 @@ bool mayErrAs(const Candidate& larger, const Candidate& effect) {
 HeldOutResult heldOut(const Fits& fits, const Refit& fit, const HeldOutOptions& options) {
   NoiseModel noise = fits.noise();
   noise.apart = fit.noise.apart;
-  return holdOut(linearize(fits.data(), *problemAt(fits.data(), fit.estimate, fit.options)), fit.effects,
-                 fit.estimate.state, noise, fits.data(), options);
+  BatchEstimate at = fit.estimate;
+  at.state = fit.linearized_at;
+  return holdOut(linearize(fits.data(), *problemAt(fits.data(), at, fit.options)), fit.effects, at.state,
+                 noise, fits.data(), options);
 }
 
 Refit confirmed(Refit fit, const std::vector<Candidate>& already, const Confirmation& by) {

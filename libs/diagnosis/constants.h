@@ -129,7 +129,13 @@ inline constexpr double kConverged = 0.01, kLongestStep = 3;
 inline constexpr int kAccelerated = 2;
 inline constexpr double kUnsteadyStep = 1;
 inline constexpr int kScaleRounds = 2;  ///< of scales and sizes. Chosen, for time
-inline constexpr int kReweighed = 4;    ///< rounds of robust weights, at most. Chosen, for time
+/// How often light is linearized, at most, where budget and effects have it by then, until its readings are
+/// there what was foretold: sum of squares, in units of their sigmas. Chosen: most of it is what the budget
+/// makes up for, and ln of the evidence changes by less than one.
+inline constexpr int kLinearized = 4;
+inline constexpr double kAsForetold = 10;
+inline constexpr double kMostLight = 0.3;  ///< ln of a factor, by which the budget may be off then. Chosen
+inline constexpr int kReweighed = 4;       ///< rounds of robust weights, at most. Chosen, for time
 
 /// An owner's value is not of its kind where the largest sigma that the budget has for it would give any of
 /// them one like it so rarely; but where so large a share of the owners are so, it is the kind that is

@@ -9,25 +9,25 @@
 namespace fathom {
 namespace {
 
-/// By the numbers of their members.
-std::vector<std::vector<std::size_t>> likeliestSets(const Screening& screening, std::size_t size,
-                                                    double threshold, bool camera_alone) {
+std::vector<TestedSet> likeliestSets(const Screening& screening, std::size_t size, double threshold,
+                                     bool camera_alone) {
   const std::vector<TestedSet> sets = screening.bestSets(size, kLooked, threshold);
   const auto isSameBut = [&](std::size_t a, std::size_t b) {
     return isSameButTime(screening.candidates()[a].candidate, screening.candidates()[b].candidate);
   };
-  std::vector<std::vector<std::size_t>> tried;
+  std::vector<TestedSet> tried;
   for (const TestedSet& set : sets) {
     if (set.log_evidence < leastOfContenders(sets.front().log_evidence) || tried.size() == kContenders) break;
     if (!camera_alone && set.log_evidence < threshold - kUnderestimated) break;
     // What adds nothing to one that was tried is looked for again once that one is in the model; and when
     // they are there is settled later.
-    const auto isOneOf = [&](const std::vector<std::size_t>& other) {
-      return std::includes(set.members.begin(), set.members.end(), other.begin(), other.end()) ||
-             (!camera_alone && std::is_permutation(set.members.begin(), set.members.end(), other.begin(),
-                                                   other.end(), isSameBut));
+    const auto isOneOf = [&](const TestedSet& other) {
+      return std::includes(set.members.begin(), set.members.end(), other.members.begin(),
+                           other.members.end()) ||
+             (!camera_alone && std::is_permutation(set.members.begin(), set.members.end(),
+                                                   other.members.begin(), other.members.end(), isSameBut));
     };
-    if (std::none_of(tried.begin(), tried.end(), isOneOf)) tried.push_back(set.members);
+    if (std::none_of(tried.begin(), tried.end(), isOneOf)) tried.push_back(set);
   }
   return tried;
 }
@@ -65,15 +65,16 @@ std::vector<Candidate> farFromLinear(const Screening& screening) {
 
 }  // namespace
 
-std::vector<std::vector<Candidate>> contendersOf(const Screening& screening, std::size_t size,
-                                                 double threshold, bool camera_alone) {
-  std::vector<std::vector<Candidate>> contenders;
-  for (const std::vector<std::size_t>& set : likeliestSets(screening, size, threshold, camera_alone)) {
-    std::vector<Candidate>& members = contenders.emplace_back();
-    for (const std::size_t m : set) members.push_back(screening.candidates()[m].candidate);
+std::vector<Contender> contendersOf(const Screening& screening, std::size_t size, double threshold,
+                                    bool camera_alone) {
+  std::vector<Contender> contenders;
+  for (const TestedSet& set : likeliestSets(screening, size, threshold, camera_alone)) {
+    Contender& own = contenders.emplace_back();
+    for (const std::size_t m : set.members) own.effects.push_back(screening.candidates()[m].candidate);
+    own.foretold = set.log_evidence;
   }
   for (const Candidate& alone : camera_alone ? allThatLast(screening) : farFromLinear(screening))
-    contenders.push_back({alone});
+    contenders.push_back({{alone}});
   return contenders;
 }
 

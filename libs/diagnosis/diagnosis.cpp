@@ -115,17 +115,24 @@ bool Course::estimateNominal() {
 
 void Course::locate() { diagnosis_.mismatch = mismatchMaps(*fits_.nominal().model, options_.seed); }
 
-/// Sets of so many more effects that may be the best, each estimated in full.
+/// Sets of up to so many more effects that may be the best, each estimated in full: larger ones where smaller
+/// ones are not nearly what those are foretold to be, since what else is missing is looked for again.
 std::vector<Refit> Course::contenders(const Screening& screening, std::size_t size) {
-  std::vector<std::vector<Candidate>> sets;
-  for (const std::vector<Candidate>& more :
-       contendersOf(screening, size, fits_.threshold(), isCameraAlone())) {
-    sets.push_back(final_.effects);
-    sets.back().insert(sets.back().end(), more.begin(), more.end());
-  }
-  std::vector<Refit> all = fits_.of(final_, sets);
+  const std::vector<Contender> contenders = contendersOf(screening, size, fits_.threshold(), isCameraAlone());
+  std::vector<Refit> all;
   double highest = -1e300;
-  for (const Refit& refitted : all) highest = std::max(highest, fits_.logOdds(refitted));
+  for (std::size_t count = 1; count <= size; ++count) {
+    std::vector<std::vector<Candidate>> sets;
+    for (const auto& [more, foretold] : contenders)
+      if (more.size() == count && fits_.logOdds(final_) + leastOfContenders(foretold) > highest) {
+        sets.push_back(final_.effects);
+        sets.back().insert(sets.back().end(), more.begin(), more.end());
+      }
+    for (Refit& refitted : fits_.of(final_, sets)) {
+      highest = std::max(highest, fits_.logOdds(refitted));
+      all.push_back(std::move(refitted));
+    }
+  }
   std::erase_if(all, [&](const Refit& refitted) {
     return !refitted.succeeded || fits_.logOdds(refitted) < leastOfContenders(highest);
   });
@@ -244,7 +251,7 @@ bool Course::takeMinimumOf(const std::vector<Refit>& found) {
     return there.succeeded && there.weight.log_evidence > here.weight.log_evidence + kOtherMinimum;
   };
   const auto withOnly = [&](const std::vector<Candidate>& effects) {
-    return refit(data_, likeliest->estimate, fits_.base(), effects, fits_.noise());
+    return refit(data_, *likeliest, fits_.base(), effects, fits_.noise());
   };
   Refit nominal = withOnly({});
   Refit present = final_.effects.empty() ? nominal : withOnly(final_.effects);
@@ -262,13 +269,13 @@ bool Course::takeNoise(const NoiseModel& shown) {
   BatchOptions base = fits_.base();
   shown.applyTo(base.problem);
   Refit nominal, present;
-  bothAtOnce([&] { nominal = refit(data_, fits_.nominal().estimate, base, {}, shown); },
-             [&] { present = refit(data_, final_.estimate, base, final_.effects, shown); });
+  bothAtOnce([&] { nominal = refit(data_, fits_.nominal(), base, {}, shown); },
+             [&] { present = refit(data_, final_, base, final_.effects, shown); });
   if (!nominal.succeeded || !present.succeeded) return false;
   // Where readings contradict each other there are many minima: no effect is to profit from a better one.
   const BatchEstimate back = minimumFrom(data_, present.estimate, nominal.options);
   if (back.succeeded && back.cost < nominal.estimate.cost - kCostTolerance)
-    nominal = refit(data_, back, base, {}, shown);
+    nominal = refit(data_, startingAt(back), base, {}, shown);
   if (!nominal.succeeded) return false;
   fits_.beginWith(std::move(nominal), std::move(base), shown);
   final_ = fits_.onlyNeeded(std::move(present));

@@ -25,7 +25,8 @@ BatchOptions optionsWith(const Diagnosis& diagnosis) {
 
 /// The nominal model where the effects were found. Throws Error.
 Refit nominalOf(const Diagnosis& diagnosis, const BatchInput& recording) {
-  Refit nominal = refit(recording.data, diagnosis.before, diagnosis.before_options, {}, diagnosis.noise);
+  Refit nominal =
+      refit(recording.data, startingAt(diagnosis.before), diagnosis.before_options, {}, diagnosis.noise);
   if (!nominal.succeeded)
     throw Error("--judge", "", "the nominal model could not be fitted again: " + nominal.estimate.failure);
   return nominal;
@@ -79,8 +80,8 @@ JudgeElsewhere::JudgeElsewhere(const Diagnosis& diagnosis, const WhitenedModel& 
 Elsewhere JudgeElsewhere::judge(const BatchInput& other) const {
   Elsewhere result;
   const BatchEstimate start = estimateBatch(other.data, other.start, nominal_);
-  const Refit before = start.succeeded ? refit(other.data, start, nominal_, {}, noise_) : Refit{};
-  const Refit after = before.succeeded ? refit(other.data, before.estimate, with_, {}, noise_) : Refit{};
+  const Refit before = start.succeeded ? refit(other.data, startingAt(start), nominal_, {}, noise_) : Refit{};
+  const Refit after = before.succeeded ? refit(other.data, before, with_, {}, noise_) : Refit{};
   if (!after.succeeded) {
     result.failure = !start.succeeded    ? start.failure
                      : !before.succeeded ? before.estimate.failure

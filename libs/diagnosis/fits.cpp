@@ -87,7 +87,7 @@ std::vector<Refit> Fits::of(const std::vector<Asked>& all) {
   }
   parallelFor(left.size(), [&](std::size_t i) {
     const Asked& one = all[left[i]];
-    *fits[left[i]] = refit(data_, one.from->estimate, base_, one.effects, one.from->noise,
+    *fits[left[i]] = refit(data_, *one.from, base_, one.effects, one.from->noise,
                            left.size() > kKeptModels ? Model::none : Model::kept);
   });
   letModelsGo();

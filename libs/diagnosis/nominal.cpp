@@ -33,7 +33,7 @@ NominalFit nominalFit(const BatchData& data, const StartPath& start,
     return failed(print("The recording does not determine what the nominal model estimates (%s).", e.what()));
   }
   if (!estimate.succeeded) return failed("The nominal model could not be fitted: " + estimate.failure + ".");
-  nominal.fit = refit(data, estimate, nominal.options, {}, nominal.noise);
+  nominal.fit = refit(data, startingAt(estimate), nominal.options, {}, nominal.noise);
   if (!nominal.fit.succeeded)
     return failed("The nominal model could not be fitted: " + nominal.fit.estimate.failure + ".");
   return nominal;

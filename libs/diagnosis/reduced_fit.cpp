@@ -62,7 +62,6 @@ BlockedMatrix blockedGram(const Nuisances& nuisances, const Eigen::SparseMatrix<
 }  // namespace
 
 ReducedFit::Shared::Shared(const Bare& bare, const HeldColumns& budget) {
-  std::vector<Eigen::Index> of_light, of_others;
   for (const UnknownBlock& block : bare.blocks) {
     using enum UnknownBlock::Kind;
     auto& own = block.kind == water || block.kind == flaws ? of_light : of_others;
@@ -75,6 +74,8 @@ ReducedFit::Shared::Shared(const Bare& bare, const HeldColumns& budget) {
     if (along.col(static_cast<Eigen::Index>(k)).nonZeros() == 0) local.push_back(budget.of_places[k]);
   if (local.empty()) {
     of_light.clear();
+    of_others.resize(static_cast<std::size_t>(bare.J.cols()));
+    std::iota(of_others.begin(), of_others.end(), Eigen::Index{0});
     others = bare.J;
   }
   shared = columnsOf(bare.J, of_light);
@@ -82,7 +83,8 @@ ReducedFit::Shared::Shared(const Bare& bare, const HeldColumns& budget) {
 
 ReducedFit::ReducedFit(const Linearization& linear, const std::vector<Candidate>& effects,
                        const BatchState& state, const NoiseModel& noise, const HeldColumns& budget)
-    : bare_(bareOf(linear, effects, state)),
+    : unknowns_(linear.J.cols()),
+      bare_(bareOf(linear, effects, state)),
       budget_(budget),
       shared_(bare_, budget),
       columns_(sideBySide({bare_.through.of(budget.columns), shared_.shared, bare_.columns}, bare_.J.rows())),
@@ -122,11 +124,26 @@ double ReducedFit::logEvidence(const Split& split) const {
   return 0.5 * (own.logDeterminant() - left_.squaredNorm()) + split.of_budget;
 }
 
-Eigen::VectorXd ReducedFit::leftBy(const Split& split) const {
+Eigen::VectorXd ReducedFit::change(const Split& split) const {
   Eigen::VectorXd values(columns_.cols());
   values << split.budget, split.effects.evidence.value;
-  const Eigen::VectorXd change = columns_ * values;
-  return bare_.residual + change + shared_.others * nuisances_.step(residual_ + W_ * change);
+  return columns_ * values;
+}
+
+Eigen::VectorXd ReducedFit::leftBy(const Split& split) const {
+  const Eigen::VectorXd changed = change(split);
+  return bare_.residual + changed + shared_.others * nuisances_.step(residual_ + W_ * changed);
+}
+
+Eigen::VectorXd ReducedFit::stepBy(const Split& split) const {
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(unknowns_);
+  const auto take = [&](const std::vector<Eigen::Index>& own, const Eigen::VectorXd& by) {
+    for (std::size_t k = 0; k < own.size(); ++k)
+      step[bare_.unknowns[static_cast<std::size_t>(own[k])]] = by[static_cast<Eigen::Index>(k)];
+  };
+  take(shared_.of_others, nuisances_.step(residual_ + W_ * change(split)));
+  take(shared_.of_light, split.budget.tail(unheld()));
+  return step;
 }
 
 }  // namespace fathom

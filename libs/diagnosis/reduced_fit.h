@@ -49,15 +49,25 @@ class ReducedFit {
   /// What is left of the readings by budget and effects of these values, all that is unknown being as well as
   /// it can: over the linearization's rows.
   Eigen::VectorXd leftBy(const Split& split) const;
+  /// By how much the unknowns, of which the effects count as known, differ then from what the fit has them.
+  Eigen::VectorXd stepBy(const Split& split) const;
+  /// What the budget changes then, over the linearization's rows, with what follows through the poses.
+  Eigen::VectorXd changeByBudget(const Split& split) const {
+    return columns_.leftCols(budget_.sigma.size()) * split.budget.head(budget_.sigma.size());
+  }
   Eigen::VectorXd whitened(const Eigen::VectorXd& rows) const { return W_ * rows; }
 
  private:
   struct Shared {
     Shared(const Bare& bare, const HeldColumns& budget);
-    std::vector<Eigen::Index> local;  // of the budget: of one place each, and of no pose
+    std::vector<Eigen::Index> local;                // of the budget: of one place each, and of no pose
+    std::vector<Eigen::Index> of_light, of_others;  // places among the bare unknowns
     Eigen::SparseMatrix<double> shared, others;
   };
 
+  Eigen::VectorXd change(const Split& split) const;
+
+  Eigen::Index unknowns_;  // the effects too
   Bare bare_;
   const HeldColumns& budget_;
   Shared shared_;

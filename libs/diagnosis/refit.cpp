@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "core/linear_algebra.h"
+#include "diagnosis/constants.h"
 #include "effects/catalogue.h"
 
 namespace fathom {
@@ -46,7 +47,7 @@ void holdAtNothing(Refit& fit) {
 /// estimate did not know.
 void addEstimates(Refit& fit, const Linearization& linear) {
   const Evidence& found = fit.weight.effects;
-  const EffectParameters<double>& at = fit.estimate.state.effects;
+  const EffectParameters<double>& at = fit.linearized_at.effects;
   for (const Candidate& candidate : fit.effects)
     for (const CandidateColumn& own : columnsOf(linear, candidate.effect)) {
       const auto k = std::ssize(fit.estimates);
@@ -74,6 +75,100 @@ double lambdaOf(const Refit& fit, const std::vector<Eigen::Index>& estimates) {
   return std::max(0.0, value.dot(information * value));
 }
 
+void takeEstimates(const Refit& fit, BatchState& state) {
+  for (const EffectEstimate& found : fit.estimates)
+    if (found.image < 0)
+      state.effects.values[found.scalar] = found.value;
+    else
+      state.draws[{found.scalar, static_cast<std::size_t>(found.image)}] = found.value;
+}
+
+std::vector<PatchLight> lightOf(const BatchData& data, const Linearization& linear, const Weight& weight) {
+  std::vector<PatchLight> light(data.patches.size());
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+    const RowInfo& row = linear.rows[i];
+    if (row.patch < 0) continue;
+    PatchLight& own = light[static_cast<std::size_t>(row.patch)];
+    own.reflected[row.component] = weight.reflected[static_cast<Eigen::Index>(i)];
+    own.level[row.component] = weight.level[static_cast<Eigen::Index>(i)];
+    own.moved[row.component] = weight.moved[static_cast<Eigen::Index>(i)];
+  }
+  return light;
+}
+
+/// Where budget and effects have everything, as they were weighed there.
+BatchState movedBy(const Refit& fit, const BatchProblem& problem, const Linearization& linear,
+                   const BatchData& data) {
+  Refit found = fit;
+  found.weight.effects.value = fit.weight.values;
+  addEstimates(found, linear);
+  holdAtNothing(found);
+  BatchState state = problem.at(fit.weight.step);
+  takeEstimates(found, state);
+  state.light = lightOf(data, linear, fit.weight);
+  return state;
+}
+
+/// What is further off is no imperfection, and a line through nominal light leads nowhere.
+bool isNear(const Weight& weight) {
+  return std::max(weight.level.cwiseAbs().maxCoeff(), weight.reflected.cwiseAbs().maxCoeff()) < kMostLight;
+}
+
+/// Whether readings at a state are, but for what they resolve together, what was linear about another one
+/// said they would be there.
+bool isAsForetold(const Linearization& there, const Linearization& linear, const Eigen::VectorXd& foretold) {
+  double off = 0;
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+    if (linear.rows[i].patch < 0) continue;
+    const auto k = static_cast<Eigen::Index>(i);
+    off += std::pow(there.residual[k] * std::sqrt(linear.rows[i].robust_weight) - foretold[k], 2);
+  }
+  return off < kAsForetold;
+}
+
+std::size_t readingsOf(const Linearization& linear) {
+  return static_cast<std::size_t>(
+      std::find_if(linear.rows.begin(), linear.rows.end(),
+                   [](const RowInfo& row) { return row.channel == kChannel<Prior>; }) -
+      linear.rows.begin());
+}
+
+/// Takes the readings' weights for what they were in another fit of the same readings: outliers are mostly
+/// the same.
+void takeWeights(Linearization& linear, const Refit& from) {
+  if (readingsOf(linear) != from.readings) return;
+  for (std::size_t i = 0; i < from.readings; ++i) linear.rows[i].robust_weight = from.robust_weights[i];
+}
+
+/// Weighs a fit, light being linearized where budget and effects have it: what several imperfections make of
+/// light is their product, and what is linear about nominal light knows their sum only.
+void weigh(Refit& fit, const BatchData& data, const Refit& from, const NoiseModel& noise,
+           Linearization& linear, HeldColumns& budget) {
+  BatchEstimate at = fit.estimate;
+  at.state.light = from.linearized_at.light;
+  auto problem = problemAt(data, at, fit.options);
+  linear = linearize(data, *problem);
+  takeWeights(linear, from);
+  fit.noise = noise;
+  // Judged anew beside these effects: what they explain of a place is no growth there.
+  fit.noise.apart.clear();
+  for (int round = 1;; ++round) {
+    applyRobustWeights(linear);
+    budget = budgetColumns(linear, fit.noise);
+    fit.weight = weigh(linear, budget, fit.effects, at.state, fit.noise);
+    fit.noise.apart = fit.weight.apart;
+    fit.linearized_at = at.state;
+    fit.noteWeights(linear);
+    if (data.patches.empty() || round == kLinearized || !isNear(fit.weight)) return;
+    at.state = movedBy(fit, *problem, linear, data);
+    problem = problemAt(data, at, fit.options);
+    Linearization there = linearize(data, *problem);
+    if (isAsForetold(there, linear, fit.weight.left)) return;
+    takeWeights(there, fit);
+    linear = std::move(there);
+  }
+}
+
 void finish(Refit& fit, const Linearization& linear) {
   addEstimates(fit, linear);
   fit.succeeded = areAllPossible(fit);
@@ -83,17 +178,25 @@ void finish(Refit& fit, const Linearization& linear) {
   }
   holdAtNothing(fit);
   BatchState& state = fit.estimate.state;
-  for (const EffectEstimate& found : fit.estimates)
-    if (found.image < 0)
-      state.effects.values[found.scalar] = found.value;
-    else
-      state.draws[{found.scalar, static_cast<std::size_t>(found.image)}] = found.value;
+  takeEstimates(fit, state);
   for (const EffectEstimate& spread : withSpreads(fit)) state.effects.values[spread.scalar] = spread.value;
 }
 
 }  // namespace
 
-Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions& base,
+void Refit::noteWeights(const Linearization& linear) {
+  robust_weights.clear();
+  for (const RowInfo& row : linear.rows) robust_weights.push_back(row.robust_weight);
+  readings = readingsOf(linear);
+}
+
+Refit startingAt(BatchEstimate estimate) {
+  Refit start;
+  start.estimate = std::move(estimate);
+  return start;
+}
+
+Refit refit(const BatchData& data, const Refit& from, const BatchOptions& base,
             const std::vector<Candidate>& effects, const NoiseModel& noise, Model model) {
   Refit fit;
   fit.effects = effects;
@@ -103,20 +206,13 @@ Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions
     switchOn(fit.options.calibration, effect);
     fit.options.problem.estimate.set(effect.effect);
   }
-  fit.estimate = bestMinimumFrom(data, from, fit.options);
+  fit.estimate = bestMinimumFrom(data, from.estimate, fit.options);
   if (!fit.estimate.succeeded) return fit;
   try {
-    Linearization linear = linearize(data, *problemAt(data, fit.estimate, fit.options));
-    applyRobustWeights(linear);
-    fit.noise = noise;
-    // Judged anew beside these effects: what they explain of a place is no growth there.
-    fit.noise.apart.clear();
-    HeldColumns budget = budgetColumns(linear, fit.noise);
-    fit.weight = weigh(linear, budget, effects, fit.estimate.state, fit.noise);
+    Linearization linear;
+    HeldColumns budget;
+    weigh(fit, data, from, noise, linear, budget);
     fit.noise.scales = fit.weight.scales;
-    fit.noise.apart = fit.weight.apart;
-    fit.linearized_at = fit.estimate.state;
-    for (const RowInfo& row : linear.rows) fit.robust_weights.push_back(row.robust_weight);
     finish(fit, linear);
     if (model == Model::kept)
       fit.model =

@@ -26,6 +26,9 @@ struct Refit {
   /// What it takes to make them again: where they were taken, and what each reading counts there.
   BatchState linearized_at;
   std::vector<double> robust_weights;
+  std::size_t readings = 0;  ///< the first so many rows are
+
+  void noteWeights(const Linearization& linear);
 };
 
 /// A fit's model: its own, or made again where that was let go.
@@ -33,8 +36,11 @@ std::shared_ptr<const WhitenedModel> modelOf(const BatchData& data, const Refit&
 
 /// Whether a fit's model, which takes half as long as the fit, is wanted.
 enum class Model { kept, none };
-/// Everything estimated from where another fit ended; `base`: with the effects known already.
-Refit refit(const BatchData& data, const BatchEstimate& from, const BatchOptions& base,
+/// What is known of a fit where only its estimate is.
+Refit startingAt(BatchEstimate estimate);
+/// Everything estimated from where another fit of the same readings ended, of which light, and what readings
+/// count, are taken to begin with; `base`: with the effects known already.
+Refit refit(const BatchData& data, const Refit& from, const BatchOptions& base,
             const std::vector<Candidate>& effects, const NoiseModel& noise, Model model = Model::kept);
 
 /// A fit's estimates with those of what was drawn for each image replaced by one of their spread: what they

@@ -215,6 +215,32 @@ double robustShare(const Linearization& linear, const Eigen::VectorXd& left) {
   return sum;
 }
 
+/// Columns that readings' residuals have with the opposite sign are of components of the one or the other
+/// kind.
+void noteLight(Weight& weight, const Linearization& linear, const NoiseModel& noise,
+               const HeldColumns& budget, const Eigen::VectorXd& values, const Eigen::VectorXd& change) {
+  Eigen::VectorXd of_reflected = Eigen::VectorXd::Zero(budget.sigma.size()), of_level = of_reflected;
+  const auto take = [&](std::size_t component, Eigen::Index column) {
+    const std::vector<std::string>& by = noise.budget.components[component].by;
+    if (by.front() == "pixels.reflected") of_reflected[column] = values[column];
+    if (by.front() == "pixels.level") of_level[column] = values[column];
+  };
+  Eigen::Index column = 0;
+  for (std::size_t k = 0; k < budget.sizes.size(); ++k)
+    for (const Eigen::Index end = column + budget.sizes[k]; column < end; ++column) take(k, column);
+  for (const std::size_t k : budget.of_apart) take(k, column++);
+  weight.reflected = -(budget.columns * of_reflected);
+  weight.level = -(budget.columns * of_level);
+  weight.moved = -change - weight.reflected - weight.level;
+  for (Eigen::Index i = 0; i < weight.level.size(); ++i) {
+    const RowInfo& row = linear.rows[static_cast<std::size_t>(i)];
+    const double unit = row.per_unit * std::sqrt(row.robust_weight);
+    weight.moved[i] = row.patch >= 0 ? weight.moved[i] / unit : 0;
+    weight.reflected[i] = row.reflected > 0 ? weight.reflected[i] / (unit * row.reflected) : 0;
+    weight.level[i] = row.level > 0 ? weight.level[i] / (unit * row.level) : 0;
+  }
+}
+
 }  // namespace
 
 Weight weigh(Linearization& linear, HeldColumns& budget, const std::vector<Candidate>& effects,
@@ -236,6 +262,11 @@ Weight weigh(Linearization& linear, HeldColumns& budget, const std::vector<Candi
       if (has_others || has_more) continue;
     }
     weight.apart = noise.apart;
+    weight.values = split.effects.evidence.value;
+    weight.step = hypothesis.stepBy(split);
+    const Eigen::VectorXd change = hypothesis.changeByBudget(split);
+    weight.left = left - change;
+    noteLight(weight, linear, noise, budget, split.budget, change);
     weight.log_bayes_factor = split.effects.log_bayes_factor;
     weight.effects = evidenceOf(split.gram, split.score, priorSigmas(linear, effects));
     weight.scales = estimatedScales(hypothesis.gram(), hypothesis.score(), found.sigma, groups, found.scales);

@@ -21,6 +21,15 @@ struct Weight {
   /// Of the effects' columns one behind the other (columnsOf()), held as they are declared: how far sizes are
   /// from nothing, all else from the state.
   Evidence effects;
+  /// The same of the sizes that they were weighed with.
+  Eigen::VectorXd values;
+  /// By how much the unknowns but the effects differ from what the fit has them, the effects being `values`
+  /// and the budget what is likeliest beside them.
+  Eigen::VectorXd step;
+  /// What is left of the readings then, the budget not being taken off: over the linearization's rows.
+  Eigen::VectorXd left;
+  /// What the budget makes of the light of each row, as PatchLight has it; 0 of other rows.
+  Eigen::VectorXd reflected, level, moved;
 };
 
 /// `linear`: at the state, with the effects among its unknowns, weighted (applyRobustWeights()); `budget`:

@@ -130,9 +130,15 @@ void BatchProblem::addTiePoints() {
 /// poses are taken as they are at the reference.
 void BatchProblem::addPatches() {
   for (std::size_t i = 0; i < data_.patches.size(); ++i) {
-    const ImagePatch& seen = data_.patches[i];
+    ImagePatch seen = data_.patches[i];
     if (!unknowns_.hasPose(seen.image)) continue;
     const std::vector<int> colours = seen.colours();
+    if (const std::vector<PatchLight>& light = unknowns_.reference().light; !light.empty()) {
+      seen.albedo.array() *= light[i].reflected.array().exp();
+      const Eigen::Array3d factor = (-light[i].level).array().exp();
+      seen.radiance.array() *= factor;
+      seen.sigma.array() *= factor;
+    }
     const Eigen::VectorXd reading = seen.radiance(colours);
     const double scale = options_.noise_scale[indexOf(kChannel<Pixels>)];
     const Eigen::ArrayXd scatter = options_.light_scatter / scale * reading.array();

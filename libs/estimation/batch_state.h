@@ -27,6 +27,14 @@ struct DriftTrack {
   std::vector<Observation::Value> knots;
 };
 
+/// By what a patch's light differs from the model's for no effect's sake, as something else has found: ln of
+/// a factor for each colour.
+struct PatchLight {
+  Vector3d reflected = Vector3d::Zero();  ///< of its albedo under daylight
+  Vector3d level = Vector3d::Zero();      ///< of all that it reads
+  Vector3d moved = Vector3d::Zero();      ///< no factor: what poses are elsewhere for changes, radiance
+};
+
 /// What is estimated, as numbers.
 struct BatchState {
   PosePath path;
@@ -40,6 +48,9 @@ struct BatchState {
   double sea_floor_z_m = 0.0;         ///< odom, where a sensor ranges it
   EffectParameters<double> effects;   ///< all that are on, estimated or not
   std::map<Draw, double> draws;       ///< of effects that are drawn anew for each image; missing: 0
+  /// Of each of the data's patches; empty: nothing. Predictions have it, and linearize() puts it back into
+  /// residuals: these are the nominal light's, but linear about what the light is.
+  std::vector<PatchLight> light;
 
   /// In `drifts`; nothing of what does not drift.
   std::optional<std::size_t> driftOf(Channel channel, const Instance& instance) const;

@@ -150,14 +150,30 @@ void setTiePoint(RowInfo& info, const BatchTiePoint& seen, const Pose& T_left_ri
   info.range_m = T_left_right.position.dot(toward) / (1 - cosine * cosine);
 }
 
-/// Of a patch, with its reading's derivative by the water. Daylight's share is linear in daylight.
-void setLight(RowInfo& info, const ImagePatch& seen, const Eigen::VectorXd& by_water, const Vector9d& water) {
+/// Of a patch, with its reading and that one's derivative by the water. Daylight's share is linear in
+/// daylight.
+void setLight(RowInfo& info, const ImagePatch& seen, double reading, const Eigen::VectorXd& by_water,
+              const Vector9d& water) {
   const Eigen::Index daylight = 6 + info.component;
-  info.level = seen.radiance[info.component] - info.raw;
+  info.level = reading - info.raw;
   info.reflected = std::abs(by_water[daylight] * water[daylight] / info.per_unit);
   info.surface = seen.surface;
   info.printed_on = seen.marker_id;
   info.seen_share = seen.seen_share;
+}
+
+/// Of a row of a patch: see BatchState::light.
+PatchLight lightOf(const BatchState& reference, std::ptrdiff_t patch) {
+  return reference.light.empty() ? PatchLight() : reference.light[static_cast<std::size_t>(patch)];
+}
+
+/// Takes for residual what the prediction has in its light.
+void putBackLight(RowInfo& info, double& residual, const BatchState& reference) {
+  const PatchLight light = lightOf(reference, info.patch);
+  const int c = info.component;
+  const double found = info.reflected * light.reflected[c] + info.level * light.level[c] + light.moved[c];
+  info.raw += found;
+  residual += found * info.per_unit;
 }
 
 /// Of the k-th row of a reading of an image. J: its derivative, by the water from water_column on.
@@ -166,7 +182,9 @@ void setSeen(RowInfo& info, Eigen::Index k, const BatchData& data, const BatchSt
   if (info.patch >= 0) {
     const ImagePatch& seen = data.patches[static_cast<std::size_t>(info.patch)];
     info.component = seen.colours()[static_cast<std::size_t>(k)];
-    setLight(info, seen, J.row(k).segment(water_column, 9), reference.water);
+    const double level = lightOf(reference, info.patch).level[info.component];
+    setLight(info, seen, std::exp(-level) * seen.radiance[info.component], J.row(k).segment(water_column, 9),
+             reference.water);
   }
   if (info.marker >= 0) setCorner(info, data.markers[static_cast<std::size_t>(info.marker)]);
   if (info.tie_point >= 0)
@@ -255,6 +273,7 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
       info.raw = raw[k];
       info.per_unit = 1 / sigma[k];
       setSeen(info, k, data, problem.reference(), J, water_column);
+      if (info.patch >= 0) putBackLight(info, linear.residual[first[i] + k], problem.reference());
       linear.rows[static_cast<std::size_t>(first[i] + k)] = info;
     }
   });

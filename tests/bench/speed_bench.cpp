@@ -283,7 +283,7 @@ void diagnosisPath() {
          1,
          {"", [&] { diagnose(input); }},
          {"a refit with each effect of the catalogue (one measured)",
-          [&] { refit(input.data, nominal.fit.estimate, nominal.options, {lasting}, nominal.noise); },
+          [&] { refit(input.data, nominal.fit, nominal.options, {lasting}, nominal.noise); },
           static_cast<double>(kEffectCount)},
          {"one batch estimate", [&] { estimateBatch(input.data, input.start, {}); }},
          3});

@@ -46,7 +46,7 @@ double gainOn(const BatchInput& judge, const NominalFit& nominal,
   if (calibration.on.none()) return 0;
   BatchOptions options = nominal.options;
   options.calibration = calibration;
-  const Refit with = refit(judge.data, nominal.fit.estimate, options, {}, nominal.noise);
+  const Refit with = refit(judge.data, nominal.fit, options, {}, nominal.noise);
   return with.succeeded ? with.weight.log_evidence - nominal.fit.weight.log_evidence : 0;
 }
 
@@ -60,8 +60,7 @@ EffectParameters<double> runnerUpOf(const ProofCase& proof_case, const BatchInpu
       isDrawn(effect->index))
     return {};
   candidate.effect = effect->index;
-  const Refit fitted =
-      refit(recording.data, nominal.fit.estimate, nominal.options, {candidate}, nominal.noise);
+  const Refit fitted = refit(recording.data, nominal.fit, nominal.options, {candidate}, nominal.noise);
   return fitted.succeeded ? fitted.estimate.state.effects : EffectParameters<double>{};
 }
 

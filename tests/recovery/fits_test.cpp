@@ -51,7 +51,7 @@ TEST(Fits, JudgeAnewWhoIsApart) {
   for (std::size_t k = 0; k < noise.apart.size(); ++k)
     if (noise.budget.components[k].name == "print-reflectance")
       noise.apart[k][{input.data.patches.front().marker_id, 0}] = 0.5;
-  const Refit again = refit(input.data, nominal.fit.estimate, nominal.options, {}, noise);
+  const Refit again = refit(input.data, nominal.fit, nominal.options, {}, noise);
   ASSERT_TRUE(again.succeeded);
   for (const auto& apart : again.noise.apart) EXPECT_TRUE(apart.empty());
   EXPECT_NEAR(again.weight.log_evidence, nominal.fit.weight.log_evidence, 0.1);

@@ -245,5 +245,54 @@ TEST(Linearization, RowsSayWhatTheyAre) {
   EXPECT_LT(gradient.cwiseQuotient(scale.cwiseMax(1e-9)).cwiseAbs().maxCoeff(), 0.05);
 }
 
+// Light that is just what readings say leaves nothing of them, and what is put back is the first order of
+// what it is; a reading weighs what it weighed, so that by a model that is larger by a factor it tells as
+// much more.
+TEST(Linearization, KnownLightIsPredictedAndPutBack) {
+  const LinearRun linear_run(true);
+  const BatchData& data = linear_run.input.data;
+  const auto problem = problemAt(data, linear_run.estimate, linear_run.options);
+  const Linearization nominal = linearize(data, *problem);
+  // raw: the reading without the prediction. What is reflected cannot make up for it where it is mostly the
+  // veil.
+  const auto factorOf = [](const RowInfo& row, double whole) {
+    return std::clamp(1 + row.raw / whole, 0.5, 2.0);
+  };
+  for (const bool is_level : {false, true}) {
+    BatchEstimate lit = linear_run.estimate;
+    lit.state.light.resize(data.patches.size());
+    for (const RowInfo& row : nominal.rows) {
+      if (row.patch < 0) continue;
+      PatchLight& own = lit.state.light[static_cast<std::size_t>(row.patch)];
+      if (is_level)
+        own.level[row.component] = std::log(factorOf(row, row.level));
+      else
+        own.reflected[row.component] = std::log(factorOf(row, row.reflected));
+    }
+    const auto there = problemAt(data, lit, linear_run.options);
+    const Linearization linear = linearize(data, *there);
+    const Eigen::VectorXd left = residuals(*there, Eigen::VectorXd::Zero(there->unknowns()));
+    const Eigen::MatrixXd J(linear.J), J0(nominal.J);
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+      const RowInfo& row = nominal.rows[i];
+      const auto k = static_cast<Eigen::Index>(i);
+      if (row.patch < 0) {
+        EXPECT_EQ(linear.residual[k], nominal.residual[k]);
+        continue;
+      }
+      ++seen;
+      const double whole = is_level ? row.level : row.reflected, factor = factorOf(row, whole);
+      const double not_made_up = (row.raw - whole * (factor - 1)) * row.per_unit;
+      EXPECT_NEAR(left[k], not_made_up, 1e-9 * std::abs(row.level * row.per_unit));
+      EXPECT_NEAR(linear.residual[k], not_made_up + whole * factor * std::log(factor) * row.per_unit,
+                  1e-9 * std::abs(row.level * row.per_unit));
+      EXPECT_NEAR(linear.rows[i].per_unit, row.per_unit * (is_level ? factor : 1), 1e-9 * row.per_unit);
+      if (is_level) EXPECT_LT((J.row(k) - factor * J0.row(k)).norm(), 1e-9 * J0.row(k).norm());
+    }
+    EXPECT_GT(seen, 20u);
+  }
+}
+
 }  // namespace
 }  // namespace fathom

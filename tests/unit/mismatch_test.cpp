@@ -64,7 +64,7 @@ TEST(Refit, ItsEffectsAreThoseOfTheWholeLinearModel) {
       latency{kEffectIndex<CameraLatency>, {}, {}, {}, {}};
   NoiseModel noise;
   noise.budget = fieldBudget();
-  const Refit fit = refit(run.input.data, run.estimate, {}, {scale, latency}, noise);
+  const Refit fit = refit(run.input.data, startingAt(run.estimate), {}, {scale, latency}, noise);
   ASSERT_TRUE(fit.succeeded) << fit.estimate.failure;
   const Nuisances& nuisances = fit.model->nuisances();
   const Eigen::VectorXd step = nuisances.step(fit.model->residual());
@@ -87,7 +87,7 @@ TEST(SizedEffect, HasItsOwnEffectsValues) {
   const WhitenedRun run;
   const Candidate scale{kEffectIndex<DvlScale>, {}, {}, {}, {}},
       latency{kEffectIndex<CameraLatency>, {}, {}, {}, {}};
-  const Refit fit = refit(run.input.data, run.estimate, {}, {scale, latency}, {});
+  const Refit fit = refit(run.input.data, startingAt(run.estimate), {}, {scale, latency}, {});
   ASSERT_TRUE(fit.succeeded) << fit.estimate.failure;
   for (const Candidate& effect : {scale, latency}) {
     const SizedEffect own = sized(fit, effect);
