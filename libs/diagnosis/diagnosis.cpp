@@ -85,6 +85,7 @@ class Course {
   void lookUnderTightBudget();
   EffectEstimate whole(EffectEstimate estimate) const;
   FoundEffect describe(std::size_t effect);
+  bool isOneOfItsSetTheSameEverywhere(std::size_t effect);
 
   const BatchData& data_;
   const StartPath& start_;
@@ -321,6 +322,10 @@ EffectEstimate Course::whole(EffectEstimate estimate) const {
   return estimate;
 }
 
+bool hasFailed(const std::vector<InteractionTest>& tests) {
+  return std::any_of(tests.begin(), tests.end(), [](const InteractionTest& test) { return test.failed; });
+}
+
 FoundEffect Course::describe(std::size_t effect) {
   FoundEffect found;
   found.candidate = final_.effects[effect];
@@ -339,7 +344,25 @@ FoundEffect Course::describe(std::size_t effect) {
   found.confidence = 1 / (rivals_odds_[effect] + oddsAgainst(found.log_odds) +
                           (final_.effects.size() > 1 ? oddsAgainst(fits_.logOdds(final_)) : 0));
   found.interactions = interactionTests(final_, found.candidate);
+  if (hasFailed(found.interactions) && isOneOfItsSetTheSameEverywhere(effect))
+    for (InteractionTest& test : found.interactions) test.failed = false;
   return found;
+}
+
+/// Of a set, the right one may be another than the one stated, and that one may hold where this does not.
+bool Course::isOneOfItsSetTheSameEverywhere(std::size_t effect) {
+  for (const Alternatives& set : diagnosis_.alternatives) {
+    if (!(set.candidates[0] == final_.effects[effect])) continue;
+    for (std::size_t k = 1; k < set.candidates.size(); ++k) {
+      std::vector<Candidate> effects = final_.effects;
+      effects[effect] = set.candidates[k];
+      Refit rival = fits_.of(final_, effects);
+      if (!rival.succeeded) continue;
+      rival.model = modelOf(data_, rival);
+      if (!hasFailed(interactionTests(rival, set.candidates[k]))) return true;
+    }
+  }
+  return false;
 }
 
 void Course::verify() {
