@@ -63,6 +63,7 @@ inline constexpr double kConfirmed = 0.3;
 inline constexpr double kShownAtAll = 0.1, kUnseen = 7, kUnseenShare = 0.25;
 /// Stretches of a fold, between those of others. Chosen: an effect for a part is in most folds.
 inline constexpr int kStretches = 3;
+inline constexpr double kFivePercent = 1.645;  ///< sigmas of a normal distribution's lower tail
 /// Of a stretch, that are drawn anew by the bootstrap. Chosen.
 inline constexpr int kPartsOfStretch = 2;
 inline constexpr int kResamples = 1000;  ///< usual for 95 % intervals (Efron & Tibshirani 1993)

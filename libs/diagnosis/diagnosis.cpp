@@ -377,12 +377,15 @@ void Course::verify() {
 }
 
 /// Chance, too, finds something that fits. What all stretches tell alike, as an offset that is held by a
-/// prior, none of them adds to: there all readings have to gain the more.
+/// prior, none of them adds much to: where they gain what they should, and that is no more than chance may, all
+/// readings have to gain the more. What is known gains E there with a variance of 2 E.
 bool Course::isBeyondChance() const {
   const HeldOutGain& gain = diagnosis_.heldout.gain;
   const double expected =
       std::accumulate(gain.expected_by_effect.begin(), gain.expected_by_effect.end(), 0.0);
-  return gain.physics > gain.placebo || (expected <= gain.placebo && fits_.gainOf(final_) > kUnseen);
+  const bool is_as_expected = gain.physics > expected - kFivePercent * std::sqrt(2 * expected);
+  return gain.physics > gain.placebo ||
+         ((is_as_expected || expected <= gain.placebo) && fits_.gainOf(final_) > kUnseen);
 }
 
 void Course::withdraw() {
