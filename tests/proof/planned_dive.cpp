@@ -19,6 +19,7 @@ bool isMade(std::string_view effect, std::string_view parameter) {
   if (effect == "flat-port-refraction")
     return parameter != "index_error" && parameter != "slab_m" && parameter != "calibration_per_m";
   if (effect == "turbidity-plume") return parameter != "per_m" && parameter != "middle";
+  if (effect == "lamp") return parameter == "irradiance_1m_rel";
   if (effect == "lens-distortion") return parameter != "cx_error_px" && parameter != "cy_error_px";
   return true;
 }
