@@ -96,7 +96,7 @@ TEST(PriorOdds, OfAnEffectsTimesMakeOneEffect) {
 }
 
 // Readings that differ from the model by noise alone reach what one in ten is said to reach about so often:
-// of 40 draws 4, 12 with a probability of 3e-4.
+// of 40 draws 4, ten or more with a probability of 5e-3.
 TEST(Screening, SaysHowOftenChanceIsSoLikely) {
   if (test::kSanitized) GTEST_SKIP() << "a minute under sanitizers: the tests above take the same way there";
   constexpr int kDraws = 40, kCoarse = 4;
@@ -113,7 +113,7 @@ TEST(Screening, SaysHowOftenChanceIsSoLikely) {
     for (const TestedCandidate& tested : screening.candidates()) best = std::max(best, tested.log_evidence);
     reached += best >= usual_best;
   }
-  EXPECT_LE(reached, 12);
+  EXPECT_LE(reached, 9);
   EXPECT_GE(reached, 1);
 }
 
