@@ -124,11 +124,14 @@ std::vector<Refit> Course::contenders(const Screening& screening, std::size_t si
   double highest = -1e300;
   for (std::size_t count = 1; count <= size; ++count) {
     std::vector<std::vector<Candidate>> sets;
-    for (const auto& [more, foretold] : contenders)
-      if (more.size() == count && fits_.logOdds(final_) + leastOfContenders(foretold) > highest) {
+    for (const auto& [more, foretold] : contenders) {
+      const bool may_be_best =
+          isCameraAlone() || fits_.logOdds(final_) + leastOfContenders(foretold) > highest;
+      if (more.size() == count && may_be_best) {
         sets.push_back(final_.effects);
         sets.back().insert(sets.back().end(), more.begin(), more.end());
       }
+    }
     for (Refit& refitted : fits_.of(final_, sets)) {
       highest = std::max(highest, fits_.logOdds(refitted));
       all.push_back(std::move(refitted));
@@ -377,8 +380,8 @@ void Course::verify() {
 }
 
 /// Chance, too, finds something that fits. What all stretches tell alike, as an offset that is held by a
-/// prior, none of them adds much to: where they gain what they should, and that is no more than chance may, all
-/// readings have to gain the more. What is known gains E there with a variance of 2 E.
+/// prior, none of them adds much to: where they gain what they should, and that is no more than chance may,
+/// all readings have to gain the more. What is known gains E there with a variance of 2 E.
 bool Course::isBeyondChance() const {
   const HeldOutGain& gain = diagnosis_.heldout.gain;
   const double expected =

@@ -126,18 +126,9 @@ bool isAsForetold(const Linearization& there, const Linearization& linear, const
   return off < kAsForetold;
 }
 
-std::size_t readingsOf(const Linearization& linear) {
-  return static_cast<std::size_t>(
-      std::find_if(linear.rows.begin(), linear.rows.end(),
-                   [](const RowInfo& row) { return row.channel == kChannel<Prior>; }) -
-      linear.rows.begin());
-}
-
-/// Takes the readings' weights for what they were in another fit of the same readings: outliers are mostly
-/// the same.
-void takeWeights(Linearization& linear, const Refit& from) {
-  if (readingsOf(linear) != from.readings) return;
-  for (std::size_t i = 0; i < from.readings; ++i) linear.rows[i].robust_weight = from.robust_weights[i];
+/// Takes the readings' weights for what they were where the same fit was weighed before.
+void takeWeights(Linearization& linear, const Refit& fit) {
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) linear.rows[i].robust_weight = fit.robust_weights[i];
 }
 
 /// Weighs a fit, light being linearized where budget and effects have it: what several imperfections make of
@@ -148,7 +139,6 @@ void weigh(Refit& fit, const BatchData& data, const Refit& from, const NoiseMode
   at.state.light = from.linearized_at.light;
   auto problem = problemAt(data, at, fit.options);
   linear = linearize(data, *problem);
-  takeWeights(linear, from);
   fit.noise = noise;
   // Judged anew beside these effects: what they explain of a place is no growth there.
   fit.noise.apart.clear();
@@ -187,7 +177,6 @@ void finish(Refit& fit, const Linearization& linear) {
 void Refit::noteWeights(const Linearization& linear) {
   robust_weights.clear();
   for (const RowInfo& row : linear.rows) robust_weights.push_back(row.robust_weight);
-  readings = readingsOf(linear);
 }
 
 Refit startingAt(BatchEstimate estimate) {

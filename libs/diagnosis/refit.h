@@ -26,7 +26,6 @@ struct Refit {
   /// What it takes to make them again: where they were taken, and what each reading counts there.
   BatchState linearized_at;
   std::vector<double> robust_weights;
-  std::size_t readings = 0;  ///< the first so many rows are
 
   void noteWeights(const Linearization& linear);
 };
@@ -38,8 +37,8 @@ std::shared_ptr<const WhitenedModel> modelOf(const BatchData& data, const Refit&
 enum class Model { kept, none };
 /// What is known of a fit where only its estimate is.
 Refit startingAt(BatchEstimate estimate);
-/// Everything estimated from where another fit of the same readings ended, of which light, and what readings
-/// count, are taken to begin with; `base`: with the effects known already.
+/// Everything estimated from where another fit of the same readings ended, of which light is taken to begin
+/// with; `base`: with the effects known already.
 Refit refit(const BatchData& data, const Refit& from, const BatchOptions& base,
             const std::vector<Candidate>& effects, const NoiseModel& noise, Model model = Model::kept);
 
