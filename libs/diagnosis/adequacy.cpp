@@ -81,4 +81,8 @@ std::vector<InteractionTest> interactionTests(const Refit& fit, const Candidate&
   return tests;
 }
 
+bool hasFailed(const std::vector<InteractionTest>& tests) {
+  return std::any_of(tests.begin(), tests.end(), [](const InteractionTest& test) { return test.failed; });
+}
+
 }  // namespace fathom

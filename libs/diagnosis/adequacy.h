@@ -19,5 +19,6 @@ struct InteractionTest {
 /// The effect's own share of the readings, larger or smaller with each covariate in turn: what is left of
 /// such a change once all else is estimated. An effect that is none of the catalogue's seldom passes.
 std::vector<InteractionTest> interactionTests(const Refit& fit, const Candidate& effect);
+bool hasFailed(const std::vector<InteractionTest>& tests);
 
 }  // namespace fathom

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/stable_sort.h"
+#include "diagnosis/adequacy.h"
 #include "diagnosis/constants.h"
 #include "diagnosis/onset.h"
 #include "diagnosis/screening.h"
@@ -112,6 +113,17 @@ InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, con
   }
   found.set = std::move(set);
   return found;
+}
+
+bool isAnotherSameEverywhere(const Alternatives& set, std::size_t effect, const Refit& fit, Fits& fits) {
+  return std::any_of(set.candidates.begin() + 1, set.candidates.end(), [&](const Candidate& other) {
+    std::vector<Candidate> effects = fit.effects;
+    effects[effect] = other;
+    Refit rival = fits.of(fit, effects);
+    if (!rival.succeeded) return false;
+    rival.model = modelOf(fits.data(), rival);
+    return !hasFailed(interactionTests(rival, other));
+  });
 }
 
 }  // namespace fathom

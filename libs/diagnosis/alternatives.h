@@ -18,4 +18,8 @@ struct InItsPlace {
 /// Of one of a fit's effects; tries the nearest few in full.
 InItsPlace othersInPlaceOf(std::size_t effect, const Refit& fit, Fits& fits, const LeftOut& left_out);
 
+/// Of the set of a fit's effect: whether one of the others is the same all over the recording. The right one
+/// may be another than the one stated.
+bool isAnotherSameEverywhere(const Alternatives& set, std::size_t effect, const Refit& fit, Fits& fits);
+
 }  // namespace fathom

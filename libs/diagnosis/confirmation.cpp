@@ -82,6 +82,8 @@ HeldOutResult heldOut(const Fits& fits, const Refit& fit, const HeldOutOptions& 
   NoiseModel noise = fits.noise();
   noise.apart = fit.noise.apart;
   BatchEstimate at = fit.estimate;
+  // Light is linear about what budget and effects made of it; all else where the effects are as they were
+  // found.
   if (!fit.linearized_at.light.empty()) at.state = fit.linearized_at;
   return holdOut(linearize(fits.data(), *problemAt(fits.data(), at, fit.options)), fit.effects, at.state,
                  noise, fits.data(), options);

@@ -85,7 +85,6 @@ class Course {
   void lookUnderTightBudget();
   EffectEstimate whole(EffectEstimate estimate) const;
   FoundEffect describe(std::size_t effect);
-  bool isOneOfItsSetTheSameEverywhere(std::size_t effect);
 
   const BatchData& data_;
   const StartPath& start_;
@@ -125,6 +124,7 @@ std::vector<Refit> Course::contenders(const Screening& screening, std::size_t si
   for (std::size_t count = 1; count <= size; ++count) {
     std::vector<std::vector<Candidate>> sets;
     for (const auto& [more, foretold] : contenders) {
+      // What least noise is left by, see takeLeastNoise(), may be a larger one.
       const bool may_be_best =
           isCameraAlone() || fits_.logOdds(final_) + leastOfContenders(foretold) > highest;
       if (more.size() == count && may_be_best) {
@@ -325,10 +325,6 @@ EffectEstimate Course::whole(EffectEstimate estimate) const {
   return estimate;
 }
 
-bool hasFailed(const std::vector<InteractionTest>& tests) {
-  return std::any_of(tests.begin(), tests.end(), [](const InteractionTest& test) { return test.failed; });
-}
-
 FoundEffect Course::describe(std::size_t effect) {
   FoundEffect found;
   found.candidate = final_.effects[effect];
@@ -347,25 +343,11 @@ FoundEffect Course::describe(std::size_t effect) {
   found.confidence = 1 / (rivals_odds_[effect] + oddsAgainst(found.log_odds) +
                           (final_.effects.size() > 1 ? oddsAgainst(fits_.logOdds(final_)) : 0));
   found.interactions = interactionTests(final_, found.candidate);
-  if (hasFailed(found.interactions) && isOneOfItsSetTheSameEverywhere(effect))
-    for (InteractionTest& test : found.interactions) test.failed = false;
+  for (const Alternatives& set : diagnosis_.alternatives)
+    if (set.candidates[0] == final_.effects[effect] && hasFailed(found.interactions) &&
+        isAnotherSameEverywhere(set, effect, final_, fits_))
+      for (InteractionTest& test : found.interactions) test.failed = false;
   return found;
-}
-
-/// Of a set, the right one may be another than the one stated, and that one may hold where this does not.
-bool Course::isOneOfItsSetTheSameEverywhere(std::size_t effect) {
-  for (const Alternatives& set : diagnosis_.alternatives) {
-    if (!(set.candidates[0] == final_.effects[effect])) continue;
-    for (std::size_t k = 1; k < set.candidates.size(); ++k) {
-      std::vector<Candidate> effects = final_.effects;
-      effects[effect] = set.candidates[k];
-      Refit rival = fits_.of(final_, effects);
-      if (!rival.succeeded) continue;
-      rival.model = modelOf(data_, rival);
-      if (!hasFailed(interactionTests(rival, set.candidates[k]))) return true;
-    }
-  }
-  return false;
 }
 
 void Course::verify() {

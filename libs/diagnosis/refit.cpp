@@ -45,16 +45,17 @@ void holdAtNothing(Refit& fit) {
 
 /// The effects as they are with the noise as it is: readings of a sensor have some of it in common, which the
 /// estimate did not know.
-void addEstimates(Refit& fit, const Linearization& linear) {
+void noteEstimates(Refit& fit, const Linearization& linear, const Eigen::VectorXd& value) {
   const Evidence& found = fit.weight.effects;
   const EffectParameters<double>& at = fit.linearized_at.effects;
+  fit.estimates.clear();
   for (const Candidate& candidate : fit.effects)
     for (const CandidateColumn& own : columnsOf(linear, candidate.effect)) {
       const auto k = std::ssize(fit.estimates);
       const std::size_t scalar = linear.columns[own.column].scalar;
       const double from = own.image >= 0 ? 0 : at.values[scalar] - sizeOf(scalar, at.values[scalar]);
       fit.estimates.push_back(
-          {candidate.effect, scalar, from + found.value[k], std::sqrt(found.covariance(k, k)), own.image});
+          {candidate.effect, scalar, from + value[k], std::sqrt(found.covariance(k, k)), own.image});
     }
   fit.covariance = found.covariance;
   fit.prior_sigma = priorSigmas(linear, fit.effects);
@@ -97,14 +98,12 @@ std::vector<PatchLight> lightOf(const BatchData& data, const Linearization& line
 }
 
 /// Where budget and effects have everything, as they were weighed there.
-BatchState movedBy(const Refit& fit, const BatchProblem& problem, const Linearization& linear,
+BatchState movedBy(Refit& fit, const BatchProblem& problem, const Linearization& linear,
                    const BatchData& data) {
-  Refit found = fit;
-  found.weight.effects.value = fit.weight.values;
-  addEstimates(found, linear);
-  holdAtNothing(found);
+  noteEstimates(fit, linear, fit.weight.values);
+  holdAtNothing(fit);
   BatchState state = problem.at(fit.weight.step);
-  takeEstimates(found, state);
+  takeEstimates(fit, state);
   state.light = lightOf(data, linear, fit.weight);
   return state;
 }
@@ -126,9 +125,15 @@ bool isAsForetold(const Linearization& there, const Linearization& linear, const
   return off < kAsForetold;
 }
 
-/// Takes the readings' weights for what they were where the same fit was weighed before.
-void takeWeights(Linearization& linear, const Refit& fit) {
-  for (std::size_t i = 0; i < linear.rows.size(); ++i) linear.rows[i].robust_weight = fit.robust_weights[i];
+/// Takes the same readings' weights for what they were elsewhere.
+void takeWeights(Linearization& linear, const std::vector<double>& weights) {
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) linear.rows[i].robust_weight = weights[i];
+}
+
+std::vector<double> weightsOf(const Linearization& linear) {
+  std::vector<double> weights;
+  for (const RowInfo& row : linear.rows) weights.push_back(row.robust_weight);
+  return weights;
 }
 
 /// Weighs a fit, light being linearized where budget and effects have it: what several imperfections make of
@@ -148,19 +153,19 @@ void weigh(Refit& fit, const BatchData& data, const Refit& from, const NoiseMode
     fit.weight = weigh(linear, budget, fit.effects, at.state, fit.noise);
     fit.noise.apart = fit.weight.apart;
     fit.linearized_at = at.state;
-    fit.noteWeights(linear);
+    fit.robust_weights = weightsOf(linear);
     if (data.patches.empty() || round == kLinearized || !isNear(fit.weight)) return;
     at.state = movedBy(fit, *problem, linear, data);
     problem = problemAt(data, at, fit.options);
     Linearization there = linearize(data, *problem);
     if (isAsForetold(there, linear, fit.weight.left)) return;
-    takeWeights(there, fit);
+    takeWeights(there, fit.robust_weights);
     linear = std::move(there);
   }
 }
 
 void finish(Refit& fit, const Linearization& linear) {
-  addEstimates(fit, linear);
+  noteEstimates(fit, linear, fit.weight.effects.value);
   fit.succeeded = areAllPossible(fit);
   if (!fit.succeeded) {
     fit.estimate.failure = "less than nothing of an effect would have to be there, or more than there can be";
@@ -173,11 +178,6 @@ void finish(Refit& fit, const Linearization& linear) {
 }
 
 }  // namespace
-
-void Refit::noteWeights(const Linearization& linear) {
-  robust_weights.clear();
-  for (const RowInfo& row : linear.rows) robust_weights.push_back(row.robust_weight);
-}
 
 Refit startingAt(BatchEstimate estimate) {
   Refit start;
@@ -218,7 +218,7 @@ std::shared_ptr<const WhitenedModel> modelOf(const BatchData& data, const Refit&
   BatchEstimate estimate = fit.estimate;
   estimate.state = fit.linearized_at;
   Linearization linear = linearize(data, *problemAt(data, estimate, fit.options));
-  for (std::size_t i = 0; i < linear.rows.size(); ++i) linear.rows[i].robust_weight = fit.robust_weights[i];
+  takeWeights(linear, fit.robust_weights);
   applyRobustWeights(linear);
   return std::make_shared<WhitenedModel>(WhitenedModel::Weighted{}, std::move(linear), fit.noise);
 }

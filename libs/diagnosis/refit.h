@@ -26,8 +26,6 @@ struct Refit {
   /// What it takes to make them again: where they were taken, and what each reading counts there.
   BatchState linearized_at;
   std::vector<double> robust_weights;
-
-  void noteWeights(const Linearization& linear);
 };
 
 /// A fit's model: its own, or made again where that was let go.

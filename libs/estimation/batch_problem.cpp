@@ -134,10 +134,9 @@ void BatchProblem::addPatches() {
     if (!unknowns_.hasPose(seen.image)) continue;
     const std::vector<int> colours = seen.colours();
     if (const std::vector<PatchLight>& light = unknowns_.reference().light; !light.empty()) {
-      seen.albedo.array() *= light[i].reflected.array().exp();
-      const Eigen::Array3d factor = (-light[i].level).array().exp();
-      seen.radiance.array() *= factor;
-      seen.sigma.array() *= factor;
+      seen.albedo.array() *= light[i].ofAlbedo();
+      seen.radiance.array() /= light[i].ofReading();
+      seen.sigma.array() /= light[i].ofReading();
     }
     const Eigen::VectorXd reading = seen.radiance(colours);
     const double scale = options_.noise_scale[indexOf(kChannel<Pixels>)];

@@ -33,6 +33,9 @@ struct PatchLight {
   Vector3d reflected = Vector3d::Zero();  ///< of its albedo under daylight
   Vector3d level = Vector3d::Zero();      ///< of all that it reads
   Vector3d moved = Vector3d::Zero();      ///< no factor: what poses are elsewhere for changes, radiance
+
+  Eigen::Array3d ofAlbedo() const { return reflected.array().exp(); }
+  Eigen::Array3d ofReading() const { return level.array().exp(); }
 };
 
 /// What is estimated, as numbers.

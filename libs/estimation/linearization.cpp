@@ -182,8 +182,8 @@ void setSeen(RowInfo& info, Eigen::Index k, const BatchData& data, const BatchSt
   if (info.patch >= 0) {
     const ImagePatch& seen = data.patches[static_cast<std::size_t>(info.patch)];
     info.component = seen.colours()[static_cast<std::size_t>(k)];
-    const double level = lightOf(reference, info.patch).level[info.component];
-    setLight(info, seen, std::exp(-level) * seen.radiance[info.component], J.row(k).segment(water_column, 9),
+    const double factor = lightOf(reference, info.patch).ofReading()[info.component];
+    setLight(info, seen, seen.radiance[info.component] / factor, J.row(k).segment(water_column, 9),
              reference.water);
   }
   if (info.marker >= 0) setCorner(info, data.markers[static_cast<std::size_t>(info.marker)]);

@@ -89,6 +89,7 @@ std::vector<Telltale> telltales() {
        std::regex(R"(\bexp\(\s*-|\.exp\(\)|\bexpm1\(\s*-\s*[a-z]*attenuation)"),
        {{"core/gauss_markov.h", "the definition"},
         {"diagnosis/budget_columns.cpp", normal_curve},
+        {"estimation/batch_state.h", "a factor that is estimated by its logarithm, of no way through water"},
         {"fiducials/corner_refinement.cpp", normal_curve},
         {"observables/edge_blur.cpp", normal_curve},
         {"similarity/phase_congruency.cpp", normal_curve},
