@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <string>
 
@@ -24,11 +27,22 @@ class SharedProgress {
   std::size_t done_ = 0, total_;
 };
 
-/// Calls make(i) for each i below count, on all cores, one at a time to whichever is free. What make throws,
-/// or Interrupted, ends it.
-void forEachIndex(std::size_t count, SharedProgress& progress, const std::function<void(std::size_t)>& make);
+inline constexpr std::size_t kAsManyAsCores = std::numeric_limits<std::size_t>::max();
+
+/// Of images of so many pixels, how many are worked on at once, so that memory does not grow with cores times
+/// pixels: all cores' of 640x480, one of 3840x2160 (whose rows then share the cores).
+inline std::size_t imagesAtOnce(int width_px, int height_px) {
+  constexpr double kPixels = 12e6;
+  return static_cast<std::size_t>(std::max(1.0, kPixels / std::max(1.0, 1.0 * width_px * height_px)));
+}
+
+/// Calls make(i) for each i below count, on all cores, one at a time to whichever is free, no more than
+/// `at_once` at a time. What make throws, or Interrupted, ends it.
+void forEachIndex(std::size_t count, SharedProgress& progress, const std::function<void(std::size_t)>& make,
+                  std::size_t at_once = kAsManyAsCores);
 
 /// The same with a progress line of its own.
-void forEachIndex(std::size_t count, const std::string& what, const std::function<void(std::size_t)>& make);
+void forEachIndex(std::size_t count, const std::string& what, const std::function<void(std::size_t)>& make,
+                  std::size_t at_once = kAsManyAsCores);
 
 }  // namespace fathom

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/parallel.h"
+
 namespace fathom {
 namespace {
 
@@ -117,11 +119,12 @@ cv::Mat radianceOf(const cv::Mat& image_bgr, const CameraSheet& sheet) {
 
 cv::Mat raysOf(const CameraModel& camera) {
   cv::Mat rays(camera.height_px, camera.width_px, CV_32FC3);
-  for (int v = 0; v < rays.rows; ++v)
+  parallelFor(rays.rows, [&](int v) {
     for (int u = 0; u < rays.cols; ++u) {
       const Vector3d ray = camera.rayAt({u, v});
       rays.at<cv::Vec3f>(v, u) = cv::Vec3d(ray[0], ray[1], ray[2]);
     }
+  });
   return rays;
 }
 
@@ -139,7 +142,7 @@ namespace {
 cv::Mat grownALittle(const cv::Mat& light, float by_px) {
   const float sign = by_px < 0 ? -1.0F : 1.0F;
   cv::Mat grown(light.size(), CV_32FC3);
-  for (int v = 0; v < light.rows; ++v)
+  parallelFor(light.rows, [&](int v) {
     for (int u = 0; u < light.cols; ++u) {
       const auto& here = light.at<cv::Vec3f>(v, u);
       const auto& left = light.at<cv::Vec3f>(v, std::max(u - 1, 0));
@@ -152,6 +155,7 @@ cv::Mat grownALittle(const cv::Mat& light, float by_px) {
         grown.at<cv::Vec3f>(v, u)[c] = here[c] + by_px * std::sqrt(across * across + upright * upright);
       }
     }
+  });
   return grown;
 }
 
@@ -167,60 +171,54 @@ cv::Mat whiteGrown(const cv::Mat& light, double by_px) {
 }
 
 ImageModel::ImageModel(const CameraSheet& sheet, const Water& water, const EffectParameters<double>& effects)
-    : sheet_(sheet), water_(water), effects_(effects), rays_(raysOf(sheet.model)) {
-  cv::extractChannel(rays_, z_per_range_, 2);
-}
+    : sheet_(sheet), water_(water), effects_(effects), rays_(raysOf(sheet.model)) {}
 
-cv::Mat ImageModel::light(const cv::Mat& radiance, const cv::Mat& range_m, double t_s) const {
-  require(radiance, CV_32FC3, z_per_range_.size());
-  require(range_m, CV_32FC1, z_per_range_.size());
-  if (anyActsAt<WaterRay<double>>(effects_)) return lightWithEffects(radiance, range_m, t_s);
+void ImageModel::throughWater(cv::Mat& light, const cv::Mat& range_m, double t_s) const {
+  require(light, CV_32FC3, rays_.size());
+  require(range_m, CV_32FC1, rays_.size());
+  if (anyActsAt<WaterRay<double>>(effects_)) return throughWaterWithEffects(light, range_m, t_s);
   const std::array<float, 3> a{static_cast<float>(water_.attenuation_per_m[0]),
                                static_cast<float>(water_.attenuation_per_m[1]),
                                static_cast<float>(water_.attenuation_per_m[2])};
-  cv::Mat result(radiance.size(), CV_32FC3);
-  const auto row_size = 3 * static_cast<std::size_t>(radiance.cols);
-  std::vector<float> veil(row_size), passed(row_size);
+  const auto row_size = 3 * static_cast<std::size_t>(light.cols);
+  std::vector<float> veil(row_size);
   for (std::size_t i = 0; i < row_size; ++i)
     veil[i] = static_cast<float>(water_.veil[static_cast<int>(i % 3)]);
-  for (int v = 0; v < radiance.rows; ++v) {
-    const auto *scene = radiance.ptr<float>(v), *range = range_m.ptr<float>(v),
-               *cosine = z_per_range_.ptr<float>(v);
-    auto* out = result.ptr<float>(v);
+  parallelFor(light.rows, [&](int v) {
+    std::vector<float> passed(row_size);
+    const auto *range = range_m.ptr<float>(v), *ray = rays_.ptr<float>(v);
+    auto* here = light.ptr<float>(v);
     for (std::size_t u = 0; 3 * u < row_size; ++u) {
-      const float z_m = range[u] * cosine[u];
+      const float z_m = range[u] * ray[3 * u + 2];
       for (std::size_t c = 0; c < 3; ++c) passed[3 * u + c] = a[c] * z_m;
     }
     for (std::size_t i = 0; i < row_size; ++i) passed[i] = transmission(passed[i]);
-    for (std::size_t i = 0; i < row_size; ++i) out[i] = veil[i] + (scene[i] - veil[i]) * passed[i];
-  }
-  return result;
+    for (std::size_t i = 0; i < row_size; ++i) here[i] = veil[i] + (here[i] - veil[i]) * passed[i];
+  });
 }
 
-cv::Mat ImageModel::lightWithEffects(const cv::Mat& radiance, const cv::Mat& range_m, double t_s) const {
-  cv::Mat result(radiance.size(), CV_32FC3);
+void ImageModel::throughWaterWithEffects(cv::Mat& light, const cv::Mat& range_m, double t_s) const {
   const bool bends = effects_.isActive(kEffectIndex<ForwardScatter>, t_s);
   std::array<cv::Mat, kBends.size()> soft;
   for (std::size_t i = 0; i < kBends.size(); ++i)
-    soft[i] = bends ? bentLight(radiance, sheet_.model, kBends[i]) : radiance;
+    soft[i] = bends ? bentLight(light, sheet_.model, kBends[i]) : light;
   const auto at = [](const cv::Mat& image, int v, int u) {
     const auto& colour = image.at<cv::Vec3f>(v, u);
     return Vector3d(colour[0], colour[1], colour[2]);
   };
-  for (int v = 0; v < radiance.rows; ++v)
-    for (int u = 0; u < radiance.cols; ++u) {
-      SceneRadiance<double> scene(at(radiance, v, u));
+  parallelFor(light.rows, [&](int v) {
+    for (int u = 0; u < light.cols; ++u) {
+      SceneRadiance<double> scene(at(light, v, u));
       for (std::size_t i = 0; i < kBends.size(); ++i)
         scene.around.col(static_cast<Eigen::Index>(i)) = at(soft[i], v, u);
       const double range = range_m.at<float>(v, u);
+      const Vector3d ray = at(rays_, v, u);
       SightInScene<double> sight;
-      if (T_scene_camera_)
-        sight = {T_scene_camera_->position, T_scene_camera_->rotation * at(rays_, v, u).normalized()};
-      const Vector3d light = predictLight<double>(scene, range * z_per_range_.at<float>(v, u), range, water_,
-                                                  effects_, t_s, sight);
-      result.at<cv::Vec3f>(v, u) = cv::Vec3d(light[0], light[1], light[2]);
+      if (T_scene_camera_) sight = {T_scene_camera_->position, T_scene_camera_->rotation * ray.normalized()};
+      const Vector3d seen = predictLight<double>(scene, range * ray.z(), range, water_, effects_, t_s, sight);
+      light.at<cv::Vec3f>(v, u) = cv::Vec3d(seen[0], seen[1], seen[2]);
     }
-  return result;
+  });
 }
 
 /// Of each number in a row.
@@ -229,8 +227,8 @@ struct ImageModel::RowResponse {
 };
 
 void ImageModel::respondAlong(int row, double t_s, RowResponse& along) const {
-  for (int u = 0; u < z_per_range_.cols; ++u) {
-    const double cosine = z_per_range_.at<float>(row, u);
+  for (int u = 0; u < rays_.cols; ++u) {
+    const double cosine = rays_.at<cv::Vec3f>(row, u)[2];
     PixelResponse<double> response{std::sqrt(1 / (cosine * cosine) - 1)};
     applyEffects(effects_, t_s, response);
     const auto i = 3 * static_cast<std::ptrdiff_t>(u);
@@ -240,7 +238,7 @@ void ImageModel::respondAlong(int row, double t_s, RowResponse& along) const {
 }
 
 cv::Mat ImageModel::expose(const cv::Mat& scene_light, Random* noise, double t_s) const {
-  require(scene_light, CV_32FC3, z_per_range_.size());
+  require(scene_light, CV_32FC3, rays_.size());
   EdgeSpread<double> edges;
   applyEffects(effects_, t_s, edges);
   const cv::Mat light = whiteGrown(scene_light, edges.white_px);
@@ -249,16 +247,15 @@ cv::Mat ImageModel::expose(const cv::Mat& scene_light, Random* noise, double t_s
              read_variance = static_cast<float>(std::pow(sheet_.read_noise_e / sheet_.full_well_e, 2)),
              full_scale = static_cast<float>(fullScale(sheet_));
   cv::Mat result(light.size(), sheet_.bits > 8 ? CV_16UC3 : CV_8UC3);
-  std::vector<float> normal(row_size, 0.0F), reading(row_size);
-  RowResponse along{std::vector<float>(row_size, 1.0F), std::vector<float>(row_size, 0.0F)};
   const bool pixels_differ = anyActsAt<PixelResponse<double>>(effects_);
   ResponseCurve<double> curve{sheet_.response_gamma};
   applyEffects(effects_, t_s, curve);
   const auto exponent = static_cast<float>(curve.exponent);
-  for (int v = 0; v < light.rows; ++v) {
-    const auto* radiance = light.ptr<float>(v);
+  const auto exposeRow = [&](int v, const std::vector<float>& normal) {
+    std::vector<float> reading(row_size);
+    RowResponse along{std::vector<float>(row_size, 1.0F), std::vector<float>(row_size, 0.0F)};
     if (pixels_differ) respondAlong(v, t_s, along);
-    if (noise != nullptr) NormalTable::instance().fill(normal, *noise);
+    const auto* radiance = light.ptr<float>(v);
     for (std::size_t i = 0; i < row_size; ++i) {
       const float exposed = std::max(0.0F, along.gain[i] * radiance[i]);  // a gain may be below 0 far out
       const float sigma = std::sqrt(exposed * shot_variance + read_variance);
@@ -271,6 +268,16 @@ cv::Mat ImageModel::expose(const cv::Mat& scene_light, Random* noise, double t_s
       writeNumbers(reading, full_scale, result.ptr<std::uint16_t>(v));
     else
       writeNumbers(reading, full_scale, result.ptr<std::uint8_t>(v));
+  };
+  // Noise is one sequence over all rows: it is drawn first, for some rows, which then are worked on at once.
+  constexpr int kRowsAtOnce = 64;
+  std::vector<std::vector<float>> normal(kRowsAtOnce, std::vector<float>(row_size, 0.0F));
+  for (int first = 0; first < light.rows; first += kRowsAtOnce) {
+    const int rows = std::min(kRowsAtOnce, light.rows - first);
+    if (noise != nullptr)
+      for (int k = 0; k < rows; ++k)
+        NormalTable::instance().fill(normal[static_cast<std::size_t>(k)], *noise);
+    parallelFor(rows, [&](int k) { exposeRow(first + k, normal[static_cast<std::size_t>(k)]); });
   }
   return result;
 }

@@ -123,7 +123,13 @@ class ImageModel {
 
   /// Through the water. `radiance` (CV_32FC3) and `range_m` (CV_32FC1, infinite where nothing is hit) are a
   /// View, see render/renderer.h. Without effects exp() is approximated to 3e-7 of the light.
-  cv::Mat light(const cv::Mat& radiance, const cv::Mat& range_m, double t_s = 0) const;
+  cv::Mat light(const cv::Mat& radiance, const cv::Mat& range_m, double t_s = 0) const {
+    cv::Mat result = radiance.clone();
+    throughWater(result, range_m, t_s);
+    return result;
+  }
+  /// The same in place: `light` comes as the radiance.
+  void throughWater(cv::Mat& light, const cv::Mat& range_m, double t_s = 0) const;
 
   /// The sensor: edges where it has them, shot and read noise, clipping, response, rounding to the sheet's
   /// bits. Blue, green, red, as cv::imwrite() wants it; CV_8UC3, or CV_16UC3 where there are more than 8
@@ -133,7 +139,7 @@ class ImageModel {
   cv::Mat expose(const cv::Mat& light, Random* noise, double t_s = 0) const;
 
  private:
-  cv::Mat lightWithEffects(const cv::Mat& radiance, const cv::Mat& range_m, double t_s) const;
+  void throughWaterWithEffects(cv::Mat& light, const cv::Mat& range_m, double t_s) const;
   struct RowResponse;
   void respondAlong(int row, double t_s, RowResponse& response) const;
 
@@ -141,8 +147,7 @@ class ImageModel {
   Water water_;
   EffectParameters<double> effects_;
   std::optional<Pose> T_scene_camera_;
-  cv::Mat rays_;         ///< raysOf() the camera
-  cv::Mat z_per_range_;  ///< their third components
+  cv::Mat rays_;  ///< raysOf() the camera
 };
 
 }  // namespace fathom

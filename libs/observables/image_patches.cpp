@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "core/parallel.h"
-#include "imaging/fingerprints.h"
 #include "observables/marker_edges.h"
 #include "observables/open_water.h"
 #include "observables/specks.h"
@@ -105,14 +104,6 @@ std::vector<Places> placesOf(const std::vector<PanelMap>& panels) {
 
 Pose panelFromCamera(const PosedImage& posed, const std::vector<PanelMap>& panels) {
   return panels[posed.panel].T_odom_panel.inverse() * posed.T_odom_camera();
-}
-
-/// raysOf() each lens, by its fingerprint.
-std::map<std::string, cv::Mat> raysByLens(const std::vector<PosedImage>& posed) {
-  std::map<std::string, cv::Mat> rays;
-  for (const PosedImage& image : posed)
-    if (cv::Mat& own = rays[fingerprintOf(image.camera.lens)]; own.empty()) own = raysOf(image.camera.lens);
-  return rays;
 }
 
 /// The place that each pixel shows; -1: of none.
@@ -215,9 +206,8 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const CleanPairM
                           const StartWater& startWater, bool open_water) {
   const std::vector<PanelMap>& panels = maker.world().panels;
   const std::vector<Places> places = placesOf(panels);
-  const std::map<std::string, cv::Mat> rays = raysByLens(posed);
   const auto labelsOf = [&](const PosedImage& image, const View& clean) {
-    return placesIn(image, clean, rays.at(fingerprintOf(image.camera.lens)), panels, places);
+    return placesIn(image, clean, maker.studio().rays(image.camera.lens), panels, places);
   };
   std::vector<std::size_t> all(posed.size());
   std::iota(all.begin(), all.end(), 0);
@@ -227,12 +217,12 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const CleanPairM
   const auto look = [&](std::size_t i, const CleanPair& pair, const cv::Mat& labels,
                         const PatchOptions& options) {
     blurs[i] = markerEdges(posed[i], pair, panels, maker.camera(), time_zero);
-    const cv::Mat& own_rays = rays.at(fingerprintOf(posed[i].camera.lens));
+    const cv::Mat rays = maker.studio().rays(posed[i].camera.lens);
     CameraSheet sheet = maker.camera();
     sheet.bits = 8;
-    specks[i] = specksIn(pair, own_rays, labels, options, sheet, posed[i].camera.lens);
+    specks[i] = specksIn(pair, rays, labels, options, sheet, posed[i].camera.lens);
     if (open_water)
-      beside[i] = openWaterOf(pair, own_rays, posed[i].T_odom_camera().rotation, sheet, options.margin_px);
+      beside[i] = openWaterOf(pair, rays, posed[i].T_odom_camera().rotation, sheet, options.margin_px);
   };
   const SynchronizedImages synchronized = synchronize(posed, all, maker, labelsOf, look);
 

@@ -141,7 +141,8 @@ cv::Mat flatInterior(const View& clean, const cv::Mat& mask, const PatchOptions&
   cv::Mat brightest, darkest, flat, inside;
   cv::dilate(clean.radiance, brightest, window);
   cv::erode(clean.radiance, darkest, window);
-  cv::inRange(brightest - darkest, cv::Scalar::all(0), cv::Scalar::all(options.flatness), flat);
+  cv::subtract(brightest, darkest, darkest);
+  cv::inRange(darkest, cv::Scalar::all(0), cv::Scalar::all(options.flatness), flat);
   cv::erode(mask, inside, window, {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
   return flat & inside & (clean.range_m < std::numeric_limits<float>::infinity());
 }
@@ -192,21 +193,27 @@ PatchSet patchesOf(const cv::Mat& image, const View& clean, const cv::Mat& mask,
                         clean.radiance.cols, clean.radiance.rows);
     return set;
   }
-  const cv::Mat light = radianceOf(image, sheet), usable = flatInterior(clean, mask, options);
-  std::vector<cv::Mat> soft;
-  for (const int bends : kBends)
-    if (options.around) soft.push_back(bentLight(clean.radiance, sheet.model, bends));
+  cv::Mat usable = flatInterior(clean, mask, options);
+  usable &= labels >= 0;
+  // Images of numbers are large: row by row, and one blur at a time.
   std::map<int, Sums> by_label;
-  for (int v = 0; v < image.rows; ++v)
+  for (int v = 0; v < image.rows; ++v) {
+    const cv::Mat light = radianceOf(image.row(v), sheet);
     for (int u = 0; u < image.cols; ++u) {
-      const int label = labels.at<int>(v, u);
-      if (usable.at<std::uint8_t>(v, u) == 0 || label < 0) continue;
+      if (usable.at<std::uint8_t>(v, u) == 0) continue;
       const double range = clean.range_m.at<float>(v, u);
-      Sums& sums = by_label[label];
-      sums.add(Vector2d(u, v), light.at<cv::Vec3f>(v, u), clean.radiance.at<cv::Vec3f>(v, u),
-               range * z_per_range.at<float>(v, u), range);
-      for (std::size_t i = 0; i < soft.size(); ++i) sums.addAround(i, soft[i].at<cv::Vec3f>(v, u));
+      by_label[labels.at<int>(v, u)].add(Vector2d(u, v), light.at<cv::Vec3f>(u),
+                                         clean.radiance.at<cv::Vec3f>(v, u),
+                                         range * z_per_range.at<float>(v, u), range);
     }
+  }
+  for (std::size_t i = 0; options.around && i < kBends.size(); ++i) {
+    const cv::Mat soft = bentLight(clean.radiance, sheet.model, kBends[i]);
+    for (int v = 0; v < image.rows; ++v)
+      for (int u = 0; u < image.cols; ++u)
+        if (usable.at<std::uint8_t>(v, u) != 0)
+          by_label[labels.at<int>(v, u)].addAround(i, soft.at<cv::Vec3f>(v, u));
+  }
   for (const auto& [label, sums] : by_label)
     if (sums.pixels >= options.least_pixels) {
       set.patches.push_back(patchFrom(sums, sheet, set));

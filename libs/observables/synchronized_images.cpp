@@ -85,11 +85,14 @@ SynchronizedImages synchronize(const std::vector<PosedImage>& posed, const std::
     if (cosines.empty()) cosines = cosinesOf(posed[i].camera.lens);
   }
   std::vector<OneImage> each(images.size());
-  forEachIndex(images.size(), "rendering where images were taken", [&](std::size_t k) {
-    const PosedImage& image = posed[images[k]];
-    each[k] = patchesFrom(image, maker, z_per_range.at(fingerprintOf(image.camera.lens)), labelsOf, images[k],
-                          look);
-  });
+  forEachIndex(
+      images.size(), "rendering where images were taken",
+      [&](std::size_t k) {
+        const PosedImage& image = posed[images[k]];
+        each[k] = patchesFrom(image, maker, z_per_range.at(fingerprintOf(image.camera.lens)), labelsOf,
+                              images[k], look);
+      },
+      imagesAtOnce(maker.camera().model.width_px, maker.camera().model.height_px));
   SynchronizedImages result;
   for (std::size_t k = 0; k < images.size(); ++k) {
     if (!each[k].why_not.empty()) {

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
+
+#include "core/parallel.h"
 
 namespace fathom {
 namespace {
 
 constexpr double kSparsest_px = 1.15;  // distance of raster samples: what is wider is not missed
+constexpr double kHuge = 1e9;
 
 void checkCamera(const CameraModel& camera) {
   if (camera.width_px <= 0 || camera.height_px <= 0)
@@ -16,23 +20,9 @@ void checkCamera(const CameraModel& camera) {
     throw std::invalid_argument("a camera needs positive focal lengths");
 }
 
-/// idealAt(), checked: past the distortion's turning point there is no inverse, or one on the wrong branch.
-Vector2d checkedIdealAt(const CameraModel& camera, const Vector2d& pixel) {
-  Vector2d ideal = camera.idealAt(pixel);
-  const Vector2d back = camera.project<double>(ideal.homogeneous());
-  if (!((back - pixel).norm() < 1e-6))
-    throw std::invalid_argument("the camera's distortion has no inverse at pixel (" +
-                                std::to_string(pixel.x()) + ", " + std::to_string(pixel.y()) + ")");
-  return ideal;
-}
-
-struct Sight {
-  Vector2d ideal, along_u, along_v;
-};
-
-/// The inverse's derivative is the inverse of the derivative, which central differences give to 1e-9.
-Sight sightAt(const CameraModel& camera, const Vector2d& pixel) {
-  const Vector2d ideal = checkedIdealAt(camera, pixel);
+/// How ideal image coordinates change along the image's axes (its columns): the inverse's derivative is the
+/// inverse of the derivative, which central differences give to 1e-9.
+Eigen::Matrix2d idealPerPixel(const CameraModel& camera, const Vector2d& ideal) {
   constexpr double h = 1e-5;
   Eigen::Matrix2d pixel_per_ideal;
   for (int k = 0; k < 2; ++k) {
@@ -42,47 +32,81 @@ Sight sightAt(const CameraModel& camera, const Vector2d& pixel) {
         (camera.project<double>(ahead.homogeneous()) - camera.project<double>(behind.homogeneous())) /
         (2 * h);
   }
-  if (!(pixel_per_ideal.determinant() > 0))
-    throw std::invalid_argument("the camera's distortion folds the image over at pixel (" +
-                                std::to_string(pixel.x()) + ", " + std::to_string(pixel.y()) + ")");
-  const Eigen::Matrix2d ideal_per_pixel = pixel_per_ideal.inverse();
-  return {ideal, ideal_per_pixel.col(0), ideal_per_pixel.col(1)};
+  if (!(pixel_per_ideal.determinant() > 0)) return Eigen::Matrix2d::Constant(std::nan(""));
+  return pixel_per_ideal.inverse();
+}
+
+/// What the pixels of a row, or of all rows, see.
+struct Extent {
+  Vector2d smallest = Vector2d::Constant(kHuge), largest = Vector2d::Constant(-kHuge);
+  Vector2d widest = Vector2d::Zero(), narrowest = Vector2d::Constant(kHuge);  ///< of a pixel
+
+  void add(const Extent& other) {
+    smallest = smallest.cwiseMin(other.smallest);
+    largest = largest.cwiseMax(other.largest);
+    widest = widest.cwiseMax(other.widest);
+    narrowest = narrowest.cwiseMin(other.narrowest);
+  }
+};
+
+struct Row {
+  Extent extent;
+  std::string why_not;  ///< there is no sight at one of its pixels
+};
+
+/// Writes where its pixels look.
+Row rowOf(const CameraModel& camera, int v, float* x, float* y) {
+  Row row;
+  const auto at = [&](int u) { return " at pixel (" + std::to_string(u) + ", " + std::to_string(v) + ")"; };
+  for (int u = 0; u < camera.width_px; ++u) {
+    const Vector2d pixel(u, v), ideal = camera.idealAt(pixel);
+    // Past the distortion's turning point there is no inverse, or one on the wrong branch.
+    if (!((camera.project<double>(ideal.homogeneous()) - pixel).norm() < 1e-6))
+      return {{}, "the camera's distortion has no inverse" + at(u)};
+    const Eigen::Matrix2d along = idealPerPixel(camera, ideal);
+    if (!along.allFinite()) return {{}, "the camera's distortion folds the image over" + at(u)};
+    x[u] = static_cast<float>(ideal.x());
+    y[u] = static_cast<float>(ideal.y());
+    const Vector2d size = along.cwiseAbs().rowwise().sum();
+    row.extent.add({ideal, ideal, size, size});
+  }
+  return row;
 }
 
 }  // namespace
 
-Lens::Lens(const CameraModel& camera) : width(camera.width_px), height(camera.height_px) {
+PixelSquare Lens::square(std::size_t pixel) const {
+  const Eigen::Vector2f centre(x[pixel], y[pixel]);
+  const Eigen::Matrix2f along = idealPerPixel(camera, centre.cast<double>()).cast<float>();
+  return {centre, along.col(0), along.col(1)};
+}
+
+Lens::Lens(const CameraModel& its_camera)
+    : camera(its_camera), width(camera.width_px), height(camera.height_px) {
   checkCamera(camera);
-  constexpr double kHuge = 1e9;
-  const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  for (std::vector<float>* of_pixel : {&x, &y, &x_u, &y_u, &x_v, &y_v}) of_pixel->reserve(pixels);
-  Vector2d smallest(kHuge, kHuge), largest(-kHuge, -kHuge), widest(0, 0), narrowest(kHuge, kHuge);
-  for (int v = 0; v < height; ++v)
-    for (int u = 0; u < width; ++u) {
-      const Sight sight = sightAt(camera, Vector2d(u, v));
-      x.push_back(static_cast<float>(sight.ideal.x()));
-      y.push_back(static_cast<float>(sight.ideal.y()));
-      x_u.push_back(static_cast<float>(sight.along_u.x()));
-      y_u.push_back(static_cast<float>(sight.along_u.y()));
-      x_v.push_back(static_cast<float>(sight.along_v.x()));
-      y_v.push_back(static_cast<float>(sight.along_v.y()));
-      smallest = smallest.cwiseMin(sight.ideal);
-      largest = largest.cwiseMax(sight.ideal);
-      const Vector2d pixel = sight.along_u.cwiseAbs() + sight.along_v.cwiseAbs();
-      widest = widest.cwiseMax(pixel);
-      narrowest = narrowest.cwiseMin(pixel);
-    }
+  const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
+  x.resize(columns * rows);
+  y.resize(x.size());
+  std::vector<Row> each(rows);
+  parallelFor(rows, [&](std::size_t v) {
+    each[v] = rowOf(camera, static_cast<int>(v), &x[columns * v], &y[columns * v]);
+  });
+  Extent all;
+  for (const Row& row : each) {
+    if (!row.why_not.empty()) throw std::invalid_argument(row.why_not);
+    all.add(row.extent);
+  }
   // So many samples along the widest pixel that the narrowest has one too. A pixel as wide as `samples` steps
   // lies, wherever it is, within samples + 2 samples in a row.
-  const int samples = static_cast<int>(std::ceil(widest.cwiseQuotient(narrowest).maxCoeff() / kSparsest_px));
-  const Vector2d step = widest / samples;
+  const int samples = static_cast<int>(std::ceil(all.widest.cwiseQuotient(all.narrowest).maxCoeff() / kSparsest_px));
+  const Vector2d step = all.widest / samples;
   block_side = samples + 2;
-  const Vector2d first = smallest - block_side * step;
+  const Vector2d first = all.smallest - block_side * step;
   const auto count = [&](int k) {
-    return static_cast<int>(std::ceil((largest[k] - first[k]) / step[k])) + block_side + 1;
+    return static_cast<int>(std::ceil((all.largest[k] - first[k]) / step[k])) + block_side + 1;
   };
   raster = {count(0), count(1), first.x(), first.y(), step.x(), step.y()};
-  block.reserve(pixels);
+  block.reserve(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double column = (static_cast<double>(x[i]) - raster.x0) / raster.step_x - 0.5 * samples;
     const double row = (static_cast<double>(y[i]) - raster.y0) / raster.step_y - 0.5 * samples;

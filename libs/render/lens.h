@@ -11,13 +11,11 @@ namespace fathom {
 
 /// A camera's lines of sight, pixel by pixel, row by row: what the distortion does, computed once.
 struct Lens {
+  CameraModel camera;
   int width = 0, height = 0;  ///< pixels
-  /// Ideal image coordinates (x/z, y/z) of each pixel's centre, and how they change along the image's axes:
-  /// by (x_u, y_u) to the next column, by (x_v, y_v) to the next row.
-  std::vector<float> x, y, x_u, y_u, x_v, y_v;
-  PixelSquare square(std::size_t pixel) const {
-    return {{x[pixel], y[pixel]}, {x_u[pixel], y_u[pixel]}, {x_v[pixel], y_v[pixel]}};
-  }
+  /// Ideal image coordinates (x/z, y/z) of each pixel's centre.
+  std::vector<float> x, y;
+  PixelSquare square(std::size_t pixel) const;
   /// Covers the image, with about as many samples as pixels, and everywhere at least as many.
   Raster raster;
   /// The samples on and just around each pixel: a square block of so many columns and rows, beginning at this

@@ -40,7 +40,7 @@ class Renderer {
     int supersampling = 5;  ///< its square is the number of samples in a pixel that an edge crosses; 1 to 16
     /// What OSMesa draws at a time, in samples, about three a pixel: larger images are drawn band by
     /// band, which takes no more memory than small ones.
-    std::size_t drawn_at_once = std::size_t{1} << 21;
+    std::size_t drawn_at_once = std::size_t{1} << 20;
   };
   /// Throws std::runtime_error where OSMesa gives no GL 3.3 context or no image of this size,
   /// std::invalid_argument where the camera has no size or focal length, or a distortion without an inverse

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "effects/drawn.h"
 #include "imaging/exposure_time.h"
@@ -105,6 +106,8 @@ CameraStudio::Eye& CameraStudio::eyeOf(const CameraModel& lens) const {
   if (!scene_changes_) eye->renderer.setScene(sceneOf(world_.panels, world_.sea_floor_odom));
   return *eye;
 }
+
+cv::Mat CameraStudio::rays(const CameraModel& lens) const { return eyeOf(lens).model.rays(); }
 
 /// The panels where they truly are, on this sea floor, as a pinhole with the shot's lens would have to see
 /// them.
@@ -241,12 +244,13 @@ void CameraStudio::addSnow(const Environment& environment, const CameraShot& sho
 
 /// Of a lit view: radiance at the scene to light at the camera.
 cv::Mat CameraStudio::throughWater(const Environment& environment, const CameraShot& shot,
-                                   const View& view) const {
+                                   View&& view) const {
   Pose T_scene_camera = shot.T_odom_camera();
   if (!world_.panels.empty()) T_scene_camera.position -= world_.panels.front().T_odom_panel.position;
   const ImageModel model =
       eyeOf(shot.camera.lens).model.in(environment.water).with(effectsOn(shot)).at(T_scene_camera);
-  cv::Mat light = model.light(view.radiance, view.range_m, shot.t_s);
+  cv::Mat light = std::exchange(view.radiance, {});
+  model.throughWater(light, view.range_m, shot.t_s);
   if (const SceneLight<double> shining = sceneLight(shot); shining.lamps > 0)
     light += shining.lamps * shining.scattered *
              LampGlow(shot.camera.lens, shot.camera.T_robot_camera, lamps_, environment, shining.asymmetry)
@@ -256,20 +260,21 @@ cv::Mat CameraStudio::throughWater(const Environment& environment, const CameraS
 }
 
 /// The mean over the time for which the shutter is open.
-cv::Mat CameraStudio::lightMeanwhile(const CameraShot& shot, const View& view) const {
+cv::Mat CameraStudio::lightMeanwhile(const CameraShot& shot, View&& view) const {
   const double stated_s = sheet_.exposure_s;
   const double squared_s2 =
       exposureTime(beyondStated(effectsOn(shot), stated_s), shot.t_s, stated_s).squared_s2;
   const double open_s = std::sqrt(std::max(0.0, squared_s2));
   const double way_px = longestWay_px(view, eyeOf(shot.camera.lens).model.rays(), shot.camera, open_s);
-  if (way_px < kUnseen_px) return throughWater(world_.environment, shot, view);
+  if (way_px < kUnseen_px) return throughWater(world_.environment, shot, std::move(view));
   const int steps = std::clamp(static_cast<int>(std::ceil(kStepsPerPixel * way_px)), 2, kMostSteps);
   // So far apart that so few steps scatter by as much as all times between.
   const double spread_s = open_s / std::sqrt(1 - 1.0 / (steps * steps));
-  cv::Mat mean = cv::Mat::zeros(view.radiance.size(), CV_32FC3);
+  cv::Mat mean = std::exchange(view, {}).radiance;
+  mean.setTo(0);
   for (int step = 0; step < steps; ++step) {
     const CameraShot then = later(shot, spread_s * ((step + 0.5) / steps - 0.5));
-    mean += throughWater(world_.environment, then, render(then)) / steps;
+    cv::scaleAdd(throughWater(world_.environment, then, render(then)), 1.0 / steps, mean, mean);
   }
   return mean;
 }
@@ -283,7 +288,7 @@ cv::Mat CameraStudio::lightIn(const Environment& environment, const CameraShot& 
   if (isUneven(shot)) shedUnevenly(shot, view);
   for (const LampSheet& lamp : lamps_)
     if (light.lamps > 0) view.radiance += light.lamps * underLamp(shot, lamp, environment.water);
-  return throughWater(environment, shot, view);
+  return throughWater(environment, shot, std::move(view));
 }
 
 cv::Mat CameraStudio::exposeLight(const CameraShot& shot, const cv::Mat& light, Random* noise) const {

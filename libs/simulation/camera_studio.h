@@ -51,6 +51,8 @@ class CameraStudio {
   CameraStudio(const CameraStudio&) = delete;
   CameraStudio& operator=(const CameraStudio&) = delete;
 
+  /// raysOf() a lens.
+  cv::Mat rays(const CameraModel& lens) const;
   /// What would be seen without the water between it and the camera.
   View render(const CameraShot& shot) const;
   /// The same under full ambient light, lamps off: its radiance is the albedo.
@@ -65,9 +67,11 @@ class CameraStudio {
   cv::Mat exposeLight(const CameraShot& shot, const cv::Mat& light, Random* noise) const;
   /// The image that becomes of a view.
   cv::Mat expose(const CameraShot& shot, const View& view, Random* noise) const {
-    return exposeLight(shot, lightMeanwhile(shot, view), noise);
+    return exposeLight(shot, lightMeanwhile(shot, {view.radiance.clone(), view.range_m}), noise);
   }
-  cv::Mat image(const CameraShot& shot, Random* noise) const { return expose(shot, render(shot), noise); }
+  cv::Mat image(const CameraShot& shot, Random* noise) const {
+    return exposeLight(shot, lightMeanwhile(shot, render(shot)), noise);
+  }
 
  private:
   struct Eye;
@@ -84,8 +88,8 @@ class CameraStudio {
   View render(const CameraShot& shot, const Lighting& lighting) const;
   Lighting lighting(const Pose& T_odom_robot, double daylight) const;
   cv::Mat underLamp(const CameraShot& shot, const LampSheet& lamp, const Water& water) const;
-  cv::Mat throughWater(const Environment& environment, const CameraShot& shot, const View& view) const;
-  cv::Mat lightMeanwhile(const CameraShot& shot, const View& view) const;
+  cv::Mat throughWater(const Environment& environment, const CameraShot& shot, View&& view) const;
+  cv::Mat lightMeanwhile(const CameraShot& shot, View&& view) const;
 
   CameraWorld world_;
   CameraSheet sheet_;

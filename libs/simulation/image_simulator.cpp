@@ -110,7 +110,8 @@ void simulateImages(const SimulationOptions& options, const Trajectory& trajecto
     for (std::size_t side = 0; side < files.size(); ++side)
       if (!store.has(files[side])) store.write(files[side], dive.image(number, side));
   };
-  forEachIndex(count, "rendering " + std::to_string(count) + " images", make);
+  forEachIndex(count, "rendering " + std::to_string(count) + " images", make,
+               imagesAtOnce(sheet.model.width_px, sheet.model.height_px));
 }
 
 }  // namespace fathom

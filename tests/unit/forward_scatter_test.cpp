@@ -4,15 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 namespace fathom {
 namespace {
 
-CameraModel squareCamera() {
+/// So many times as many pixels for the same view.
+CameraModel squareCamera(int finer = 1) {
   CameraModel camera;
-  camera.width_px = camera.height_px = 240;
-  camera.fx_px = camera.fy_px = 555;
-  camera.cx_px = camera.cy_px = 120;
+  camera.width_px = camera.height_px = 240 * finer;
+  camera.fx_px = camera.fy_px = 555 * finer;
+  camera.cx_px = camera.cy_px = 120 * finer;
   return camera;
 }
 
@@ -60,6 +62,20 @@ TEST(ForwardScatter, LightBentSeveralTimesIsNormal) {
                   -std::expm1(-0.5 * radius_px * radius_px / variance_px2), 0.02)
           << bends << " " << radius_px;
     }
+}
+
+// Six times as many pixels a radian: wide kernels are applied to smaller images. The same places, to the
+// pixel's own size: a point of one pixel is a square of six.
+TEST(ForwardScatter, IsOfAnglesWhateverThePixelsAre) {
+  constexpr int kFiner = 6;
+  cv::Mat coarse = cv::Mat::zeros(240, 240, CV_32FC1), fine;
+  coarse(cv::Rect(80, 100, 40, 30)) = 1;
+  cv::resize(coarse, fine, {}, kFiner, kFiner, cv::INTER_NEAREST);
+  for (const int bends : {1, 2, 4}) {
+    cv::Mat seen;
+    cv::resize(bentLight(fine, squareCamera(kFiner), bends), seen, coarse.size(), 0, 0, cv::INTER_AREA);
+    EXPECT_LT(cv::norm(seen, bentLight(coarse, squareCamera(), bends), cv::NORM_INF), 0.02) << bends;
+  }
 }
 
 // Were each surrounding as bright as it has bends: the mean number of what is bent at all.

@@ -7,6 +7,9 @@
 #include <chrono>
 #include <stdexcept>
 #include <thread>
+#include <vector>
+
+#include "core/for_each.h"
 
 namespace fathom {
 namespace {
@@ -40,6 +43,34 @@ TEST(ParallelFor, ALoopWithinIsWholeWhenAnotherBodyThrows) {
                            }),
                std::runtime_error);
   EXPECT_TRUE(done_when_it_ended == 100 || done_when_it_ended == -1) << done_when_it_ended;
+}
+
+TEST(ForEachIndex, WorksOnNoMoreAtOnceThanAllowed) {
+  std::atomic<int> now = 0, most = 0;
+  std::vector<int> made(40, 0);
+  const auto make = [&](std::size_t i) {
+    const int running = ++now;
+    for (int seen = most; seen < running && !most.compare_exchange_weak(seen, running);) {
+    }
+    parallelFor(10,
+                [](int) { std::this_thread::sleep_for(200us); });  // whoever waits here takes no other one
+    ++made[i];
+    --now;
+  };
+  forEachIndex(made.size(), "", make, 1);
+  EXPECT_EQ(most, 1);
+  EXPECT_EQ(made, std::vector<int>(40, 1));
+  forEachIndex(made.size(), "", make, 40);
+  EXPECT_EQ(made, std::vector<int>(40, 2));
+  EXPECT_THROW(forEachIndex(
+                   5, "", [](std::size_t i) { throw std::runtime_error(i == 0 ? "first" : "later"); }, 1),
+               std::runtime_error);
+}
+
+TEST(ForEachIndex, ManySmallImagesAtOnceAndOneLargeOne) {
+  EXPECT_GE(imagesAtOnce(640, 480), 32u);
+  EXPECT_EQ(imagesAtOnce(3840, 2160), 1u);
+  EXPECT_EQ(imagesAtOnce(20000, 10000), 1u);
 }
 
 }  // namespace
