@@ -85,8 +85,12 @@ HeldOutResult heldOut(const Fits& fits, const Refit& fit, const HeldOutOptions& 
   // Light is linear about what budget and effects made of it; all else where the effects are as they were
   // found.
   if (!fit.linearized_at.light.empty()) at.state = fit.linearized_at;
-  return holdOut(linearize(fits.data(), *problemAt(fits.data(), at, fit.options)), fit.effects, at.state,
-                 noise, fits.data(), options);
+  const Linearization linear = linearize(fits.data(), *problemAt(fits.data(), at, fit.options));
+  // What is drawn for each image scatters as it was found to, wherever that is linear.
+  for (const EffectEstimate& drawn : fit.estimates)
+    if (drawn.image >= 0)
+      at.state.effects.values[drawn.scalar] = fit.estimate.state.effects.values[drawn.scalar];
+  return holdOut(linear, fit.effects, at.state, noise, fits.data(), options);
 }
 
 Refit confirmed(Refit fit, const std::vector<Candidate>& already, const Confirmation& by) {

@@ -54,7 +54,8 @@ struct HeldOutOptions {
 /// How long a stretch is that is held out at once; 0 of a single image.
 double heldOutStretch_s(const BatchData& data, const HeldOutOptions& options);
 
-/// `linear`: at the final estimate, not weighted; `found`: the state there. A fold is every so-manyth
+/// `linear`: not weighted; `found`: the state there, in which what is drawn for each image scatters as it was
+/// found to. A fold is every so-manyth
 /// stretch of the recording, of a single image so many markers; effects are trained on all others.
 HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>& effects,
                       const BatchState& found, const NoiseModel& noise, const BatchData& data,
