@@ -98,7 +98,8 @@ Lens::Lens(const CameraModel& its_camera)
   }
   // So many samples along the widest pixel that the narrowest has one too. A pixel as wide as `samples` steps
   // lies, wherever it is, within samples + 2 samples in a row.
-  const int samples = static_cast<int>(std::ceil(all.widest.cwiseQuotient(all.narrowest).maxCoeff() / kSparsest_px));
+  const int samples =
+      static_cast<int>(std::ceil(all.widest.cwiseQuotient(all.narrowest).maxCoeff() / kSparsest_px));
   const Vector2d step = all.widest / samples;
   block_side = samples + 2;
   const Vector2d first = all.smallest - block_side * step;
