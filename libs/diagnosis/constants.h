@@ -61,6 +61,8 @@ inline constexpr double kConfirmed = 0.3;
 /// kUnseen (ln of the likelihood: odds of a thousand to one) where it was fitted, for kUnseenShare of the
 /// recording. Chosen.
 inline constexpr double kShownAtAll = 0.1, kUnseen = 7, kUnseenShare = 0.25;
+/// What is as improbable as that by chance is something, named or not. Chosen, seeds 37001 in view.
+inline constexpr double kNoChance_p = 1e-3;
 /// Stretches of a fold, between those of others. Chosen: an effect for a part is in most folds.
 inline constexpr int kStretches = 3;
 inline constexpr double kFivePercent = 1.645;  ///< sigmas of a normal distribution's lower tail

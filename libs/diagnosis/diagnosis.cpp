@@ -164,7 +164,10 @@ void Course::attribute() {
       is_new = final_.effects.empty();
       continue;
     }
-    if (takeLeastNoise()) continue;
+    if (takeLeastNoise()) {
+      is_new = final_.effects.empty();
+      continue;
+    }
     std::optional<Refit> best = fits_.bestOf(fits_.settled(std::move(tried)));
     if (!best || fits_.logOdds(*best) < fits_.logOdds(final_)) break;
     Refit better = fits_.lastingWhereBetter(fits_.onlyNeeded(std::move(*best)));

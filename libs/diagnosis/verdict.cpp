@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "core/stable_sort.h"
@@ -102,6 +103,20 @@ struct Left {
   std::optional<Channel> channel{};  ///< whose readings it is in; nothing: of several
 };
 
+/// Of what was tried first where nothing is stated, because it did not stand when it was fitted in full or
+/// held out: chance, to which the budget belongs, does not give it.
+Left improbable(const Diagnosis& diagnosis) {
+  const double log_likelihood = -std::log(std::max(diagnosis.alarm_p, std::numeric_limits<double>::min()));
+  return {log_likelihood,
+          1 + 2 * log_likelihood,
+          1,
+          print("what comes nearest to %s, which does not stand when all is fitted; by chance, with "
+                "probability %.2g",
+                diagnosis.most_improbable.c_str(), diagnosis.alarm_p),
+          "sigma",
+          std::sqrt(2 * log_likelihood)};
+}
+
 /// What matters of it, the largest first: beside the effects, or beyond the budget.
 std::vector<Left> leftBeside(const Diagnosis& diagnosis) {
   std::vector<Left> all;
@@ -118,6 +133,7 @@ std::vector<Left> leftBeside(const Diagnosis& diagnosis) {
     if (entry.bursts)
       all.push_back({entry.beyond, 1 + 2 * entry.beyond, 1, textOf(entry), entry.unit,
                      entry.apart.empty() ? entry.estimate : entry.largest_apart});
+  if (diagnosis.effects.empty() && diagnosis.alarm_p < kNoChance_p) all.push_back(improbable(diagnosis));
   stableSort(all, [](const Left& a, const Left& b) { return a.log_likelihood > b.log_likelihood; });
   return all;
 }
@@ -206,7 +222,7 @@ double oddsOfSomethingElse(const Diagnosis& diagnosis) {
   if (beside.empty() || beside.front().statistic <= beside.front().dof) return 0;
   const Left& most = beside.front();
   const double log_odds = 0.5 * (most.statistic - most.dof - most.dof * std::log(most.statistic / most.dof)) -
-                          std::log(static_cast<double>(diagnosis.remaining.size()));
+                          std::log(std::max(1.0, static_cast<double>(diagnosis.remaining.size())));
   return std::exp(std::min(log_odds, kMostLogOdds));
 }
 

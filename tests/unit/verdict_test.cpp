@@ -178,6 +178,26 @@ TEST(Verdict, WithoutAnEffectABurstIsAllThatIsLeft) {
 }
 
 // One in ten pixels is of something before the panel, 40 times as far off as the others, which are as stated.
+// "Nothing material is missing: … would be seen by chance with probability 2e-26" contradicted itself.
+TEST(Verdict, WhatChanceDoesNotGiveIsNotNothing) {
+  Diagnosis diagnosis = found(0);
+  diagnosis.effects.clear();
+  diagnosis.remaining.clear();
+  diagnosis.heldout = {};
+  diagnosis.log_odds = diagnosis.log_likelihood_gain = 0;
+  diagnosis.most_improbable = "water-current";
+  diagnosis.alarm_p = 0.01;
+  EXPECT_NE(judged(diagnosis).verdict, Verdict::unexplained);
+  diagnosis.alarm_p = 1e-15;
+  const Diagnosis told = judged(diagnosis);
+  EXPECT_EQ(told.verdict, Verdict::unexplained);
+  EXPECT_NE(told.why.find("water-current"), std::string::npos) << told.why;
+  EXPECT_EQ(told.remainder.share, 1);
+  EXPECT_TRUE(told.remainder.material);
+  ASSERT_FALSE(told.posterior.empty());
+  EXPECT_TRUE(told.posterior.front().is_something_else);
+}
+
 TEST(Verdict, OutliersOfANoiseThatBurstsAreSaid) {
   const auto textWith = [](int outliers) {
     Diagnosis diagnosis = found(0);
