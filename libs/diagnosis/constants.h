@@ -61,7 +61,8 @@ inline constexpr double kConfirmed = 0.3;
 /// kUnseen (ln of the likelihood: odds of a thousand to one) where it was fitted, for kUnseenShare of the
 /// recording. Chosen.
 inline constexpr double kShownAtAll = 0.1, kUnseen = 7, kUnseenShare = 0.25;
-/// What is as improbable as that by chance is something, named or not. Chosen, seeds 37001 in view.
+/// Less likely than that by chance, what shows is a mismatch, also where no effect can be named. Chosen, with
+/// the recordings of seeds 36901 and 37001 in view.
 inline constexpr double kNoChance_p = 1e-3;
 /// Stretches of a fold, between those of others. Chosen: an effect for a part is in most folds.
 inline constexpr int kStretches = 3;

@@ -160,11 +160,7 @@ void Course::attribute() {
     if (!isCameraAlone() && mostLikely(screening) < fits_.threshold() - kUnderestimated) break;
     std::vector<Refit> tried =
         contenders(screening, std::min(kTogether, options_.max_effects - final_.effects.size()));
-    if (takeMinimumOf(tried)) {
-      is_new = final_.effects.empty();
-      continue;
-    }
-    if (takeLeastNoise()) {
+    if (takeMinimumOf(tried) || takeLeastNoise()) {
       is_new = final_.effects.empty();
       continue;
     }

@@ -55,8 +55,8 @@ struct HeldOutOptions {
 double heldOutStretch_s(const BatchData& data, const HeldOutOptions& options);
 
 /// `linear`: not weighted; `found`: the state there, in which what is drawn for each image scatters as it was
-/// found to. A fold is every so-manyth
-/// stretch of the recording, of a single image so many markers; effects are trained on all others.
+/// found to. A fold is every so-manyth stretch of the recording, of a single image so many markers; effects
+/// are trained on all others.
 HeldOutResult holdOut(const Linearization& linear, const std::vector<Candidate>& effects,
                       const BatchState& found, const NoiseModel& noise, const BatchData& data,
                       const HeldOutOptions& options);

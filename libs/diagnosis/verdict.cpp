@@ -107,14 +107,15 @@ struct Left {
 /// held out: chance, to which the budget belongs, does not give it.
 Left improbable(const Diagnosis& diagnosis) {
   const double log_likelihood = -std::log(std::max(diagnosis.alarm_p, std::numeric_limits<double>::min()));
-  return {log_likelihood,
-          1 + 2 * log_likelihood,
-          1,
-          print("what comes nearest to %s, which does not stand when all is fitted; by chance, with "
-                "probability %.2g",
-                diagnosis.most_improbable.c_str(), diagnosis.alarm_p),
-          "sigma",
-          std::sqrt(2 * log_likelihood)};
+  return {
+      log_likelihood,
+      1 + 2 * log_likelihood,
+      1,
+      print("a misfit that %s comes nearest to, though it does not hold when it is fitted (by chance with "
+            "probability %.2g)",
+            diagnosis.most_improbable.c_str(), diagnosis.alarm_p),
+      "sigma",
+      std::sqrt(2 * log_likelihood)};
 }
 
 /// What matters of it, the largest first: beside the effects, or beyond the budget.

@@ -82,7 +82,7 @@ SynchronizedImages synchronize(const std::vector<PosedImage>& posed, const std::
   std::map<std::string, cv::Mat> z_per_range;
   for (const std::size_t i : images) {
     cv::Mat& cosines = z_per_range[fingerprintOf(posed[i].camera.lens)];
-    if (cosines.empty()) cosines = cosinesOf(posed[i].camera.lens);
+    if (cosines.empty()) cv::extractChannel(maker.studio().rays(posed[i].camera.lens), cosines, 2);
   }
   std::vector<OneImage> each(images.size());
   forEachIndex(

@@ -81,10 +81,10 @@ PixelSquare Lens::square(std::size_t pixel) const {
   return {centre, along.col(0), along.col(1)};
 }
 
-Lens::Lens(const CameraModel& its_camera)
-    : camera(its_camera), width(camera.width_px), height(camera.height_px) {
+Lens::Lens(const CameraModel& its_camera) : camera(its_camera) {
   checkCamera(camera);
-  const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
+  const auto columns = static_cast<std::size_t>(camera.width_px),
+             rows = static_cast<std::size_t>(camera.height_px);
   x.resize(columns * rows);
   y.resize(x.size());
   std::vector<Row> each(rows);

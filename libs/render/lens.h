@@ -12,7 +12,6 @@ namespace fathom {
 /// A camera's lines of sight, pixel by pixel, row by row: what the distortion does, computed once.
 struct Lens {
   CameraModel camera;
-  int width = 0, height = 0;  ///< pixels
   /// Ideal image coordinates (x/z, y/z) of each pixel's centre.
   std::vector<float> x, y;
   PixelSquare square(std::size_t pixel) const;

@@ -36,8 +36,8 @@ struct Band {
 };
 
 Band bandOf(int row, const Lens& lens) {
-  const auto begin = lens.block.begin() + static_cast<std::ptrdiff_t>(row) * lens.width;
-  const auto [low, high] = std::minmax_element(begin, begin + lens.width);
+  const auto begin = lens.block.begin() + static_cast<std::ptrdiff_t>(row) * lens.camera.width_px;
+  const auto [low, high] = std::minmax_element(begin, begin + lens.camera.width_px);
   const auto columns = static_cast<std::uint32_t>(lens.raster.columns);
   return {row, row + 1, static_cast<int>(*low / columns),
           static_cast<int>(*high / columns) + lens.block_side};
@@ -45,9 +45,9 @@ Band bandOf(int row, const Lens& lens) {
 
 /// As few as have at most so many samples each.
 std::vector<Band> bandsOf(const Lens& lens, std::size_t largest) {
-  if (lens.raster.size() <= largest) return {{0, lens.height, 0, lens.raster.rows}};
+  if (lens.raster.size() <= largest) return {{0, lens.camera.height_px, 0, lens.raster.rows}};
   std::vector<Band> bands;
-  for (int row = 0; row < lens.height; ++row) {
+  for (int row = 0; row < lens.camera.height_px; ++row) {
     const Band next = bandOf(row, lens);
     Band both = next;
     if (!bands.empty())
@@ -93,7 +93,7 @@ class BandPainter {
       : lens_(lens),
         sampler_(options.supersampling),
         visibility_(lens.raster, most_rows),
-        row_triangles_(static_cast<std::size_t>(lens.width)) {
+        row_triangles_(static_cast<std::size_t>(lens.camera.width_px)) {
     const Band largest{0, 0, 0, most_rows};
     for (auto* of_band : {&faces_, &differs_, &inner_}) of_band->resize(largest.samples(lens.raster));
   }
@@ -203,7 +203,7 @@ std::uint32_t BandPainter::renderIfShared(std::size_t pixel, SingleSights& share
 /// Runs of pixels that one triangle fills are shaded together.
 void BandPainter::renderRow(int row, SingleSights& shared) {
   auto *radiance = view_->view.radiance.ptr<float>(row), *range_m = view_->view.range_m.ptr<float>(row);
-  const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(lens_.width);
+  const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(lens_.camera.width_px);
   for (std::size_t u = 0; u < row_triangles_.size(); ++u) {
     const std::size_t pixel = first + u;
     std::uint32_t& triangle = row_triangles_[u];
@@ -282,8 +282,8 @@ View Renderer::render(const Pose& T_odom_camera, const Lighting& lighting) {
 
 void Renderer::render(const Pose& T_odom_camera, const Lighting& lighting, View& view) {
   Implementation& r = *implementation_;
-  view.radiance.create(r.lens->height, r.lens->width, CV_32FC3);
-  view.range_m.create(r.lens->height, r.lens->width, CV_32FC1);
+  view.radiance.create(r.lens->camera.height_px, r.lens->camera.width_px, CV_32FC3);
+  view.range_m.create(r.lens->camera.height_px, r.lens->camera.width_px, CV_32FC1);
   const Pose T_camera_odom = T_odom_camera.inverse();
   const SeenLighting seen_lighting(lighting, T_camera_odom);
   const SeenView seen{r.scene, r.scene_number, r.face_of, seen_lighting, T_camera_odom, view};

@@ -177,7 +177,6 @@ TEST(Verdict, WithoutAnEffectABurstIsAllThatIsLeft) {
   EXPECT_NE(diagnosis.why.find("noise of dvl"), std::string::npos) << diagnosis.why;
 }
 
-// One in ten pixels is of something before the panel, 40 times as far off as the others, which are as stated.
 // "Nothing material is missing: … would be seen by chance with probability 2e-26" contradicted itself.
 TEST(Verdict, WhatChanceDoesNotGiveIsNotNothing) {
   Diagnosis diagnosis = found(0);
@@ -198,6 +197,7 @@ TEST(Verdict, WhatChanceDoesNotGiveIsNotNothing) {
   EXPECT_TRUE(told.posterior.front().is_something_else);
 }
 
+// One in ten pixels is of something before the panel, 40 times as far off as the others, which are as stated.
 TEST(Verdict, OutliersOfANoiseThatBurstsAreSaid) {
   const auto textWith = [](int outliers) {
     Diagnosis diagnosis = found(0);
