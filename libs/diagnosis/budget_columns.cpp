@@ -161,9 +161,9 @@ struct Axis {
   }
   /// What a row is the mean over, to either side, were all of it as likely.
   double half(const RowInfo& row) const { return std::numbers::sqrt3 * covariate.spread(row) * unit(row); }
-  /// Between a row and each node.
-  Eigen::VectorXd kernelOf(const RowInfo& row) const {
-    const double beside = half(row);
+  /// Between a row, were it the mean over as much as `like`, and each node.
+  Eigen::VectorXd kernelOf(const RowInfo& row, const RowInfo& like) const {
+    const double beside = half(like);
     Eigen::VectorXd own(nodes);
     for (int node = 0; node < nodes; ++node) own[node] = kernel(at(row) - first - node * step, beside);
     return own;
@@ -176,13 +176,13 @@ struct Axis {
 };
 
 /// A change that goes with a smooth field: what its values at nodes say of it elsewhere, k(x, Z) K^-1 u with
-/// u ~ N(0, K) (subset of regressors; Quiñonero-Candela & Rasmussen 2005). At half a length apart that is the
-/// field but for 1e-4; straight lines between nodes would leave a twentieth of it, many times what thousands
-/// of readings of light resolve.
+/// u ~ N(0, K) (subset of regressors; Quiñonero-Candela & Rasmussen 2005). At a third of a length apart that
+/// is the field but for 1e-6 of its variance; straight lines between nodes would leave a twentieth of it,
+/// many times what thousands of readings of light resolve.
 class Field {
  public:
-  /// `covariates`: those of the change's channel. `of_places`: it has one value for each place, however much
-  /// of that an image shows.
+  /// `covariates`: those of the change's channel. `of_places`: it is a mean over as much as there is of each
+  /// place, however much of that an image shows.
   Field(const Linearization& linear, const SmoothField& smooth, const std::vector<Covariate>& covariates,
         const Change& change, bool of_places)
       : linear_(linear) {
@@ -201,7 +201,7 @@ class Field {
     Eigen::MatrixXd all(std::ssize(change), root_.cols());
     for (Eigen::Index r = 0; r < all.rows(); ++r) {
       const auto& [row, value] = change[static_cast<std::size_t>(r)];
-      all.row(r) = value * at(where(row));
+      all.row(r) = value * at(linear_.rows[static_cast<std::size_t>(row)]);
     }
     const SymmetricEigen told = eigenOf(transposedTimesItself(all));
     Eigen::Index first = 0;
@@ -218,9 +218,8 @@ class Field {
       if (whole == nullptr || row.seen_share > whole->seen_share) whole = &row;
     }
   }
-  /// The row that tells where a row's value is.
-  const RowInfo& where(Eigen::Index i) const {
-    const RowInfo& row = linear_.rows[static_cast<std::size_t>(i)];
+  /// The row that tells over how much a row's value is a mean.
+  const RowInfo& likeWhich(const RowInfo& row) const {
     const auto whole = row.patch < 0 ? whole_places_.end() : whole_places_.find(row.place);
     return whole == whole_places_.end() ? row : *whole->second;
   }
@@ -230,7 +229,7 @@ class Field {
   Eigen::RowVectorXd at(const RowInfo& row) const {
     Eigen::VectorXd kernel = Eigen::VectorXd::Ones(1);
     for (const Axis& axis : axes_) {
-      const Eigen::VectorXd own = axis.kernelOf(row);
+      const Eigen::VectorXd own = axis.kernelOf(row, likeWhich(row));
       kernel = (own * kernel.transpose()).reshaped().eval();
     }
     if (!kernel.allFinite()) return Eigen::RowVectorXd::Zero(root_.cols());
@@ -241,7 +240,8 @@ class Field {
     Axis axis{covariate, 0, 1, length, 1};
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const auto& [i, value] : change) {
-      const double at = axis.at(where(i)), half = axis.half(where(i));
+      const RowInfo& row = linear_.rows[static_cast<std::size_t>(i)];
+      const double at = axis.at(row), half = axis.half(likeWhich(row));
       low = std::min(low, at - half);
       high = std::max(high, at + half);
     }
@@ -281,9 +281,10 @@ class Field {
   Eigen::MatrixXd root_;
 };
 
-/// Of fields over the panel that all places share. How they vary within a place is far less than how evenly
-/// that is printed, which has columns of its own; else what a footprint's mean and spread leave out of those,
-/// where a place is seen in part, looks like a field that is ever rougher.
+/// Of fields over the panel that all places share. Where a part of a place is seen the field has another
+/// value, as there is another place; but the mean over more or less of it differs far less than by how evenly
+/// it is printed, which has columns of its own: else what a footprint's spread leaves out of those looks like
+/// a field that is ever rougher.
 bool isOfPlaces(const VarianceComponent& component) {
   const std::vector<std::string>& over = component.smooth->over;
   return component.each == Each::recording && std::find(over.begin(), over.end(), "panel x") != over.end();

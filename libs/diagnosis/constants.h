@@ -107,13 +107,17 @@ inline constexpr double kClearlySigmas = 3;                 ///< less than nothi
 
 // The budget and its scales.
 
-/// A field's nodes: so many to a length of correlation, along one covariate at most. Derived: at half a
-/// length the field is what it is but for 1e-4 of its variance; the most, for time.
-inline constexpr double kNodesPerLength = 2;
+/// A field's nodes: so many to a length of correlation, along one covariate at most. Derived: at a third of a
+/// length the field is what it is but for 1e-6 of its variance, at half a length but for 1e-4 (see kDropped);
+/// the most, for time.
+inline constexpr double kNodesPerLength = 3;
 inline constexpr int kMostNodes = 12;
 /// Of a field's length: a mean over no more is a value. Derived: off by 1e-7 of it.
 inline constexpr double kPointLike = 1e-3;
-inline constexpr double kDropped = 1e-4;  ///< of a field's variance
+/// Of a field's variance: directions that are not in its columns. Derived: of a field of 2 % that is 6e-6 of
+/// light, of which all of it together resolves 3e-5. Were it 1e-4, the field would be so stiff that a slope
+/// over the panel seemed nearly twice as sure as it is.
+inline constexpr double kDropped = 1e-7;
 /// Of the noise's variance: a value that readings cannot see better, be it as large as it may, needs no
 /// column. Chosen: an effect in that direction would seem sqrt(1.3) times as sure as it is, at most.
 inline constexpr double kLeastTold = 0.3;
