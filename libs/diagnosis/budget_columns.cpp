@@ -227,9 +227,10 @@ class Field {
   /// Each independent value's share at a row. What has no place in it, as open water on the panel, has
   /// nothing of it.
   Eigen::RowVectorXd at(const RowInfo& row) const {
+    const RowInfo& like = likeWhich(row);
     Eigen::VectorXd kernel = Eigen::VectorXd::Ones(1);
     for (const Axis& axis : axes_) {
-      const Eigen::VectorXd own = axis.kernelOf(row, likeWhich(row));
+      const Eigen::VectorXd own = axis.kernelOf(row, like);
       kernel = (own * kernel.transpose()).reshaped().eval();
     }
     if (!kernel.allFinite()) return Eigen::RowVectorXd::Zero(root_.cols());

@@ -115,8 +115,7 @@ inline constexpr int kMostNodes = 12;
 /// Of a field's length: a mean over no more is a value. Derived: off by 1e-7 of it.
 inline constexpr double kPointLike = 1e-3;
 /// Of a field's variance: directions that are not in its columns. Derived: of a field of 2 % that is 6e-6 of
-/// light, of which all of it together resolves 3e-5. Were it 1e-4, the field would be so stiff that a slope
-/// over the panel seemed nearly twice as sure as it is.
+/// light, of which all of it together resolves 4e-5; 1e-4 would leave out 2e-4 of light.
 inline constexpr double kDropped = 1e-7;
 /// Of the noise's variance: a value that readings cannot see better, be it as large as it may, needs no
 /// column. Chosen: an effect in that direction would seem sqrt(1.3) times as sure as it is, at most.
