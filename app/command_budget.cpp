@@ -40,7 +40,7 @@ std::string reasonAgainst(const Diagnosis& diagnosis) {
 Learnt learn(const BudgetCommand& command) {
   Learnt learnt;
   DiagnosisOptions options = command.diagnosis;
-  options.budget = learnt.before = readErrorBudget(shippedFile(command.budget));
+  options.budget = readErrorBudget(shippedFile(command.budget));
   std::vector<std::vector<EstimatedScale>> scales;
   for (const std::string& rawlog : command.recordings) {
     BatchRecordingOptions reading = command.recording;
@@ -52,6 +52,7 @@ Learnt learn(const BudgetCommand& command) {
       continue;
     }
     learnt.quiet.push_back(rawlog);
+    learnt.before = diagnosis.noise.budget;
     scales.push_back(diagnosis.noise.scales);
   }
   if (scales.empty())

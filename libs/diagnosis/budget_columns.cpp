@@ -131,6 +131,8 @@ Owner ownerOf(const RowInfo& row, Each each, std::map<Instance, int>& instances)
       return {row.place, 0};
     case Each::image:
       return {0, row.image};
+    case Each::image_colour:
+      return {row.component, row.image};
     case Each::reading:
       return {0, static_cast<std::ptrdiff_t>(row.reading)};
   }
@@ -362,7 +364,7 @@ HeldColumns localFirst(const HeldColumns& held, const ErrorBudget& budget) {
   Eigen::Index first = 0;
   for (std::size_t k = 0; k < held.sizes.size(); first += held.sizes[k++]) {
     const Each each = budget.components[k].each;
-    auto& own = each == Each::image || isOfOnePlace(each) ? local : others;
+    auto& own = each == Each::image || each == Each::image_colour || isOfOnePlace(each) ? local : others;
     for (Eigen::Index c = 0; c < held.sizes[k]; ++c) own.push_back(first + c);
   }
   for (; first < held.sigma.size(); ++first) others.push_back(first);

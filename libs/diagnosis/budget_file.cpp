@@ -17,14 +17,17 @@ namespace {
 
 using Each = VarianceComponent::Each;
 
-constexpr std::array<std::pair<const char*, Each>, 8> kEach{{{"recording", Each::recording},
+constexpr std::array<std::pair<const char*, Each>, 9> kEach{{{"recording", Each::recording},
                                                              {"sensor", Each::sensor},
                                                              {"instrument", Each::instrument},
                                                              {"marker", Each::marker},
                                                              {"place", Each::place},
                                                              {"spot", Each::spot},
                                                              {"image", Each::image},
+                                                             {"image and colour", Each::image_colour},
                                                              {"reading", Each::reading}}};
+
+constexpr const char* kProcessed = "processed";
 
 std::string nameOf(Each each) {
   for (const auto& [name, known] : kEach)
@@ -37,7 +40,9 @@ Each readEach(const YamlMap& y) {
   const std::string text = y.text("each");
   for (const auto& [name, each] : kEach)
     if (text == name) return each;
-  throw y.error("each", "must be recording, sensor, instrument, marker, place, spot, image or reading");
+  throw y.error(
+      "each",
+      "must be recording, sensor, instrument, marker, place, spot, image, image and colour, or reading");
 }
 
 SmoothField readSmooth(const YamlMap& y) {
@@ -51,6 +56,12 @@ SmoothField readSmooth(const YamlMap& y) {
   return smooth;
 }
 
+VarianceComponent::Processed readProcessed(const YamlMap& y) {
+  const VarianceComponent::Processed processed{y.positive("sigma"), y.number("factor")};
+  if (!(processed.factor > 1)) throw y.error("factor", "must be above one");
+  return processed;
+}
+
 VarianceComponent readComponent(const YamlMap& y, const std::string& name) {
   VarianceComponent component;
   component.name = name;
@@ -61,6 +72,9 @@ VarianceComponent readComponent(const YamlMap& y, const std::string& name) {
   component.sigma = y.positive("sigma");
   component.factor = y.number("factor");
   if (!(component.factor > 1)) throw y.error("factor", "must be above one");
+  if (y.has("processed")) component.processed = readProcessed(y.map("processed"));
+  component.of_processed_only = y.has("only") && y.text("only") == kProcessed;
+  if (y.has("only") && !component.of_processed_only) throw y.error("only", "must be `processed`");
   component.unit = y.text("unit");
   try {
     columnsOf({}, component);
@@ -109,6 +123,12 @@ void writeComponent(YAML::Emitter& out, const VarianceComponent& component) {
   }
   out << YAML::Key << "sigma" << YAML::Value << print("%.3g", component.sigma);
   out << YAML::Key << "factor" << YAML::Value << print("%.3g", component.factor);
+  if (component.processed) {
+    out << YAML::Key << kProcessed << YAML::Value << YAML::Flow << YAML::BeginMap;
+    out << YAML::Key << "sigma" << YAML::Value << print("%.3g", component.processed->sigma);
+    out << YAML::Key << "factor" << YAML::Value << print("%.3g", component.processed->factor) << YAML::EndMap;
+  }
+  if (component.of_processed_only) out << YAML::Key << "only" << YAML::Value << kProcessed;
   out << YAML::Key << "unit" << YAML::Value << YAML::DoubleQuoted << component.unit;
   out << YAML::Key << "source" << YAML::Value << YAML::DoubleQuoted << component.source << YAML::EndMap;
 }

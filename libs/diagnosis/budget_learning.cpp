@@ -37,6 +37,7 @@ VarianceComponent learnt(VarianceComponent component, const std::vector<Estimate
   }
   component.sigma = std::exp(weighted / precision);
   component.factor = std::exp(kSigmasOf99 * std::sqrt(1 / precision + between_recordings));
+  component.processed.reset();  // learnt from what this vehicle's camera has
   return component;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "core/text.h"
@@ -117,6 +118,17 @@ EffectEstimate spreadOf(std::size_t scalar, const Eigen::VectorXd& value, const 
   const double spread = std::sqrt(std::max(0.0, square - noise));
   return {effectOf(scalar), scalar, spread,
           square / std::max(spread, std::sqrt(noise)) / std::sqrt(2 * freedom)};
+}
+
+std::vector<EffectEstimate> spreadsOf(const std::vector<std::size_t>& scalars, const Eigen::VectorXd& value,
+                                      const Eigen::MatrixXd& covariance) {
+  std::map<std::size_t, std::vector<Eigen::Index>> columns;
+  for (std::size_t k = 0; k < scalars.size(); ++k)
+    columns[scalars[k]].push_back(static_cast<Eigen::Index>(k));
+  std::vector<EffectEstimate> spreads;
+  for (const auto& [scalar, own] : columns)
+    spreads.push_back(spreadOf(scalar, value(own), covariance(own, own)));
+  return spreads;
 }
 
 bool isEstimated(const Linearization& linear, std::size_t effect) {

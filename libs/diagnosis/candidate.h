@@ -72,6 +72,9 @@ bool canBeFound(std::size_t scalar, double value, double sigma);
 /// Of a scalar's values that were drawn for the images, with their covariance: how far they spread about
 /// their mean, which cannot be told from how bright all is.
 EffectEstimate spreadOf(std::size_t scalar, const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance);
+/// The same of several scalars' draws, of which each column's is given.
+std::vector<EffectEstimate> spreadsOf(const std::vector<std::size_t>& scalars, const Eigen::VectorXd& value,
+                                      const Eigen::MatrixXd& covariance);
 
 /// Whether the effect is among what the linearized problem estimates.
 bool isEstimated(const Linearization& linear, std::size_t effect);

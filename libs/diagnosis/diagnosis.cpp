@@ -184,8 +184,8 @@ void Course::attribute() {
 /// from being named.
 void Course::lookUnderTightBudget() {
   if (options_.tight_budget.name == options_.budget.name) return;
-  const Screening screening(*final_.model, final_.noise.with(options_.tight_budget), options_.segments,
-                            left_out_);
+  const ErrorBudget tight = options_.tight_budget.of(pipelineOf(data_.vehicle));
+  const Screening screening(*final_.model, final_.noise.with(tight), options_.segments, left_out_);
   std::vector<TestedCandidate> telling = likeliestFirst(screening.candidates());
   std::erase_if(telling,
                 [&](const TestedCandidate& tested) { return tested.log_evidence < fits_.threshold(); });
@@ -197,7 +197,7 @@ void Course::lookUnderTightBudget() {
     return here < fits_.threshold() && here < tested.log_evidence - kExcluded;
   });
   if (most == telling.end()) return;
-  diagnosis_.allowed = {*most, options_.budget.name, options_.tight_budget.name};
+  diagnosis_.allowed = {*most, options_.budget.name, tight.name};
   for (EffectEstimate& one : diagnosis_.allowed->most.one_step) one = whole(one);
 }
 

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "sensors/vehicle.h"
+
 /// What a recording may differ from its model by for no reason that has a name: the declared error budget
 /// (config/error_budget.yaml), a file of the user's.
 namespace fathom {
@@ -22,7 +24,7 @@ struct SmoothField {
 /// One way in which readings are off, whose sigma is known to a factor.
 struct VarianceComponent {
   /// What has a value of its own. A place has one for each colour, a spot is a place in all colours alike.
-  enum class Each { recording, sensor, instrument, marker, place, spot, image, reading };
+  enum class Each { recording, sensor, instrument, marker, place, spot, image, image_colour, reading };
 
   std::string name;  ///< "print-placement"
   /// What acts: "EFFECT.PARAMETER", of lists "EFFECT.PARAMETER.y", that parameter being the value; or
@@ -32,6 +34,16 @@ struct VarianceComponent {
   std::optional<SmoothField> smooth;
   double sigma = 0;   ///< in `unit`
   double factor = 2;  ///< 99 % of such are between sigma / factor and sigma * factor
+  /// Of a camera that processes its images, where that is another one.
+  struct Processed {
+    double sigma = 0, factor = 2;
+    bool operator==(const Processed&) const = default;
+  };
+  std::optional<Processed> processed;
+  bool of_processed_only = false;  ///< no other camera has it
+  /// Nobody states how large it is: it is as a recording shows it, and nothing is looked for against the
+  /// declared sigma.
+  bool is_as_shown = false;
   std::string unit, source;
 
   /// Standard deviation of ln sigma.
@@ -45,6 +57,8 @@ struct ErrorBudget {
   double outlier_share = 0;  ///< of any channel's readings
   double noise_factor = 3;   ///< within which a channel's noise is what is stated
 
+  /// What it allows images of such a camera to be off by.
+  ErrorBudget of(CameraPipeline pipeline) const;
   bool operator==(const ErrorBudget&) const = default;
 };
 

@@ -146,7 +146,8 @@ void addLight(const BatchData& recording, const LightPlaces& places, const View&
                           ? moveWaterTo(view, camera, T_odom_panel, patch)
                           : moveTo(view, camera, T_odom_panel, patch);
     if (!seen) continue;
-    patch.image_radius = camera.idealAt(patch.pixel).norm();
+    patch.image_tangent = camera.idealAt(patch.pixel);
+    patch.image_radius = patch.image_tangent.norm();
     data.patches.push_back(patch);
   }
   for (MarkerBlur blur : places.blurs)

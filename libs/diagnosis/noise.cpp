@@ -70,8 +70,9 @@ std::optional<double> NoiseModel::sigmaApart(std::size_t component, const Owner&
 }
 
 NoiseModel NoiseModel::with(const ErrorBudget& other) const {
-  NoiseModel noise = declared();
+  NoiseModel noise = *this;
   noise.budget = other;
+  noise.scales = declaredScales(other);
   if (apart.empty()) return noise;
   noise.apart.assign(other.components.size(), {});
   for (std::size_t k = 0; k < apart.size(); ++k)
@@ -82,8 +83,24 @@ NoiseModel NoiseModel::with(const ErrorBudget& other) const {
 
 NoiseModel NoiseModel::declared() const {
   NoiseModel declared = *this;
-  declared.scales.clear();
+  declared.scales = declaredScales(budget);
   return declared;
+}
+
+/// Of `other`'s components, those that are as shown here as they are here; none where all are as declared.
+std::vector<EstimatedScale> NoiseModel::declaredScales(const ErrorBudget& other) const {
+  std::vector<EstimatedScale> all;
+  bool any = false;
+  for (const VarianceComponent& component : other.components) {
+    all.push_back({component.sigma, component.logSd()});
+    for (std::size_t k = 0; k < scales.size(); ++k)
+      if (budget.components[k].is_as_shown && budget.components[k].name == component.name) {
+        all.back() = scales[k];
+        any = true;
+      }
+  }
+  if (!any) all.clear();
+  return all;
 }
 
 double ChannelNoise::independentScale() const {

@@ -47,10 +47,13 @@ struct NoiseModel {
   std::optional<double> sigmaApart(std::size_t component, const Owner& owner) const;
   /// With another budget as that declares it: who is apart stays so, where it has the component.
   NoiseModel with(const ErrorBudget& other) const;
-  /// With the budget as declared, but for what is apart.
+  /// With the budget as declared, but for what is apart, and for what nobody states the size of.
   NoiseModel declared() const;
   /// Has a problem take readings for that noisy.
   void applyTo(ProblemOptions& options) const;
+
+ private:
+  std::vector<EstimatedScale> declaredScales(const ErrorBudget& other) const;
 };
 
 /// The variance, in units of the row's noise, by which a place that is seen in part reads otherwise than all

@@ -12,7 +12,7 @@ NominalFit nominalFit(const BatchData& data, const StartPath& start,
                       const EffectParameters<double>& calibration, const ErrorBudget& budget,
                       std::uint64_t seed) {
   NominalFit nominal;
-  nominal.noise.budget = budget;
+  nominal.noise.budget = budget.of(pipelineOf(data.vehicle));
   const auto failed = [&](const std::string& why) {
     nominal.failure = why;
     return nominal;

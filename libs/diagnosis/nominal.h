@@ -14,7 +14,8 @@ struct NominalFit {
   Refit fit;
 };
 
-/// `calibration`: what is known already. The seed is of simulated noise, see shownNoise().
+/// `calibration`: what is known already; of `budget` what the vehicle's camera has. The seed is of simulated
+/// noise, see shownNoise().
 NominalFit nominalFit(const BatchData& data, const StartPath& start,
                       const EffectParameters<double>& calibration, const ErrorBudget& budget,
                       std::uint64_t seed);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <stdexcept>
 
 #include "core/linear_algebra.h"
@@ -225,18 +224,22 @@ std::shared_ptr<const WhitenedModel> modelOf(const BatchData& data, const Refit&
 
 std::vector<EffectEstimate> withSpreads(const Refit& fit) {
   std::vector<EffectEstimate> all;
-  std::map<std::size_t, std::vector<Eigen::Index>> draws;
-  for (std::size_t i = 0; i < fit.estimates.size(); ++i)
-    if (fit.estimates[i].image < 0)
-      all.push_back(fit.estimates[i]);
-    else
-      draws[fit.estimates[i].scalar].push_back(static_cast<Eigen::Index>(i));
-  for (const auto& [scalar, own] : draws) {
-    Eigen::VectorXd value(std::ssize(own));
-    for (std::size_t k = 0; k < own.size(); ++k)
-      value[static_cast<Eigen::Index>(k)] = fit.estimates[static_cast<std::size_t>(own[k])].value;
-    all.push_back(spreadOf(scalar, value, fit.covariance(own, own)));
+  std::vector<Eigen::Index> drawn;
+  std::vector<std::size_t> scalars;
+  std::vector<double> values;
+  for (std::size_t i = 0; i < fit.estimates.size(); ++i) {
+    const EffectEstimate& estimate = fit.estimates[i];
+    if (estimate.image < 0) {
+      all.push_back(estimate);
+      continue;
+    }
+    drawn.push_back(static_cast<Eigen::Index>(i));
+    scalars.push_back(estimate.scalar);
+    values.push_back(estimate.value);
   }
+  const Eigen::Map<const Eigen::VectorXd> value(values.data(), std::ssize(values));
+  const auto spreads = spreadsOf(scalars, value, fit.covariance(drawn, drawn));
+  all.insert(all.end(), spreads.begin(), spreads.end());
   return all;
 }
 

@@ -306,8 +306,7 @@ TestedCandidate Screening::test(std::size_t of_family, const Candidate& candidat
         {family.candidate.effect, scalar, value[k], std::sqrt(information.inverse(k, k))});
     is_possible = is_possible && canBeFound(scalar, value[k], tested.one_step.back().sigma);
   }
-  if (isDrawn(candidate.effect))
-    tested.one_step = {spreadOf(family.scalars.front(), value, information.inverse)};
+  if (isDrawn(candidate.effect)) tested.one_step = spreadsOf(family.scalars, value, information.inverse);
   if (is_possible && best.log_bayes_factor > kEvenOdds)
     is_possible = isBeyondAllowance(family, candidate, reduced);
   tested.size = best.size;

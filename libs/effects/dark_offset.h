@@ -28,7 +28,7 @@ struct DarkOffset {
                 .usual = "share of full scale, the same for each colour, within 0.05"}};
   template <class T>
   static void apply(const T* p, Stage<T>& pixel) {
-    pixel.offset += p[0];
+    pixel.offset.array() += p[0];
   }
 };
 

@@ -31,8 +31,10 @@ EffectParameters<double> drawnFor(const EffectParameters<double>& effects, std::
   return withSpreadsTimes(effects, [&](std::size_t scalar) {
     // By name: another effect in the catalogue, or another parameter, changes no draw.
     const std::string_view effect = allEffects()[effectOf(scalar)].id;
-    const auto stream = Fingerprint().add(effect).add(".").add(parameterOf(scalar).name).value();
-    return Random::stream(seed ^ std::bit_cast<std::uint64_t>(t_s), stream).normal();
+    const Parameter& parameter = parameterOf(scalar);
+    Fingerprint stream = Fingerprint().add(effect).add(".").add(parameter.name);
+    if (parameter.size > 1) stream.add(static_cast<double>(scalar - kEffectOffsets[effectOf(scalar)]));
+    return Random::stream(seed ^ std::bit_cast<std::uint64_t>(t_s), stream.value()).normal();
   });
 }
 

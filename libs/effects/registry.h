@@ -17,6 +17,7 @@
 #include "effects/camera_misalignment.h"
 #include "effects/clock_drift.h"
 #include "effects/dark_offset.h"
+#include "effects/defocus.h"
 #include "effects/dvl_latency.h"
 #include "effects/dvl_lever_arm.h"
 #include "effects/dvl_misalignment.h"
@@ -24,6 +25,7 @@
 #include "effects/earth_rotation.h"
 #include "effects/edge_bias.h"
 #include "effects/extra_effects.h"
+#include "effects/flat_field.h"
 #include "effects/flat_port_refraction.h"
 #include "effects/focal_scale.h"
 #include "effects/forward_scatter.h"
@@ -43,14 +45,19 @@
 #include "effects/panel_moved.h"
 #include "effects/panel_shape.h"
 #include "effects/pressure_density.h"
+#include "effects/pressure_lever_arm.h"
 #include "effects/pressure_offset.h"
+#include "effects/response_bend.h"
 #include "effects/rolling_shutter.h"
 #include "effects/separate_backscatter.h"
+#include "effects/sharpening.h"
 #include "effects/slant_range.h"
 #include "effects/sun_flicker.h"
 #include "effects/turbidity_plume.h"
+#include "effects/veiling_glare.h"
 #include "effects/vignetting.h"
 #include "effects/water_current.h"
+#include "effects/white_balance.h"
 
 /// To add an effect: see libs/effects/README.md. Simulator, filter, calibration file, `fathom effects` and
 /// the property tests over the registry then know it.
@@ -66,7 +73,8 @@ using Catalogue =
                RollingShutter, MarkerMoved, MarkerSize, PanelMoved, SunFlicker, Lamp, SeparateBackscatter,
                TurbidityPlume, SlantRange, ForwardScatter, Vignetting, AutoExposure, Gamma, DarkOffset,
                MotionBlur, MarineSnow, HeadingDisturbance, ClockDrift, EdgeBias, PanelShape,
-               IlluminationGradient>;
+               IlluminationGradient, PressureLeverArm, FlatField, WhiteBalance, ResponseBend, VeilingGlare,
+               Defocus, Sharpening>;
 
 /// The catalogue, and after it what the build was told to know besides.
 using AllEffects = decltype(std::tuple_cat(Catalogue{}, ExtraEffects{}));

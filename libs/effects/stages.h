@@ -173,20 +173,39 @@ struct SuspendedParticles {
   T per_m3 = T(0);
 };
 
-/// How one pixel answers to the light that reaches it: DN = full scale * ((gain * radiance) ^ exponent +
-/// offset), the exponent of ResponseCurve. Starts with a gain of 1 and no offset.
+/// Of the light that comes into the camera, what lens and port strew evenly over the image.
 template <class T>
-struct PixelResponse {
-  T image_radius = T(0);  ///< tangent of the line of sight's angle to the optical axis
-  T gain = T(1);
-  T offset = T(0);  ///< share of full scale
+struct StrayLight {
+  T share = T(0);
 };
 
-/// By which curve all pixels answer: starts as the vehicle file has it. A stage of its own because it moves
-/// edges too, where a detector sees them (imaging/detected_corners.h).
+/// How one pixel answers to the light that reaches it, each colour (red, green, blue) for itself: DN = full
+/// scale * (curve(gain * radiance) + offset), the curve of ResponseCurve. Starts with a gain of 1 and no
+/// offset.
+template <class T>
+struct PixelResponse {
+  T image_radius = T(0);  ///< context: tangent of the line of sight's angle to the optical axis
+  Eigen::Vector2d image_tangent = Eigen::Vector2d::Zero();  ///< context: the same to the right and down
+  Vector3<T> gain = Vector3<T>::Ones();
+  Vector3<T> offset = Vector3<T>::Zero();  ///< share of full scale
+};
+
+/// By which curve all pixels answer: r + bend r (1 - r), r = light ^ exponent, light 1 being full scale.
+/// Starts as the vehicle file has it, without a bend. A stage of its own because it moves edges too, where a
+/// detector sees them (imaging/detected_corners.h).
 template <class T>
 struct ResponseCurve {
   T exponent = T(1);
+  Vector3<T> bend = Vector3<T>::Zero();
+};
+
+/// How much softer the lens makes the image than the vehicle file's does, and how much harder the camera's
+/// processing makes it again: the second moment of what each spreads a point to, alike to all sides.
+template <class T>
+struct ImageSoftness {
+  T lens_px2 = T(0);
+  T sharpened_px2 =
+      T(0);  ///< less than there is of both; what is darker around a bright line counts negative
 };
 
 /// For how long the shutter is open, squared, about the time at which the image is valid: what moves

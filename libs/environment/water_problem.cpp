@@ -111,18 +111,22 @@ PatchModel::PatchModel(const KnownLight& known)
       jet_effects_(asJets(effects_)),
       lamps_(known.lamps),
       changes_response_(anyActsAt<PixelResponse<double>>(effects_) ||
-                        anyActsAt<ResponseCurve<double>>(effects_)) {}
+                        anyActsAt<ResponseCurve<double>>(effects_) ||
+                        anyActsAt<StrayLight<double>>(effects_)) {}
 
 Vector3d PatchModel::lightSeen(const Patch& patch) const {
   if (!changes_response_) return patch.radiance;
-  PixelResponse<double> response{patch.image_radius};
+  PixelResponse<double> response{patch.image_radius, patch.image_tangent};
   ResponseCurve<double> curve{patch.response_gamma};
   applyEffects(effects_, patch.t_s, response);
   applyEffects(effects_, patch.t_s, curve);
+  StrayLight<double> stray;
+  applyEffects(effects_, patch.t_s, stray);
   Vector3d light;
   for (int c = 0; c < 3; ++c) {
-    const double reading = predictReading<double>(patch.radiance[c], {}, {patch.response_gamma});
-    light[c] = radianceBehind(reading, response, curve);
+    const double reading = predictReading<double>(patch.radiance[c], {}, {patch.response_gamma}, c);
+    light[c] =
+        (radianceBehind(reading, response, curve, c) - stray.share * patch.image_mean[c]) / (1 - stray.share);
   }
   return light;
 }

@@ -105,8 +105,8 @@ void BatchProblem::addMarkers() {
       ++behind_camera_;
       continue;
     }
-    seen.light = {data_.vehicle.camera ? data_.vehicle.camera->response_gamma : 1.0,
-                  darkOverBright(data_.panels[seen.panel], environmentOf(unknowns_.reference().water), z_m)};
+    seen.light = edgeLight(data_.panels[seen.panel], environmentOf(unknowns_.reference().water), z_m,
+                           data_.vehicle.camera ? data_.vehicle.camera->response_gamma : 1.0);
     Vector8d corners;
     for (std::size_t k = 0; k < 4; ++k)
       corners.segment<2>(static_cast<Eigen::Index>(2 * k)) = seen.detection.corners_px[k];

@@ -62,7 +62,7 @@ GrayRange expectedRange(const Vector3d& black_radiance, const Vector3d& white_ra
   const auto gray = [&](const Vector3d& radiance) {
     const Vector3d light = predictLight<double>(radiance, range_m, range_m, water, {});
     double sum = 0;
-    for (int c = 0; c < 3; ++c) sum += 255.0 * weights[c] * predictReading(light[c], {}, curve);
+    for (int c = 0; c < 3; ++c) sum += 255.0 * weights[c] * predictReading(light[c], {}, curve, c);
     return sum;
   };
   return {gray(black_radiance), gray(white_radiance)};

@@ -11,15 +11,17 @@
 /// which the camera's response shifts, and whatever else lets white grow over black.
 namespace fathom {
 
-/// What a marker's edges are between.
+/// What a marker's edges are between: light that reaches the camera, linear, in green, which is most of what
+/// a gray image shows.
 struct EdgeLight {
-  double response_gamma = 1;       ///< nominal
-  double dark_over_bright = 0.05;  ///< of the light that reaches the camera, linear
+  double response_gamma = 1;  ///< nominal
+  double dark_over_bright = 0.05;
+  double bright = 0.5;  ///< of the camera's full scale
 };
 
-/// Of a marker so far away along the optical axis, in green, which is most of what a gray image shows.
-/// Without light: of the panel itself.
-inline double darkOverBright(const PanelMap& panel, const Environment& environment, double z_m) {
+/// Of a marker so far away along the optical axis. Without light: of the panel itself.
+inline EdgeLight edgeLight(const PanelMap& panel, const Environment& environment, double z_m,
+                           double response_gamma) {
   constexpr int kGreen = 1;
   const double way_m = std::max(0.0, z_m);
   const auto seen = [&](double albedo) {
@@ -27,19 +29,26 @@ inline double darkOverBright(const PanelMap& panel, const Environment& environme
     return predictLight<double>(scene, way_m, way_m, environment.water, {})[kGreen];
   };
   const double dark = seen(panel.black_albedo), bright = seen(panel.white_albedo);
-  return bright > dark ? dark / bright : panel.black_albedo / panel.white_albedo;
+  if (bright > dark) return {response_gamma, dark / bright, std::min(1.0, bright)};
+  return {response_gamma, panel.black_albedo / panel.white_albedo};
 }
 
-/// By how many pixels white spreads over black where the numbers are a power of the light: a pixel on the
-/// edge, of which a share f is white, has ((r + (1 - r) f)^g - r^g) / (1 - r^g) of the step, r being dark
-/// over bright, and all f are as likely. Of a lens that is sharper than its pixels; 0 for g = 1.
+/// By how many pixels white spreads over black where the numbers are a curve R of the light: a pixel on the
+/// edge, of which a share f is white, has (R(d + (b - d) f) - R(d)) / (R(b) - R(d)) of the step from dark to
+/// bright, and all f are as likely. Of a lens that is sharper than its pixels; 0 for a straight line.
 template <class T>
-T spreadOfWhite_px(const T& exponent, double dark_over_bright) {
+T spreadOfWhite_px(const ResponseCurve<T>& curve, const EdgeLight& light) {
   using std::pow;
-  const double r = std::clamp(dark_over_bright, 1e-3, 0.95);
-  const T dark = pow(T(r), exponent);
-  const T mean = (1.0 - r * dark) / ((exponent + 1.0) * (1.0 - r));
-  return (mean - dark) / (1.0 - dark) - 0.5;
+  constexpr int kGreen = 1;
+  const double ratio = std::clamp(light.dark_over_bright, 1e-3, 0.95), bright = light.bright;
+  const auto meanPower = [&](const T& exponent) {
+    return T(pow(T(bright), exponent) * (1.0 - pow(T(ratio), exponent + 1.0)) /
+             ((exponent + 1.0) * (1.0 - ratio)));
+  };
+  const T& bend = curve.bend[kGreen];
+  const T mean = (1.0 + bend) * meanPower(curve.exponent) - bend * meanPower(T(2.0 * curve.exponent));
+  const T dark = curved(T(ratio * bright), curve, kGreen), white = curved(T(bright), curve, kGreen);
+  return (mean - dark) / (white - dark) - 0.5;
 }
 
 /// Corners of a black square whose sides have all moved inward by so much.
@@ -82,10 +91,10 @@ T spreadOfWhite_px(const EdgeLight& light, const EffectParameters<T>& effects, d
   EdgeSpread<T> edges;
   applyEffects(effects, t_s, edges);
   if (!anyActsAt<ResponseCurve<double>>(effects)) return edges.white_px;
-  ResponseCurve<T> curve{T(light.response_gamma)};
+  const ResponseCurve<T> nominal{T(light.response_gamma)};
+  ResponseCurve<T> curve = nominal;
   applyEffects(effects, t_s, curve);
-  return edges.white_px + spreadOfWhite_px(curve.exponent, light.dark_over_bright) -
-         spreadOfWhite_px(T(light.response_gamma), light.dark_over_bright);
+  return edges.white_px + spreadOfWhite_px(curve, light) - spreadOfWhite_px(nominal, light);
 }
 
 /// predictCorners(), as a detector finds them in an image in which white may spread over black.

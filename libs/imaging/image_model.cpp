@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <vector>
 
@@ -77,8 +78,8 @@ void require(const cv::Mat& image, int type, const cv::Size& size) {
 
 /// A row of radiances, red green blue, to numbers, blue green red.
 template <class Number>
-void writeNumbers(const std::vector<float>& readings, float full_scale, Number* bgr) {
-  for (std::size_t i = 0; i < readings.size(); i += 3)
+void writeNumbers(const float* readings, std::size_t count, float full_scale, Number* bgr) {
+  for (std::size_t i = 0; i < count; i += 3)
     for (std::size_t c = 0; c < 3; ++c)
       bgr[i + 2 - c] = static_cast<Number>(cvRound(readings[i + c] * full_scale));
 }
@@ -95,7 +96,7 @@ double pixelSigma(double radiance, const CameraSheet& sheet) {
 }
 
 double radianceOf(int number, const CameraSheet& sheet) {
-  return radianceBehind(number / fullScale(sheet), {}, {sheet.response_gamma});
+  return std::pow(number / fullScale(sheet), 1 / sheet.response_gamma);
 }
 
 cv::Mat radianceOf(const cv::Mat& image_bgr, const CameraSheet& sheet) {
@@ -170,6 +171,28 @@ cv::Mat whiteGrown(const cv::Mat& light, double by_px) {
   return grown;
 }
 
+cv::Mat withStrayLight(const cv::Mat& light, double share) {
+  require(light, CV_32FC3, light.size());
+  if (share == 0) return light;
+  cv::Mat mixed;
+  light.convertTo(mixed, CV_32F, 1 - share);
+  return mixed + share * cv::mean(light);
+}
+
+cv::Mat defocused(const cv::Mat& light, double variance_px2) {
+  if (variance_px2 <= 0) return light;
+  cv::Mat soft;
+  cv::GaussianBlur(light, soft, {}, std::sqrt(variance_px2), 0, cv::BORDER_REPLICATE);
+  return soft;
+}
+
+cv::Mat sharpened(const cv::Mat& readings, double amount) {
+  cv::Mat soft, sharp;
+  cv::GaussianBlur(readings, soft, {}, Sharpening::kRadius_px, 0, cv::BORDER_REPLICATE);
+  cv::addWeighted(readings, 1 + amount, soft, -amount, 0, sharp);
+  return cv::min(cv::max(sharp, 0.0), 1.0);
+}
+
 ImageModel::ImageModel(const CameraSheet& sheet, const Water& water, const EffectParameters<double>& effects)
     : sheet_(sheet), water_(water), effects_(effects), rays_(raysOf(sheet.model)) {}
 
@@ -228,12 +251,15 @@ struct ImageModel::RowResponse {
 
 void ImageModel::respondAlong(int row, double t_s, RowResponse& along) const {
   for (int u = 0; u < rays_.cols; ++u) {
-    const double cosine = rays_.at<cv::Vec3f>(row, u)[2];
-    PixelResponse<double> response{std::sqrt(1 / (cosine * cosine) - 1)};
+    const auto& ray = rays_.at<cv::Vec3f>(row, u);
+    const Vector2d tangent(ray[0] / ray[2], ray[1] / ray[2]);
+    PixelResponse<double> response{tangent.norm(), tangent};
     applyEffects(effects_, t_s, response);
-    const auto i = 3 * static_cast<std::ptrdiff_t>(u);
-    std::fill_n(along.gain.begin() + i, 3, static_cast<float>(response.gain));
-    std::fill_n(along.offset.begin() + i, 3, static_cast<float>(response.offset));
+    for (int c = 0; c < 3; ++c) {
+      const auto i = static_cast<std::size_t>(3 * u + c);
+      along.gain[i] = static_cast<float>(response.gain[c]);
+      along.offset[i] = static_cast<float>(response.offset[c]);
+    }
   }
 }
 
@@ -241,16 +267,31 @@ cv::Mat ImageModel::expose(const cv::Mat& scene_light, Random* noise, double t_s
   require(scene_light, CV_32FC3, rays_.size());
   EdgeSpread<double> edges;
   applyEffects(effects_, t_s, edges);
-  const cv::Mat light = whiteGrown(scene_light, edges.white_px);
+  StrayLight<double> stray;
+  applyEffects(effects_, t_s, stray);
+  ImageSoftness<double> softness;
+  applyEffects(effects_, t_s, softness);
+  const cv::Mat light =
+      withStrayLight(defocused(whiteGrown(scene_light, edges.white_px), softness.lens_px2), stray.share);
+  const double amount = softness.sharpened_px2 / (Sharpening::kRadius_px * Sharpening::kRadius_px);
   const auto row_size = 3 * static_cast<std::size_t>(light.cols);
   const auto shot_variance = static_cast<float>(1 / sheet_.full_well_e),
              read_variance = static_cast<float>(std::pow(sheet_.read_noise_e / sheet_.full_well_e, 2)),
              full_scale = static_cast<float>(fullScale(sheet_));
   cv::Mat result(light.size(), sheet_.bits > 8 ? CV_16UC3 : CV_8UC3);
   const bool pixels_differ = anyActsAt<PixelResponse<double>>(effects_);
-  ResponseCurve<double> curve{sheet_.response_gamma};
-  applyEffects(effects_, t_s, curve);
-  const auto exponent = static_cast<float>(curve.exponent);
+  ResponseCurve<double> given{sheet_.response_gamma};
+  applyEffects(effects_, t_s, given);
+  const ResponseCurve<float> curve{static_cast<float>(given.exponent), given.bend.cast<float>()};
+  const bool is_curved = curve.exponent != 1.0F || !curve.bend.isZero(0);
+  const auto writeRow = [&](int v, const float* reading) {
+    if (sheet_.bits > 8)
+      writeNumbers(reading, row_size, full_scale, result.ptr<std::uint16_t>(v));
+    else
+      writeNumbers(reading, row_size, full_scale, result.ptr<std::uint8_t>(v));
+  };
+  cv::Mat readings;  // where they are still to be sharpened
+  if (amount > 0) readings.create(light.size(), CV_32FC3);
   const auto exposeRow = [&](int v, const std::vector<float>& normal) {
     std::vector<float> reading(row_size);
     RowResponse along{std::vector<float>(row_size, 1.0F), std::vector<float>(row_size, 0.0F)};
@@ -261,13 +302,14 @@ cv::Mat ImageModel::expose(const cv::Mat& scene_light, Random* noise, double t_s
       const float sigma = std::sqrt(exposed * shot_variance + read_variance);
       reading[i] = std::clamp(exposed + sigma * normal[i], 0.0F, 1.0F);
     }
-    if (pixels_differ || exponent != 1.0F)
+    if (pixels_differ || is_curved)
       for (std::size_t i = 0; i < row_size; ++i)
-        reading[i] = std::clamp(std::pow(reading[i], exponent) + along.offset[i], 0.0F, 1.0F);
-    if (sheet_.bits > 8)
-      writeNumbers(reading, full_scale, result.ptr<std::uint16_t>(v));
+        reading[i] =
+            std::clamp(curved(reading[i], curve, static_cast<int>(i % 3)) + along.offset[i], 0.0F, 1.0F);
+    if (amount > 0)
+      std::copy(reading.begin(), reading.end(), readings.ptr<float>(v));
     else
-      writeNumbers(reading, full_scale, result.ptr<std::uint8_t>(v));
+      writeRow(v, reading.data());
   };
   // Noise is one sequence over all rows: it is drawn first, for some rows, which then are worked on at once.
   constexpr int kRowsAtOnce = 64;
@@ -278,6 +320,10 @@ cv::Mat ImageModel::expose(const cv::Mat& scene_light, Random* noise, double t_s
       for (int k = 0; k < rows; ++k)
         NormalTable::instance().fill(normal[static_cast<std::size_t>(k)], *noise);
     parallelFor(rows, [&](int k) { exposeRow(first + k, normal[static_cast<std::size_t>(k)]); });
+  }
+  if (amount > 0) {
+    readings = sharpened(readings, amount);
+    parallelFor(readings.rows, [&](int v) { writeRow(v, readings.ptr<float>(v)); });
   }
   return result;
 }

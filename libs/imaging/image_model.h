@@ -44,21 +44,31 @@ T clampedShare(const T& share) {
   return share <= T(0) ? T(0) : share >= T(1) ? T(1) : share;
 }
 
-/// The reading as a share of full scale, from 0 to 1, of a radiance (0 or more) at a pixel.
+/// What a curve makes of light from 0 to 1 in one colour.
 template <class T>
-T predictReading(const T& radiance, const PixelResponse<T>& response, const ResponseCurve<T>& curve) {
+T curved(const T& light, const ResponseCurve<T>& curve, int colour) {
   using std::pow;
-  const T exposed = response.gain * radiance;
-  if (exposed <= T(0)) return clampedShare(response.offset);
-  return clampedShare(exposed >= T(1) ? T(1.0 + response.offset)
-                                      : T(pow(exposed, curve.exponent) + response.offset));
+  const T plain = pow(light, curve.exponent);
+  return plain + curve.bend[colour] * plain * (T(1) - plain);
+}
+
+/// The reading as a share of full scale, from 0 to 1, of a radiance (0 or more) at a pixel, in one colour.
+template <class T>
+T predictReading(const T& radiance, const PixelResponse<T>& response, const ResponseCurve<T>& curve,
+                 int colour) {
+  const T exposed = response.gain[colour] * radiance;
+  if (exposed <= T(0)) return clampedShare(response.offset[colour]);
+  return clampedShare(
+      T((exposed >= T(1) ? T(1.0) : curved(exposed, curve, colour)) + response.offset[colour]));
 }
 
 /// Its inverse: the radiance of a reading. 0 where no light reads so little; what is clipped comes back as
-/// the least that is.
+/// the least that is. Of a bend within +-1, by which the curve rises everywhere.
 inline double radianceBehind(double reading, const PixelResponse<double>& response,
-                             const ResponseCurve<double>& curve) {
-  return std::pow(std::max(0.0, reading - response.offset), 1 / curve.exponent) / response.gain;
+                             const ResponseCurve<double>& curve, int colour) {
+  const double bent = std::clamp(reading - response.offset[colour], 0.0, 1.0), b = curve.bend[colour];
+  const double plain = 2 * bent / (1 + b + std::sqrt((1 + b) * (1 + b) - 4 * b * bent));
+  return std::pow(plain, 1 / curve.exponent) / response.gain[colour];
 }
 
 /// Sigma of a radiance as the sensor sees it, before the response: electrons count with the variance of
@@ -89,6 +99,15 @@ cv::Mat cosinesOf(const CameraModel& camera);
 /// Light in which white has grown over black by so many pixels at every edge (negative: black over white):
 /// its level lines have moved by so much, colour by colour. CV_32FC3.
 cv::Mat whiteGrown(const cv::Mat& light, double by_px);
+
+/// Light of which so large a share is strewn evenly over the image. CV_32FC3.
+cv::Mat withStrayLight(const cv::Mat& light, double share);
+
+/// Light through a lens that is out of focus: blurred by a normal curve. CV_32FC3.
+cv::Mat defocused(const cv::Mat& light, double variance_px2);
+
+/// Readings (CV_32F, 0 to 1, any number of colours) after unsharp masking, see Sharpening; clipped.
+cv::Mat sharpened(const cv::Mat& readings, double amount);
 
 /// The model over whole images. Const and without hidden state, so threads may share one; an image is the
 /// same whoever makes it.

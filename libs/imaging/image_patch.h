@@ -22,8 +22,10 @@ struct PatchSurface {
   /// The same blurred, as forward scattering mixes it.
   Surroundings<double> albedo_around = Surroundings<double>::Zero();
   double image_radius = 0;                               ///< see PixelResponse
+  Vector2d image_tangent = Vector2d::Zero();             ///< likewise
   Eigen::Vector2d at_panel_m = Eigen::Vector2d::Zero();  ///< see SceneLight
-  double response_gamma = 1;  ///< by which its radiance was made of the image's numbers
+  double response_gamma = 1;               ///< by which its radiance was made of the image's numbers
+  Vector3d image_mean = Vector3d::Zero();  ///< radiance of all the image, as the camera read it
 };
 
 /// Along the optical axis: so far away that nothing of what is there would arrive.
@@ -116,17 +118,21 @@ Vector3<T> predictPatchLight(const PatchSurface& patch, const T& z_m, const T& r
          shining.lamps * under_lamps.in_water;
 }
 
-/// The radiance that the camera's numbers then stand for, by its data sheet; `gain` as in PixelResponse.
+/// The radiance that the camera's numbers then stand for, by its data sheet; `gain` of all colours.
 template <class T>
 Vector3<T> predictPatchReading(const Vector3<T>& light, const PatchSurface& patch,
                                const EffectParameters<T>& effects, double t_s, const T& gain = T(1)) {
   using std::pow;
-  PixelResponse<T> response{T(patch.image_radius), gain};
+  PixelResponse<T> response{T(patch.image_radius), patch.image_tangent, Vector3<T>::Constant(gain)};
   ResponseCurve<T> curve{T(patch.response_gamma)};
   applyEffects(effects, t_s, response);
   applyEffects(effects, t_s, curve);
+  StrayLight<T> stray;
+  applyEffects(effects, t_s, stray);
   Vector3<T> reading;
-  for (int c = 0; c < 3; ++c) reading[c] = predictReading(light[c], response, curve);
+  for (int c = 0; c < 3; ++c)
+    reading[c] =
+        predictReading(T(light[c] + stray.share * (patch.image_mean[c] - light[c])), response, curve, c);
   if (patch.response_gamma != 1)
     for (int c = 0; c < 3; ++c) reading[c] = pow(reading[c], 1 / patch.response_gamma);
   return reading;

@@ -151,7 +151,9 @@ ImagePatch patchOf(const Patch& plain, ImagePatch::Surface surface, const PosedI
   patch.pixel = plain.pixel;
   patch.pixel_spread = plain.pixel_covariance.diagonal().cwiseMax(0).cwiseSqrt();
   patch.image_radius = plain.image_radius;
+  patch.image_tangent = plain.image_tangent;
   patch.response_gamma = sheet.response_gamma;
+  patch.image_mean = plain.image_mean;
   patch.radiance = plain.radiance;
   patch.sigma = plain.sigma;
   patch.T_robot_camera = posed.T_robot_camera;
@@ -220,6 +222,7 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const CleanPairM
     const cv::Mat rays = maker.studio().rays(posed[i].camera.lens);
     CameraSheet sheet = maker.camera();
     sheet.bits = 8;
+    sheet.model = posed[i].camera.lens;
     specks[i] = specksIn(pair, rays, labels, options, sheet, posed[i].camera.lens);
     if (open_water)
       beside[i] = openWaterOf(pair, rays, posed[i].T_odom_camera().rotation, sheet, options.margin_px);

@@ -62,6 +62,15 @@ struct Sums {
   }
 };
 
+/// Four pixels with the patch's mean and covariance: what varies smoothly over it has their mean.
+std::array<Vector2d, 4> pixelsAround(const Patch& patch) {
+  const SymmetricEigen spread = eigenOf(patch.pixel_covariance);
+  const Eigen::Matrix2d steps =
+      std::numbers::sqrt2 * spread.vectors * spread.values.cwiseMax(0).cwiseSqrt().asDiagonal();
+  return {patch.pixel + steps.col(0), patch.pixel - steps.col(0), patch.pixel + steps.col(1),
+          patch.pixel - steps.col(1)};
+}
+
 /// What a colour's pixels say of it. They vary by the sensor's noise, or by more where there is texture or
 /// something misplaced. Of a linear camera the mean is freed from what rounding does to it.
 struct Measured {
@@ -87,6 +96,7 @@ Patch patchFrom(const Sums& sums, const CameraSheet& sheet, PatchSet& set) {
   patch.pixel_covariance =
       sums.colours[0].products.topLeftCorner<2, 2>() / n - patch.pixel * patch.pixel.transpose();
   patch.image_radius = std::sqrt(std::max(0.0, sums.radius_squared / n));
+  for (const Vector2d& pixel : pixelsAround(patch)) patch.image_tangent += 0.25 * sheet.model.idealAt(pixel);
   patch.response_gamma = sheet.response_gamma;
   patch.albedo_around = sums.around / n;
   const double full = radianceOf((1 << sheet.bits) - 1, sheet);
@@ -157,16 +167,13 @@ cv::Mat knownAround(const View& clean, const CameraModel& camera) {
 
 std::array<Vector3d, 4> placesAround(const Patch& patch, const CameraModel& camera,
                                      const Pose& T_panel_camera) {
-  const SymmetricEigen spread = eigenOf(patch.pixel_covariance);
-  const Eigen::Matrix2d steps =
-      std::numbers::sqrt2 * spread.vectors * spread.values.cwiseMax(0).cwiseSqrt().asDiagonal();
   const Vector3d eye = T_panel_camera.position;
   const Vector3d middle = T_panel_camera * Vector3d(patch.z_m * camera.idealAt(patch.pixel).homogeneous());
   std::array<Vector3d, 4> points;
-  for (int i = 0; i < 4; ++i) {
-    const Vector2d pixel = patch.pixel + (i % 2 == 0 ? 1 : -1) * steps.col(i / 2);
-    const Vector3d ray = T_panel_camera.rotation * camera.rayAt(pixel);
-    points[static_cast<std::size_t>(i)] = eye + (middle.z() - eye.z()) / ray.z() * ray;
+  const std::array<Vector2d, 4> pixels = pixelsAround(patch);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vector3d ray = T_panel_camera.rotation * camera.rayAt(pixels[i]);
+    points[i] = eye + (middle.z() - eye.z()) / ray.z() * ray;
   }
   return points;
 }
@@ -197,8 +204,10 @@ PatchSet patchesOf(const cv::Mat& image, const View& clean, const cv::Mat& mask,
   usable &= labels >= 0;
   // Images of numbers are large: row by row, and one blur at a time.
   std::map<int, Sums> by_label;
+  cv::Scalar all;
   for (int v = 0; v < image.rows; ++v) {
     const cv::Mat light = radianceOf(image.row(v), sheet);
+    all += cv::sum(light);
     for (int u = 0; u < image.cols; ++u) {
       if (usable.at<std::uint8_t>(v, u) == 0) continue;
       const double range = clean.range_m.at<float>(v, u);
@@ -214,10 +223,12 @@ PatchSet patchesOf(const cv::Mat& image, const View& clean, const cv::Mat& mask,
         if (usable.at<std::uint8_t>(v, u) != 0)
           by_label[labels.at<int>(v, u)].addAround(i, soft.at<cv::Vec3f>(v, u));
   }
+  const cv::Scalar mean = all / static_cast<double>(image.total());
   for (const auto& [label, sums] : by_label)
     if (sums.pixels >= options.least_pixels) {
       set.patches.push_back(patchFrom(sums, sheet, set));
       set.patches.back().label = label;
+      set.patches.back().image_mean = {mean[0], mean[1], mean[2]};
     }
   set.why_not = whyUnusable(set);
   return set;

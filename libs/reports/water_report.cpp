@@ -76,6 +76,7 @@ Patch patchAhead(double z_m, double albedo, const Patch& other) {
   const Pose& T_robot_camera = other.T_robot_camera;
   Patch patch = other;
   patch.image_radius = 0;
+  patch.image_tangent.setZero();
   patch.z_m = patch.range_m = z_m;
   patch.albedo = Vector3d::Constant(albedo);
   patch.albedo_around.colwise() = patch.albedo;

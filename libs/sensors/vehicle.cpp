@@ -57,6 +57,14 @@ Window readWindow(const YamlMap& y) {
   return window;
 }
 
+CameraPipeline readPipeline(const YamlMap& y) {
+  const std::string text = y.text("pipeline");
+  if (text == "linear") return CameraPipeline::linear;
+  if (text == "raw") return CameraPipeline::raw;
+  if (text == "processed") return CameraPipeline::processed;
+  throw y.error("pipeline", "must be linear, raw or processed");
+}
+
 CameraSheet readCamera(const YamlMap& y) {
   CameraSheet s;
   s.rate_hz = y.positive("rate_hz");
@@ -70,6 +78,7 @@ CameraSheet readCamera(const YamlMap& y) {
   s.gain = y.text("gain");
   if (s.gain != "fixed" && s.gain != "auto") throw y.error("gain", "must be fixed or auto");
   s.response_gamma = y.positive("response_gamma");
+  if (y.has("pipeline")) s.pipeline = readPipeline(y);
   s.bits = y.integer("bits");
   if (s.bits < 1 || s.bits > 16) throw y.error("bits", "must be from 1 to 16");
   s.full_well_e = y.positive("full_well_e");

@@ -16,12 +16,18 @@ namespace fathom {
 
 class YamlMap;
 
+/// What a camera's images are: numbers that go with the light by the response stated; those of a sensor
+/// behind a mosaic of colours (Bayer), likewise; or processed by a curve that nobody states, with colours
+/// weighed anew for each image, sharpened, compressed.
+enum class CameraPipeline { linear, raw, processed };
+
 struct CameraSheet {
   double rate_hz = 1;
   CameraModel model;
   double exposure_s = 0.004;
   std::string gain = "fixed";
   double response_gamma = 1.0;
+  CameraPipeline pipeline = CameraPipeline::processed;  ///< optional key
   int bits = 8;
   double full_well_e = 30000;
   double read_noise_e = 12;
@@ -92,6 +98,11 @@ const auto& sheetOf(const Vehicle& vehicle, const Instance& instance = {}) {
   }();
   const std::optional<Sheet>& sheet = vehicle.sensors(instance).*C::Instrument::on_board;
   return sheet ? *sheet : defaults;
+}
+
+/// Of the first camera; linear where there is none.
+inline CameraPipeline pipelineOf(const Vehicle& vehicle) {
+  return vehicle.camera ? vehicle.camera->pipeline : CameraPipeline::linear;
 }
 
 /// Whether any camera is on board.

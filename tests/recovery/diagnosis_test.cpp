@@ -40,7 +40,7 @@ void expectFound(const FoundEffect& found, double value) {
 double costOf(const BatchInput& input, const BatchOptions& options) {
   const BatchEstimate estimate = estimateBatch(input.data, input.start, options);
   NoiseModel noise;
-  noise.budget = fieldBudget();
+  noise.budget = fieldBudget().of(CameraPipeline::linear);
   return WhitenedModel(linearize(input.data, *problemAt(input.data, estimate, options)), noise).cost();
 }
 

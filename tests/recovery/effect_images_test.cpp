@@ -104,8 +104,7 @@ class EffectImages : public testing::Test {
         const Vector3d centre_odom = world_.panels[0].T_odom_panel * marker->T_panel_marker.position;
         const Pose T_odom_camera = Pose{motion.R_odom_robot, motion.position_odom} * sheet.T_robot_camera;
         const double z_m = (T_odom_camera.inverse() * centre_odom).z();
-        const EdgeLight light{sheet.response_gamma,
-                              darkOverBright(world_.panels[0], world_.environment, z_m)};
+        const EdgeLight light = edgeLight(world_.panels[0], world_.environment, z_m, sheet.response_gamma);
         return predictDetectedCorners(motion, panel, *marker, sheet.model, sheet.T_robot_camera, light,
                                       effects, 0, T_left_eye);
       };

@@ -25,7 +25,9 @@ double shown(const NoiseModel& noise, const std::string& component) {
     if (noise.budget.components[k].name == component) return noise.sigmaOf(k);
   throw std::out_of_range(component);
 }
-double declared(const std::string& component) { return shown({.budget = fieldBudget()}, component); }
+double declared(const std::string& component) {
+  return shown({.budget = fieldBudget().of(CameraPipeline::linear)}, component);
+}
 
 /// What of a patch's light comes from its surface: with a share t that arrives, it reads J t + b (1 - t).
 Vector3d reflected(const ImagePatch& patch) {

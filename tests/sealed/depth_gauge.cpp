@@ -13,8 +13,10 @@ PressureSensor::PressureSensor(const Vehicle& vehicle, const SealedCase& sealed,
 
 DepthSample PressureSensor::read(double t_s) {
   const Pose T_robot_depth = vehicle_.depth.pose.pose();
-  const double depth_m =
-      -(dive_.poseAt(sealed_.trueTime_s(labels::kDepth, t_s)) * T_robot_depth.position).z();
+  Vector3d place_robot = T_robot_depth.position;
+  if (sealed_.find("pressure-lever-arm", t_s))
+    place_robot += sealed_.vector("pressure-lever-arm", "offset_m", t_s);
+  const double depth_m = -(dive_.poseAt(sealed_.trueTime_s(labels::kDepth, t_s)) * place_robot).z();
   const double density_kg_m3 =
       vehicle_.depth.water_density_kg_m3 + sealed_.number("pressure-density", "density_error_kg_m3", t_s);
   double pressure_pa = vehicle_.depth.atmospheric_pressure_pa +

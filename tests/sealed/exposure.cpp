@@ -20,6 +20,28 @@ void changeAll(cv::Mat3f& light, const Change& change) {
     for (int column = 0; column < light.cols; ++column) change(row, column, light(row, column));
 }
 
+/// Of even light, sum 1: each pixel has the share of the disc that lies in it.
+cv::Mat1d discOf(double radius_px) {
+  constexpr int kFine = 20;
+  const int reach = static_cast<int>(std::ceil(radius_px + 0.5));
+  cv::Mat1d disc = cv::Mat1d::zeros(2 * reach + 1, 2 * reach + 1);
+  for (int row = 0; row < kFine * disc.rows; ++row)
+    for (int column = 0; column < kFine * disc.cols; ++column) {
+      const double down = (row + 0.5) / kFine - reach - 0.5, right = (column + 0.5) / kFine - reach - 0.5;
+      if (down * down + right * right <= radius_px * radius_px) disc(row / kFine, column / kFine) += 1;
+    }
+  return disc / std::max(1.0, cv::sum(disc)[0]);
+}
+
+/// To the right.
+double varianceOf(const cv::Mat1d& kernel) {
+  double variance = 0;
+  for (int row = 0; row < kernel.rows; ++row)
+    for (int column = 0; column < kernel.cols; ++column)
+      variance += kernel(row, column) * std::pow(column - kernel.cols / 2, 2);
+  return variance;
+}
+
 }  // namespace
 
 Exposure::Exposure(const Vehicle& vehicle, const SealedCase& sealed)
@@ -54,16 +76,38 @@ double Exposure::ordinaryLogGain(double stamp_s) const {
   return sealed_.ordinary * kOrdinary.gain * streamAt(sealed_.seed, Stream::gain, stamp_s).normal();
 }
 
-/// A smooth dark spot, as of growth on the window; and a window or lens out of focus.
+/// A smooth dark spot, as of growth on the window.
 void Exposure::passPort(cv::Mat3f& light) const {
-  const double defocus_px2 = sealed_.outsideSize("defocus");
-  if (defocus_px2 > 0) cv::GaussianBlur(light, light, {}, std::sqrt(defocus_px2), 0, cv::BORDER_REFLECT_101);
   const double depth = sealed_.outsideSize("port-blotch");
   if (depth == 0) return;
   changeAll(light, [&](int row, int column, cv::Vec3f& pixel) {
     const double off_px2 = (Vector2d(column, row) - blotch_).squaredNorm();
     pixel *= static_cast<float>(1 - depth * std::exp(-off_px2 / (2 * kBlotchSigma_px * kBlotchSigma_px)));
   });
+}
+
+/// A point becomes a disc of even light (geometrical optics: the aperture's picture), of the radius at which
+/// its variance in whole pixels is as stated.
+void Exposure::spreadPoints(cv::Mat3f& light, double stamp_s) const {
+  const double blur_px = sealed_.number("defocus", "blur_px", stamp_s);
+  if (blur_px == 0) return;
+  double low_px = 0, high_px = 4 * blur_px + 2;
+  for (int round = 0; round < 40; ++round) {
+    const double middle_px = (low_px + high_px) / 2;
+    (varianceOf(discOf(middle_px)) < blur_px * blur_px ? low_px : high_px) = middle_px;
+  }
+  cv::filter2D(light, light, -1, discOf(high_px), {-1, -1}, 0, cv::BORDER_REFLECT_101);
+}
+
+/// Inner surfaces reflect some of all that comes in once more, to anywhere.
+void Exposure::strewLight(cv::Mat3f& light, double stamp_s) const {
+  const double share = sealed_.number("veiling-glare", "glare_share", stamp_s);
+  if (share == 0) return;
+  const cv::Scalar mean = cv::mean(light);
+  const cv::Vec3f strewn(static_cast<float>(share * mean[0]), static_cast<float>(share * mean[1]),
+                         static_cast<float>(share * mean[2]));
+  changeAll(light,
+            [&](int, int, cv::Vec3f& pixel) { pixel = pixel * static_cast<float>(1 - share) + strewn; });
 }
 
 /// Natural fall: a power of the cosine of the angle to the axis (Kingslake 1992, ch. 6: the fourth, of a thin
@@ -75,6 +119,24 @@ void Exposure::passLens(cv::Mat3f& light, const SightLines& sight, double stamp_
   changeAll(light, [&](int row, int column, cv::Vec3f& pixel) {
     const Vector3d direction = sight.at({column, row}).direction;
     pixel *= static_cast<float>(std::pow(1 + direction.head<2>().squaredNorm(), power));
+  });
+}
+
+/// A slope over the image; and colours' gains of this image.
+void Exposure::weighColours(cv::Mat3f& light, const SightLines& sight, double stamp_s) const {
+  if (const HiddenEffect* field = sealed_.find("flat-field", stamp_s)) {
+    const std::vector<double>& slope = field->parameters.find("slope")->second;
+    changeAll(light, [&](int row, int column, cv::Vec3f& pixel) {
+      const Vector3d direction = sight.at({column, row}).direction;
+      pixel *= static_cast<float>(std::exp(slope[0] * direction.x() + slope[1] * direction.y()));
+    });
+  }
+  if (!sealed_.find("white-balance", stamp_s)) return;
+  const Vector3d spread = sealed_.vector("white-balance", "log_gain_sd", stamp_s);
+  Random random = streamAt(sealed_.seed, Stream::colours, stamp_s);
+  const Array3d gain = (spread.array() * random.normal3().array()).exp();
+  changeAll(light, [&](int, int, cv::Vec3f& pixel) {
+    for (int c = 0; c < 3; ++c) pixel[c] *= static_cast<float>(gain[c]);
   });
 }
 
@@ -90,19 +152,40 @@ void Exposure::countElectrons(cv::Mat3f& light, Random& random) const {
   });
 }
 
-/// DN = 255 (L^g + offset), off by what is ordinary, rounded.
+/// Unsharp masking of readings, with the binomial of four steps each way for the blurred copy: its variance
+/// is 1 px^2.
+cv::Mat3d Exposure::sharpened(const cv::Mat3d& readings, double stamp_s) const {
+  const double amount = sealed_.number("sharpening", "amount", stamp_s);
+  if (amount == 0) return readings;
+  const cv::Mat1d binomial = (cv::Mat1d(1, 5) << 1, 4, 6, 4, 1) / 16.0;
+  cv::Mat3d soft;
+  cv::sepFilter2D(readings, soft, -1, binomial, binomial, {-1, -1}, 0, cv::BORDER_REFLECT_101);
+  return readings + amount * (readings - soft);
+}
+
+/// DN = 255 (L^g + offset), bent by colour, sharpened, off by what is ordinary, rounded.
 cv::Mat3b Exposure::respond(const cv::Mat3f& light, double stamp_s) const {
   const double exponent =
       vehicle_.camera.response_gamma * (1 + sealed_.number("gamma", "exponent_error", stamp_s));
   const double by_colour = sealed_.outsideSize("response-by-colour");
   const std::array<double, 3> exponents{exponent * (1 + by_colour), exponent, exponent * (1 - by_colour)};
   const double offset = sealed_.number("dark-offset", "offset_share", stamp_s);
-  cv::Mat3b image(light.size());
+  Vector3d bend = Vector3d::Zero();
+  if (sealed_.find("response-curve", stamp_s)) bend = sealed_.vector("response-curve", "bend", stamp_s);
+  cv::Mat3d readings(light.size());
   for (int row = 0; row < light.rows; ++row)
     for (int column = 0; column < light.cols; ++column)
       for (int c = 0; c < 3; ++c) {
         const double l = light(row, column)[c], power = exponents[static_cast<std::size_t>(c)];
-        double dn = 255 * ((power == 1 ? l : std::pow(l, power)) + offset);
+        const double r = power == 1 ? l : std::pow(l, power);
+        readings(row, column)[c] = r + bend[c] * r * (1 - r) + offset;
+      }
+  readings = sharpened(readings, stamp_s);
+  cv::Mat3b image(light.size());
+  for (int row = 0; row < light.rows; ++row)
+    for (int column = 0; column < light.cols; ++column)
+      for (int c = 0; c < 3; ++c) {
+        double dn = 255 * readings(row, column)[c];
         if (!response_.isZero()) dn *= 1 + response_.at(dn, 0);
         image(row, column)[2 - c] = static_cast<std::uint8_t>(std::clamp(std::lround(dn), 0L, 255L));
       }
@@ -114,6 +197,9 @@ cv::Mat3b Exposure::expose(const cv::Mat3f& light, const SightLines& sight, doub
   cv::Mat3f at_sensor = light.clone();
   passPort(at_sensor);
   passLens(at_sensor, sight, stamp_s);
+  spreadPoints(at_sensor, stamp_s);
+  strewLight(at_sensor, stamp_s);
+  weighColours(at_sensor, sight, stamp_s);
   at_sensor *=
       std::exp(log_gain * sealed_.number("auto-exposure", "log_gain_sd", stamp_s) + ordinaryLogGain(stamp_s));
   countElectrons(at_sensor, random);

@@ -24,7 +24,11 @@ class Exposure {
   double ordinaryLogGain(double stamp_s) const;
   void passPort(cv::Mat3f& light) const;
   void passLens(cv::Mat3f& light, const SightLines& sight, double stamp_s) const;
+  void spreadPoints(cv::Mat3f& light, double stamp_s) const;
+  void strewLight(cv::Mat3f& light, double stamp_s) const;
+  void weighColours(cv::Mat3f& light, const SightLines& sight, double stamp_s) const;
   void countElectrons(cv::Mat3f& light, Random& random) const;
+  cv::Mat3d sharpened(const cv::Mat3d& readings, double stamp_s) const;
   cv::Mat3b respond(const cv::Mat3f& light, double stamp_s) const;
 
   const Vehicle& vehicle_;

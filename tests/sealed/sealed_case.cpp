@@ -90,7 +90,18 @@ const std::vector<EffectKind>& effectKinds() {
         {"twist_m", 1, false},
         {"bend_m", 1, false}}},
       // Of the logarithm of daylight, along the panel's x and y.
-      {"illumination-gradient", true, {{"gradient_per_m", 2}}}};
+      {"illumination-gradient", true, {{"gradient_per_m", 2}}},
+      {"pressure-lever-arm", false, {{"offset_m", 3}}},
+      // Standard deviations of the logarithm of each colour's gain, drawn for each image.
+      {"white-balance", true, {{"log_gain_sd", 3, true, true}}},
+      // r + bend r (1 - r) of each colour, r being what the power of the light is.
+      {"response-curve", true, {{"bend", 3}}},
+      // Of the logarithm of light, by the tangent to the right and down.
+      {"flat-field", true, {{"slope", 2}}},
+      {"veiling-glare", true, {{"glare_share", 1, true, true}}},
+      // Standard deviation, to either side, of the disc to which a point is spread.
+      {"defocus", true, {{"blur_px", 1, true, true}}},
+      {"sharpening", true, {{"amount", 1, true, true}}}};
   return kinds;
 }
 
@@ -112,8 +123,7 @@ const std::vector<OutsiderKind>& outsiderKinds() {
       {"growth", true},              // so many markers are overgrown: darker, greenish, of low contrast
       {"port-blotch", true},         // share of the light lost in its middle
       {"response-by-colour", true},  // more exponent in red, less in blue
-      {"bubbles", true},             // so many an image
-      {"defocus", true}};            // px², variance of the blur
+      {"bubbles", true}};            // so many an image
   return kinds;
 }
 
@@ -169,7 +179,7 @@ HiddenEffect readEffect(JsonObject object, bool images) {
   for (const ParameterKind& parameter : kind.parameters) {
     if (!parameter.needed && !parameters.has(parameter.name)) continue;
     const auto values = parameters.numbers(parameter.name, parameter.count);
-    if (parameter.positive && values.front() < 0)
+    if (parameter.positive && *std::min_element(values.begin(), values.end()) < 0)
       throw parameters.error(parameter.name, "must not be negative");
     effect.parameters[parameter.name] = values;
   }

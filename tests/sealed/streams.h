@@ -40,6 +40,7 @@ enum class Stream : std::uint64_t {
   arm,
   hidden_corners,
   growth,
+  colours,
   first_image = 1000  ///< and one for each image from here on
 };
 

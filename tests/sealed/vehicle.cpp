@@ -72,8 +72,8 @@ std::string yamlOf(const Camera& c) {
          "  distortion: {k1: " + shortest(c.k1) + ", k2: " + shortest(c.k2) + ", p1: " + shortest(c.p1) +
          ", p2: " + shortest(c.p2) + ", k3: " + shortest(c.k3) + "}\n" +
          lines({{"exposure_s", c.exposure_s}}) + "  gain: fixed\n" +
-         lines({{"response_gamma", c.response_gamma},
-                {"bits", 8},
+         lines({{"response_gamma", c.response_gamma}}) + "  pipeline: linear\n" +
+         lines({{"bits", 8},
                 {"full_well_e", c.full_well_e},
                 {"read_noise_e", c.read_noise_e},
                 {"corner_sigma_px", c.corner_sigma_px}}) +

@@ -83,7 +83,7 @@ Detections BatchRun::detections() const {
       const Environment water = pixels ? environmentOf(coastalWater()) : Environment{};
       const auto corners = predictDetectedCorners(
           state, nominalPlacement<double>(panel.T_odom_panel, t_s), marker, sheet.model, T_robot_camera,
-          {sheet.response_gamma, darkOverBright(panel, water, z_m)}, effects, t_s);
+          edgeLight(panel, water, z_m, sheet.response_gamma), effects, t_s);
       const Vector8d error = root * cornerErrors(random);
       const bool visible = std::all_of(corners.begin(), corners.end(),
                                        [&](const Vector2d& c) { return sheet.model.contains(c); });
@@ -159,7 +159,8 @@ std::vector<ImagePatch> BatchRun::patchesOfMarkers() const {
       const Vector3d point = T_camera_panel * patch.point_panel;
       if (point.z() < 0.1 || !sheet.model.contains(sheet.model.project<double>(point))) continue;
       patch.pixel = sheet.model.project<double>(point);
-      patch.image_radius = point.head<2>().norm() / point.z();
+      patch.image_tangent = point.head<2>() / point.z();
+      patch.image_radius = patch.image_tangent.norm();
       for (const bool white : {false, true}) {
         patch.surface = white ? ImagePatch::Surface::white : ImagePatch::Surface::black;
         patch.place = 2 * marker.id + (white ? 1 : 0);
@@ -192,6 +193,7 @@ std::vector<ImagePatch> BatchRun::patchesOfWater() const {
       patch.place = share < 0.5 ? -2 : -1;
       patch.pixel = {share * sheet.model.width_px, 0.1 * sheet.model.height_px};
       const Vector2d direction = sheet.model.idealAt(patch.pixel);
+      patch.image_tangent = direction;
       patch.image_radius = direction.norm();
       patch.point_panel = T_panel_camera * Vector3d(kOpenWater_m * direction.homogeneous());
       patch.around_panel.fill(patch.point_panel);

@@ -50,7 +50,7 @@ Excitation::Excitation(BatchRun run) {
   estimate_ = estimateBatch(input_.data, input_.start, {});
   const auto problem = problemAt(input_.data, estimate_, {});
   linear_ = linearize(input_.data, *problem);
-  const HeldColumns budget = budgetColumns(linear_, {.budget = fieldBudget()});
+  const HeldColumns budget = budgetColumns(linear_, {.budget = fieldBudget().of(CameraPipeline::linear)});
   nuisances_.emplace(withHeldColumns(linear_.J, budget.columns, budget.sigma),
                      Nuisances::AtEnd{.full = budget.sigma.size()});
   nominal_ = residualsWith({}, 0);

@@ -113,9 +113,11 @@ DiagnosisRun outsideLight(const BatchRun& nominal, std::size_t number, std::uint
     };
   } else {
     const double blur_px2 = std::array{0.25, 0.5, 1.0}[size];
-    named("out of focus, px^2", blur_px2);
+    named("a curved field of focus, px^2", blur_px2);
     run.change_edges = [=](std::vector<MarkerBlur>& blurs) {
-      for (MarkerBlur& blur : blurs) blur.variance_px2 += Vector3d(blur_px2, 0, blur_px2);
+      for (MarkerBlur& blur : blurs)
+        blur.variance_px2 +=
+            8 * blur.camera.idealAt(blur.pixel).squaredNorm() * Vector3d(blur_px2, 0, blur_px2);
     };
   }
   return run;

@@ -8,18 +8,22 @@ namespace {
 
 // Against the sum over pixels on the edge, each with its share of white.
 TEST(DetectedCorners, WhiteSpreadsAsPixelsOnTheEdgeSay) {
-  constexpr int kPixels = 20000;
+  constexpr int kPixels = 20000, kGreen = 1;
   for (const double exponent : {0.45, 0.9, 1.0, 1.3})
-    for (const double dark : {0.01, 0.1, 0.5}) {
-      double sum = 0;
-      for (int i = 0; i < kPixels; ++i) {
-        const auto seen = [&](double light) { return predictReading<double>(light, {}, {exponent}); };
-        const double light = dark + (1 - dark) * (i + 0.5) / kPixels;
-        sum += (seen(light) - seen(dark)) / (1 - seen(dark));
+    for (const double bend : {-0.3, 0.0, 0.2})
+      for (const double ratio : {0.01, 0.1, 0.5}) {
+        const double bright = 0.7, dark = ratio * bright;
+        const ResponseCurve<double> curve{exponent, Vector3d(0.5, bend, -0.5)};
+        const auto seen = [&](double light) { return predictReading<double>(light, {}, curve, kGreen); };
+        double sum = 0;
+        for (int i = 0; i < kPixels; ++i) {
+          const double light = dark + (bright - dark) * (i + 0.5) / kPixels;
+          sum += (seen(light) - seen(dark)) / (seen(bright) - seen(dark));
+        }
+        EXPECT_NEAR(spreadOfWhite_px(curve, {1, ratio, bright}), sum / kPixels - 0.5, 1e-6)
+            << exponent << " " << bend << " " << ratio;
       }
-      EXPECT_NEAR(spreadOfWhite_px(exponent, dark), sum / kPixels - 0.5, 1e-6) << exponent << " " << dark;
-    }
-  EXPECT_NEAR(spreadOfWhite_px(1.0, 0.1), 0, 1e-12);
+  EXPECT_NEAR(spreadOfWhite_px<double>({1.0}, {1, 0.1, 0.6}), 0, 1e-12);
 }
 
 TEST(DetectedCorners, SidesMoveInward) {

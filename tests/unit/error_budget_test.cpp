@@ -34,6 +34,71 @@ TEST(ErrorBudget, IsRead) {
   EXPECT_NEAR(std::exp(2.576 * response.logSd()), 3.0, 1e-9);
 }
 
+// Only what a camera does to its images changes with what it does.
+TEST(ErrorBudget, AProcessedCameraHasItsOwn) {
+  const std::string text =
+      replaced(kComponent, "factor: 3, unit", "factor: 3, processed: {sigma: 0.03, factor: 10}, unit") +
+      "  colours: {by: [pixels.level], each: image and colour, sigma: 0.01, factor: 5, only: processed, "
+      "unit: '1', source: a guess}\n";
+  const ErrorBudget budget = parseErrorBudget(text, "budget.yaml");
+  for (const CameraPipeline pipeline : {CameraPipeline::linear, CameraPipeline::raw}) {
+    const ErrorBudget plain = budget.of(pipeline);
+    ASSERT_EQ(plain.components.size(), 1u);
+    EXPECT_EQ(plain.components[0].sigma, 0.005);
+  }
+  const ErrorBudget processed = budget.of(CameraPipeline::processed);
+  ASSERT_EQ(processed.components.size(), 2u);
+  EXPECT_EQ(processed.components[0].sigma, 0.03);
+  EXPECT_EQ(processed.components[0].factor, 10);
+  EXPECT_EQ(processed.components[1].sigma, 0.01);
+  EXPECT_EQ(parseErrorBudget(formatErrorBudget(budget, "a comment"), "budget.yaml"), budget);
+  EXPECT_THROW(parseErrorBudget(replaced(text, "only: processed", "only: linear"), "budget.yaml"), Error);
+}
+
+// What is looked for is looked for against the declared budget, but for what nobody states.
+TEST(ErrorBudget, WhatNobodyStatesIsAsShown) {
+  const std::string text =
+      kComponent +
+      "  colours: {by: [pixels.level], each: image and colour, sigma: 0.01, factor: 5, only: processed, "
+      "unit: '1', source: a guess}\n";
+  NoiseModel noise;
+  noise.budget = parseErrorBudget(text, "budget.yaml").of(CameraPipeline::processed);
+  noise.scales = {{0.008, 0.1}, {0.03, 0.1}};
+  const NoiseModel declared = noise.declared();
+  EXPECT_EQ(declared.sigmaOf(0), 0.005);
+  EXPECT_EQ(declared.sigmaOf(1), 0.03);
+  ErrorBudget other = noise.budget;
+  other.components[0].sigma = 0.0005;
+  std::swap(other.components[0], other.components[1]);
+  EXPECT_EQ(noise.with(other).sigmaOf(0), 0.03);
+  EXPECT_EQ(noise.with(other).sigmaOf(1), 0.0005);
+  noise.budget = parseErrorBudget(kComponent, "budget.yaml").of(CameraPipeline::linear);
+  EXPECT_TRUE(noise.declared().scales.empty());
+}
+
+// A colour of an image has a gain of its own.
+TEST(ErrorBudget, ColoursOfAnImageAreApart) {
+  Linearization linear;
+  for (const std::ptrdiff_t image : {0, 0, 0, 1})
+    for (const int colour : {0, 1, 2}) {
+      RowInfo row;
+      row.channel = kChannel<Pixels>;
+      row.component = colour;
+      row.image = image;
+      row.level = row.per_unit = 1;
+      linear.rows.push_back(row);
+    }
+  VarianceComponent component;
+  component.by = {"pixels.level"};
+  component.each = VarianceComponent::Each::image_colour;
+  component.sigma = 1;
+  const OwnedColumns own = columnsOf(linear, component);
+  ASSERT_EQ(own.columns.cols(), 6);
+  for (Eigen::Index c = 0; c < 6; ++c)
+    EXPECT_EQ(Eigen::VectorXd(own.columns.col(c)).sum(),
+              own.owners[static_cast<std::size_t>(c)].second == 0 ? 3 : 1);
+}
+
 TEST(ErrorBudget, TheShippedOneIsRead) {
   const ErrorBudget budget = readErrorBudget(test::kSource / "config/error_budget.yaml");
   EXPECT_EQ(budget.name, "field");

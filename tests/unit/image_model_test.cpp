@@ -128,7 +128,7 @@ TEST(ImageModel, PerPixelModelIsDifferentiable) {
   EXPECT_NEAR(light[1].v[0], -2 * std::exp(-2 * 0.68) * (0.7 - 0.24), 1e-15);
   EXPECT_EQ(light[0].v[0], 0);
   const ResponseCurve<Jet> curve{Jet(1.2, 0)};
-  EXPECT_NEAR(predictReading(Jet(0.3), {}, curve).v[0], std::log(0.3) * std::pow(0.3, 1.2), 1e-15);
+  EXPECT_NEAR(predictReading(Jet(0.3), {}, curve, 1).v[0], std::log(0.3) * std::pow(0.3, 1.2), 1e-15);
 }
 
 // At its peak a plume is water of that much more attenuation; five widths away there is e^-12.5 of it.
@@ -212,6 +212,10 @@ TEST(ImageModel, NumbersAreThePerPixelResponse) {
     effects.add<Vignetting>({random.uniform(-0.5, 1.0)});
     effects.add<Gamma>({random.uniform(-0.2, 0.2)});
     effects.add<DarkOffset>({random.uniform(-0.05, 0.05)});
+    effects.add<WhiteBalance>({random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)});
+    effects.add<ResponseBend>(
+        {random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)});
+    effects.add<FlatField>({random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)});
     const cv::Mat light = randomView(sheet, 9).radiance;
     const cv::Mat numbers = ImageModel(sheet, kTurbid, effects).expose(light, nullptr);
     ResponseCurve<double> curve{sheet.response_gamma};
@@ -219,10 +223,10 @@ TEST(ImageModel, NumbersAreThePerPixelResponse) {
     for (int v = 0; v < light.rows; ++v)
       for (int u = 0; u < light.cols; ++u) {
         const Vector2d ideal = sheet.model.idealAt({u, v});
-        PixelResponse<double> response{ideal.norm()};
+        PixelResponse<double> response{ideal.norm(), ideal};
         applyEffects(effects, 0, response);
         for (int c = 0; c < 3; ++c) {
-          const double expected = predictReading<double>(light.at<cv::Vec3f>(v, u)[c], response, curve);
+          const double expected = predictReading<double>(light.at<cv::Vec3f>(v, u)[c], response, curve, c);
           const int number = numbers.at<cv::Vec<std::uint16_t, 3>>(v, u)[2 - c];
           EXPECT_NEAR(number, 65535 * expected, 0.5 + 0.07) << u << " " << v;
         }
@@ -237,13 +241,14 @@ TEST(ImageModel, TheResponseIsInvertedAndItsSlopeToo) {
   for (int i = 0; i < 100; ++i) {
     sheet.response_gamma = random.uniform(0.4, 1.3);
     const double radiance = random.uniform(0.01, 0.9);
-    const PixelResponse<double> response{0.3, random.uniform(0.5, 1.1), random.uniform(-0.005, 0.05)};
-    const ResponseCurve<double> curve{sheet.response_gamma};
-    const double reading = predictReading(radiance, response, curve);
+    const PixelResponse<double> response{0.3, Vector2d::Zero(), Vector3d(9, random.uniform(0.5, 1.1), 9),
+                                         Vector3d(9, random.uniform(-0.005, 0.05), 9)};
+    const ResponseCurve<double> curve{sheet.response_gamma, Vector3d(9, random.uniform(-0.6, 0.6), 9)};
+    const double reading = predictReading(radiance, response, curve, 1);
     if (reading < 1) {
-      EXPECT_NEAR(radianceBehind(reading, response, curve), radiance, 1e-12);
+      EXPECT_NEAR(radianceBehind(reading, response, curve, 1), radiance, 1e-12);
     }
-    const double slope = predictReading<Jet>(Jet(radiance, 0), {}, {Jet(sheet.response_gamma)}).v[0];
+    const double slope = predictReading<Jet>(Jet(radiance, 0), {}, {Jet(sheet.response_gamma)}, 1).v[0];
     EXPECT_NEAR(radianceStep(radiance, sheet) * 255 * slope, 1, 1e-12);
   }
 }

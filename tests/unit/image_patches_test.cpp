@@ -132,7 +132,8 @@ bool actsAt(std::size_t effect) {
   alone.on.set(effect);
   return anyActsAt<Stage>(alone);
 }
-bool showsInEdges(std::size_t effect) { return actsAt<ExposureTime<double>>(effect); }
+bool smears(std::size_t effect) { return actsAt<ExposureTime<double>>(effect); }
+bool showsInEdges(std::size_t effect) { return smears(effect) || actsAt<ImageSoftness<double>>(effect); }
 bool showsAsSpecks(std::size_t effect) { return actsAt<SuspendedParticles<double>>(effect); }
 bool showsInPatches(std::size_t effect) { return !showsInEdges(effect) && !showsAsSpecks(effect); }
 
@@ -176,7 +177,8 @@ class EdgesWithEffect : public testing::TestWithParam<std::size_t> {};
 TEST_P(EdgesWithEffect, AreAsSoftAsPredicted) {
   const EffectInfo& effect = allEffects()[GetParam()];
   EffectParameters<double> effects = withOnly(effect);
-  if (showsInEdges(effect.index)) effects.values[effect.first_scalar] = 0.1 * 0.1;
+  if (showsInEdges(effect.index))
+    effects.values[effect.first_scalar] = smears(effect.index) ? 0.1 * 0.1 : 0.5;
   const Seen seen = seenWith(effects);
   ASSERT_GT(seen.blurs.size(), 15U);
   EXPECT_LT(softnessError(seen, effects), 2) << effect.id;

@@ -63,7 +63,7 @@ TEST(Refit, ItsEffectsAreThoseOfTheWholeLinearModel) {
   const Candidate scale{kEffectIndex<DvlScale>, {}, {}, {}, {}},
       latency{kEffectIndex<CameraLatency>, {}, {}, {}, {}};
   NoiseModel noise;
-  noise.budget = fieldBudget();
+  noise.budget = fieldBudget().of(CameraPipeline::linear);
   const Refit fit = refit(run.input.data, startingAt(run.estimate), {}, {scale, latency}, noise);
   ASSERT_TRUE(fit.succeeded) << fit.estimate.failure;
   const Nuisances& nuisances = fit.model->nuisances();

@@ -20,7 +20,7 @@ TEST(ReducedFit, PlacesOneByOneAreWorthTheSame) {
   const BatchInput input = test::plainNull(test::lightDive(), 1).input();
   const BatchEstimate estimate = estimateBatch(input.data, input.start, {});
   NoiseModel noise;
-  noise.budget = fieldBudget();
+  noise.budget = fieldBudget().of(CameraPipeline::linear);
   Linearization linear = linearize(input.data, *problemAt(input.data, estimate, {}));
   applyRobustWeights(linear);
   const HeldColumns budget = budgetColumns(linear, noise);

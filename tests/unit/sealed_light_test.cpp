@@ -1,8 +1,10 @@
 // The sealed generator's light: its images against the base equation, its lamps against quadrature.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 #include "sealed/images.h"
 #include "sealed/lamp_light.h"
@@ -86,6 +88,74 @@ TEST(SealedImages, SlantRangeAndVignettingDarkenTheCorners) {
     const Array3d expected_dn = 255 * passed * (0.85 * water.daylight * kept + (1 - kept) * water.veil);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(image(pixel)[2 - c], expected_dn[c], 0.51 + 0.3);
   });
+}
+
+/// Mean light of an image that hides nothing, red, green, blue.
+Vector3d meanLight(const Scene& scene) {
+  const cv::Scalar mean = cv::mean(scene.image());
+  return Vector3d(mean[2], mean[1], mean[0]) / 255;
+}
+
+TEST(SealedImages, CamerasDoToLightWhatTheirEffectsSay) {
+  const Vector3d mean = meanLight(Scene("[]"));
+  struct Told {
+    const char* effect;
+    std::function<double(double, int, const Vector2d&)> reading;  // of light, colour and tangents
+  };
+  const std::vector<Told> all{
+      {R"([{"id": "flat-field", "parameters": {"slope": [0.2, -0.1]}}])",
+       [](double light, int, const Vector2d& at) { return light * std::exp(0.2 * at.x() - 0.1 * at.y()); }},
+      {R"([{"id": "response-curve", "parameters": {"bend": [0.3, 0.1, -0.2]}}])",
+       [](double light, int c, const Vector2d&) {
+         return light + std::array{0.3, 0.1, -0.2}[static_cast<std::size_t>(c)] * light * (1 - light);
+       }},
+      {R"([{"id": "veiling-glare", "parameters": {"glare_share": 0.1}}])",
+       [&](double light, int c, const Vector2d&) { return 0.9 * light + 0.1 * mean[c]; }},
+      // Far from an edge neither is seen.
+      {R"([{"id": "defocus", "parameters": {"blur_px": 0.5}}])",
+       [](double light, int, const Vector2d&) { return light; }},
+      {R"([{"id": "sharpening", "parameters": {"amount": 0.5}}])",
+       [](double light, int, const Vector2d&) { return light; }}};
+  for (const Told& told : all) {
+    const Scene scene(told.effect);
+    const cv::Mat3b image = scene.image();
+    const WaterLight water = waterLightAt(scene.sealed, 0, 0);
+    const int seen = forEachWhiteMargin(scene, [&](const cv::Point& pixel, const Vector3d& point) {
+      const Array3d kept = (-water.attenuation_per_m * point.z()).exp();
+      const Array3d light = 0.85 * water.daylight * kept + (1 - kept) * water.veil;
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(image(pixel)[2 - c], 255 * told.reading(light[c], c, point.head<2>() / point.z()),
+                    0.51 + 0.3)
+            << told.effect;
+    });
+    EXPECT_GT(seen, 4);
+  }
+}
+
+/// What is on either side of the steepest place in a row through the middle of a marker's border.
+double steepestStep(const cv::Mat3b& image) {
+  double steepest = 0;
+  for (int row = 0; row < image.rows; ++row)
+    for (int column = 1; column < image.cols; ++column)
+      steepest = std::max(steepest, std::abs(double(image(row, column)[1]) - image(row, column - 1)[1]));
+  return steepest;
+}
+
+TEST(SealedImages, EdgesAreSofterOutOfFocusAndHarderSharpened) {
+  const auto with = [](const char* effect) { return steepestStep(Scene(effect).image()); };
+  const double plain = with("[]");
+  EXPECT_LT(with(R"([{"id": "defocus", "parameters": {"blur_px": 1}}])"), 0.75 * plain);
+  EXPECT_GT(with(R"([{"id": "sharpening", "parameters": {"amount": 0.5}}])"), 1.2 * plain);
+}
+
+// Gains of each image and colour, anew for each.
+TEST(SealedImages, ColoursAreWeighedAnewForEachImage) {
+  const Scene plain("[]"),
+      weighed(R"([{"id": "white-balance", "parameters": {"log_gain_sd": [0.2, 0, 0.1]}}])");
+  const cv::Scalar before = cv::mean(plain.image()), after = cv::mean(weighed.image());
+  EXPECT_GT(std::abs(after[2] / before[2] - 1), 0.01);
+  EXPECT_NEAR(after[1], before[1], 1e-9);
+  EXPECT_GT(std::abs(after[0] / before[0] - 1), 0.005);
 }
 
 TEST(SealedImages, TheSameImageAgain) {

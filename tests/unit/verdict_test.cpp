@@ -32,7 +32,7 @@ Diagnosis found(double left) {
   map.log_p = -left;
   map.material = true;
   diagnosis.remaining.push_back(map);
-  diagnosis.noise.budget = fieldBudget();
+  diagnosis.noise.budget = fieldBudget().of(CameraPipeline::linear);
   for (const VarianceComponent& component : diagnosis.noise.budget.components)
     diagnosis.noise.scales.push_back({component.sigma, 0.1});
   return diagnosis;
