@@ -26,6 +26,7 @@ void addDiagnose(const RunContext& context);
 void addStress(const RunContext& context);
 void addTune(const RunContext& context);
 void addBudget(const RunContext& context);
+void addCalibrate(const RunContext& context);
 void addDetect(const RunContext& context);
 void addMap(const RunContext& context);
 void addEvaluate(const RunContext& context);
@@ -40,10 +41,10 @@ void addCompletion(const RunContext& context);
 void addMan(const RunContext& context);
 
 inline constexpr AddCommand kCommands[] = {
-    addImport,  addExport, addInfo,   addSimulate, addLocalize, addSmooth,   addDiagnose,
-    addStress,  addTune,   addBudget, addDetect,   addMap,      addEvaluate, addCompareFiducials,
-    addEffects, addFsim,   addSil,    addFitWater, addHandles,  addBatch,    addCompletion,
-    addMan};
+    addImport,           addExport,  addInfo,   addSimulate,  addLocalize, addSmooth,  addDiagnose,
+    addStress,           addTune,    addBudget, addCalibrate, addDetect,   addMap,     addEvaluate,
+    addCompareFiducials, addEffects, addFsim,   addSil,       addFitWater, addHandles, addBatch,
+    addCompletion,       addMan};
 
 /// Kinds of values. They show in --help, and tell the shell's completion what to offer: "FILE.x" files that
 /// end in .x, "FILE" any file, "FOLDER" folders.

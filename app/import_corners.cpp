@@ -22,10 +22,7 @@ struct CornerOptions {
 
 std::optional<Checkerboard> boardOf(const CornerOptions& options) {
   if (options.board.empty()) return std::nullopt;
-  const auto [columns, rows] = timesOf("--board", options.board);
-  if (columns < 2 || rows < 2) throw Error("--board", options.board, "must be 2x2 or more");
-  if (!(options.square_m > 0)) throw Error("--square-m", "", "needed with --board, greater than zero");
-  return Checkerboard{columns, rows, options.square_m};
+  return checkerboardOf(options.board, options.square_m);
 }
 
 CameraModel cameraOf(const CornerOptions& options, const std::optional<Checkerboard>& board) {
@@ -36,10 +33,10 @@ CameraModel cameraOf(const CornerOptions& options, const std::optional<Checkerbo
   if (!size) throw Error("--image-size", "", "needed with --calibrate");
   const BoardCorners air = readBoardCorners(options.calibrate, board, options.sigma_px);
   try {
-    const CalibratedCamera calibrated = calibrateCamera(air, (*size)[0], (*size)[1]);
-    std::cout << print("camera calibrated from %zu views: %.3f px rms\n", air.by_image.size(),
-                       calibrated.rms_px);
-    return calibrated.camera;
+    const CameraFit fit =
+        fitByOpenCv(boardViews(air, "air", false), {.width_px = (*size)[0], .height_px = (*size)[1]});
+    std::cout << print("camera calibrated from %zu views: %.3f px rms\n", air.by_image.size(), fit.rms_px);
+    return lensOf(fit.values, *fit.kind, fit.setting);
   } catch (const std::invalid_argument& e) {
     throw Error(options.calibrate, "", e.what());
   }

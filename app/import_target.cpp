@@ -27,6 +27,13 @@ std::array<int, 2> imageSizeOf(const std::string& option, const std::string& tex
   return size;
 }
 
+Checkerboard checkerboardOf(const std::string& board, double square_m) {
+  const auto [columns, rows] = timesOf("--board", board);
+  if (columns < 2 || rows < 2) throw Error("--board", board, "must be 2x2 or more");
+  if (!(square_m > 0)) throw Error("--square-m", "", "needed with --board, greater than zero");
+  return {columns, rows, square_m};
+}
+
 void addImportTarget(CLI::App& command, ImportTarget& target, const std::string& default_name) {
   command.add_option("--out", target.folder, "Where the recording goes")
       ->required()

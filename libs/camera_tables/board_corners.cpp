@@ -3,8 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <opencv2/calib3d.hpp>
-#include <stdexcept>
 
 #include "core/text.h"
 #include "landmarks/given_corners.h"
@@ -17,7 +15,6 @@ namespace {
 
 constexpr const char* kFamily = "tag36h11";
 constexpr double kRegular = 0.02;  // of a square: so far may points lie off their grid
-constexpr std::size_t kFewestViews = 3;
 
 /// A regular grid of points: corner (c, r) at origin + c right + r down.
 struct Grid {
@@ -105,6 +102,18 @@ std::vector<Detection> squaresOf(const Grid& grid, const Pixels& pixels, int fir
   return squares;
 }
 
+/// Every corner that is seen.
+BoardView viewOf(const std::string& image, const Grid& grid, const Pixels& pixels) {
+  BoardView view{image, {}, {}};
+  for (int row = 0; row < grid.rows; ++row)
+    for (int column = 0; column < grid.columns; ++column)
+      if (const Vector2d& pixel = pixels[grid.index(column, row)]; pixel.allFinite()) {
+        view.points_m.push_back(grid.at(column, row));
+        view.pixels.push_back(pixel);
+      }
+  return view;
+}
+
 /// One id a marker is all that the family has.
 void requireIds(const TextTable& table, std::size_t markers) {
   const auto ids = static_cast<std::size_t>(markerCount(kFamily));
@@ -135,6 +144,7 @@ BoardCorners numberedCorners(const TextTable& table, const Checkerboard& board, 
     Grid own = grid;
     if (!front) turnOver(own, pixels);
     corners.by_image[image] = squaresOf(own, pixels, 0, sigma_px);
+    corners.views.push_back(viewOf(image, own, pixels));
   }
   if (!front) {
     Pixels unused(grid.corners());
@@ -183,6 +193,7 @@ BoardCorners placedCorners(const TextTable& table, double sigma_px) {
     pixels.emplace_back(table.number(row, 3), table.number(row, 4));
   }
   BoardCorners corners;
+  corners.views.push_back({table.file.stem().string(), points, pixels});
   std::vector<Detection>& seen = corners.by_image[table.file.stem().string()];
   int id = 0;
   for (std::size_t first = 0; first < points.size();) {
@@ -216,41 +227,13 @@ BoardCorners readBoardCorners(const fs::path& file, const std::optional<Checkerb
   return numberedCorners(table, *board, sigma_px);
 }
 
-CalibratedCamera calibrateCamera(const BoardCorners& corners, int width_px, int height_px) {
-  if (corners.boards.size() != 1 || corners.by_image.size() < kFewestViews)
-    throw std::invalid_argument("a camera is calibrated from three views of one board or more");
-  std::map<int, std::array<Vector3d, 4>> places;
-  for (const Marker& marker : corners.boards[0].markers) places[marker.id] = marker.corners_panel();
-  std::vector<std::vector<cv::Point3f>> points;
-  std::vector<std::vector<cv::Point2f>> pixels;
-  for (const auto& [image, squares] : corners.by_image) {
-    points.emplace_back();
-    pixels.emplace_back();
-    for (const Detection& square : squares)
-      for (std::size_t k = 0; k < 4; ++k) {
-        const Vector3d& p = places.at(square.id)[k];
-        points.back().emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()), 0.0F);
-        pixels.back().emplace_back(static_cast<float>(square.corners_px[k].x()),
-                                   static_cast<float>(square.corners_px[k].y()));
-      }
+std::vector<BoardView> boardViews(const BoardCorners& corners, const std::string& prefix, bool in_water) {
+  std::vector<BoardView> views = corners.views;
+  for (BoardView& view : views) {
+    view.name = prefix + "/" + view.name;
+    view.in_water = in_water;
   }
-  cv::Mat K, distortion;
-  std::vector<cv::Mat> turns, shifts;
-  CalibratedCamera result;
-  result.rms_px = cv::calibrateCamera(points, pixels, {width_px, height_px}, K, distortion, turns, shifts);
-  const auto d = [&](int k) { return distortion.at<double>(k); };
-  result.camera = {width_px,
-                   height_px,
-                   K.at<double>(0, 0),
-                   K.at<double>(1, 1),
-                   K.at<double>(0, 2),
-                   K.at<double>(1, 2),
-                   d(0),
-                   d(1),
-                   d(2),
-                   d(3),
-                   d(4)};
-  return result;
+  return views;
 }
 
 }  // namespace fathom

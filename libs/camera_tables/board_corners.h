@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "calibration/camera_fit.h"
 #include "fiducials/detection.h"
 #include "panel/panel_map.h"
 
@@ -24,6 +25,7 @@ struct BoardCorners {
   /// No mesh.
   std::vector<PanelMap> boards;
   std::map<std::string, std::vector<Detection>> by_image;
+  std::vector<BoardView> views;  ///< every corner of each image, to calibrate a camera from
 };
 
 /// Two layouts, told apart by their columns:
@@ -36,12 +38,7 @@ struct BoardCorners {
 BoardCorners readBoardCorners(const std::filesystem::path& table, const std::optional<Checkerboard>& board,
                               double sigma_px);
 
-struct CalibratedCamera {
-  CameraModel camera;
-  double rms_px = 0;  ///< of the reprojection
-};
-/// Pinhole with plumb-bob distortion from all views of the boards (Zhang 2000, as OpenCV has it). Throws
-/// std::invalid_argument: fewer than three views, or of several boards.
-CalibratedCamera calibrateCamera(const BoardCorners& corners, int width_px, int height_px);
+/// The views under names that no other table's have, PREFIX/IMAGE.
+std::vector<BoardView> boardViews(const BoardCorners& corners, const std::string& prefix, bool in_water);
 
 }  // namespace fathom

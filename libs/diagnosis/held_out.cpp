@@ -66,9 +66,9 @@ class HoldOut {
     return fitted(trained.gram(what.columns, what.columns), trained.score(what.columns), what.sigma,
                   what.is_positive);
   }
-  /// The same, but what is drawn for each image is found in the held-out images themselves.
-  Eigen::VectorXd valuesWithDraws(const Fitted& what, const Reduced& trained,
-                                  const std::optional<RowsAlone>& test) const;
+  /// The same, but what is drawn for each image is found in each, held out or not: a part by itself could not
+  /// tell what all of its draws have in common from how bright all is.
+  Eigen::VectorXd valuesWithDraws(const Fitted& what, const Reduced& trained) const;
   Eigen::VectorXd changeBy(const std::vector<Eigen::Index>& columns, const Eigen::VectorXd& values) const;
   void add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& left);
   void shareOut(const HeldOutGain& gain, const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& left);
@@ -97,6 +97,7 @@ class HoldOut {
   Eigen::SparseMatrix<double> columns_;        // physics, black box
   std::vector<bool> is_draw_, is_positive_;    // of those of physics
   std::vector<Eigen::Index> first_column_{0};  // of each effect, and the one behind the last
+  std::optional<Reduced> whole_;               // of all rows, where something is drawn
   Fitted box_;
   Eigen::MatrixXd simulated_;
   std::optional<Placebo> placebo_;
@@ -144,6 +145,8 @@ HoldOut::HoldOut(const Linearization& linear, const std::vector<Candidate>& effe
     }
     first_column_.push_back(std::ssize(is_draw_));
   }
+  if (std::find(is_draw_.begin(), is_draw_.end(), true) != is_draw_.end())
+    whole_ = model_.nuisances().reduce(columns_, model_.residual());
   simulated_ = random_.normals(model_.residual().size(), options.yardsticks ? kPlacebos : 0);
   if (!options.yardsticks) return;
   placebo_.emplace(model_, simulated_, options.folds);
@@ -180,13 +183,12 @@ HeldOutGain HoldOut::holdOutFold(int fold) {
     if (!is_test) in_train.push_back(i);
   }
   const RowsAlone train(model_, std::move(in_train));
-  const bool has_draws = std::find(is_draw_.begin(), is_draw_.end(), true) != is_draw_.end();
   std::optional<RowsAlone> test;
-  if (has_draws || options_.yardsticks) test.emplace(model_, std::move(in_test));
+  if (options_.yardsticks) test.emplace(model_, std::move(in_test));
   if (placebo_) placebo_->take(fold, train);
   const Reduced trained = train.reduce(columns_);
   const Fitted all = physics({});
-  const Eigen::VectorXd all_values = valuesWithDraws(all, trained, test);
+  const Eigen::VectorXd all_values = valuesWithDraws(all, trained);
   const Eigen::Index floor_draws = placebo_ ? kFloorDraws : 0, count = std::ssize(effects_),
                      first_alone = kFirstWithout + count, behind = first_alone + count;
   Eigen::MatrixXd with(model_.residual().size(), behind + floor_draws);
@@ -196,8 +198,7 @@ HeldOutGain HoldOut::holdOutFold(int fold) {
   with.rightCols(floor_draws) = simulated_.leftCols(floor_draws);
   for (Eigen::Index e = 0; e < count; ++e) {
     const Fitted rest = physics(static_cast<std::size_t>(e));
-    with.col(kFirstWithout + e) =
-        model_.residual() + changeBy(rest.columns, valuesWithDraws(rest, trained, test));
+    with.col(kFirstWithout + e) = model_.residual() + changeBy(rest.columns, valuesWithDraws(rest, trained));
     const std::vector<Eigen::Index> own = columnsOf(static_cast<std::size_t>(e));
     with.col(first_alone + e) = changeBy(own, all_values(own));
   }
@@ -236,8 +237,7 @@ Eigen::VectorXd HoldOut::changeBy(const std::vector<Eigen::Index>& columns,
   return change;
 }
 
-Eigen::VectorXd HoldOut::valuesWithDraws(const Fitted& what, const Reduced& trained,
-                                         const std::optional<RowsAlone>& test) const {
+Eigen::VectorXd HoldOut::valuesWithDraws(const Fitted& what, const Reduced& trained) const {
   struct Part {
     std::vector<Eigen::Index> places, columns;  // in `what`, and of all
   } drawn, lasting;
@@ -250,9 +250,9 @@ Eigen::VectorXd HoldOut::valuesWithDraws(const Fitted& what, const Reduced& trai
   Eigen::VectorXd values = valuesOf(what, trained);
   if (drawn.places.empty()) return values;
   const Eigen::VectorXd kept = values(lasting.places);
-  const Reduced own = test.value().reduce(columns_);
-  const Eigen::VectorXd score = own.score(drawn.columns) + own.gram(drawn.columns, lasting.columns) * kept;
-  values(drawn.places) = fitted(own.gram(drawn.columns, drawn.columns), score, what.sigma(drawn.places));
+  const Eigen::VectorXd score =
+      whole_->score(drawn.columns) + whole_->gram(drawn.columns, lasting.columns) * kept;
+  values(drawn.places) = fitted(whole_->gram(drawn.columns, drawn.columns), score, what.sigma(drawn.places));
   return values;
 }
 

@@ -15,14 +15,14 @@
 namespace fathom {
 namespace {
 
-/// Of the scalars that say how large an effect is: as large as one expects; of the others: as they are held.
+/// As one expects of an effect; where and when it is, as it is held.
 Eigen::VectorXd usualSizes(const Linearization& linear, const std::vector<Candidate>& effects) {
   std::vector<double> sigmas;
   for (const Candidate& effect : effects)
     for (const CandidateColumn& c : columnsOf(linear, effect.effect)) {
       const EffectColumn& column = linear.columns[c.column];
       const Parameter& parameter = parameterOf(column.scalar);
-      sigmas.push_back(isSize(parameter.kind) ? parameter.prior_sigma : column.prior_sigma);
+      sigmas.push_back(isPeak(parameter.kind) ? column.prior_sigma : parameter.prior_sigma);
     }
   return Eigen::Map<Eigen::VectorXd>(sigmas.data(), std::ssize(sigmas));
 }

@@ -105,6 +105,8 @@ std::string_view nameOf(ParameterKind kind) {
       return "peak time";
     case ParameterKind::log_width:
       return "log width";
+    case ParameterKind::shape:
+      return "shape";
     case ParameterKind::spread:
       break;
   }

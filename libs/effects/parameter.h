@@ -12,6 +12,7 @@ enum class ParameterKind {
   time,        ///< s since the recording's first entry, of a step: derivatives are zero, so searched
   peak_time,   ///< the same of a peak: searched, and then estimated. Neutral is any time
   log_width,   ///< ln of a peak's width over its usual one, likewise
+  shape,       ///< of which make what is there is: estimated, but by itself it changes nothing
   spread       ///< standard deviation of what is drawn anew for each image: a fit estimates each draw
 };
 
@@ -23,7 +24,11 @@ constexpr bool isDifferentiated(ParameterKind kind) {
 constexpr bool isEstimated(ParameterKind kind) {
   return isDifferentiated(kind) && kind != ParameterKind::spread;
 }
-/// Whether it says how large an effect is; else only where or when it is.
+/// Whether it says when a peak is, and how long: how well that is known is the search's to say.
+constexpr bool isPeak(ParameterKind kind) {
+  return kind == ParameterKind::peak_time || kind == ParameterKind::log_width;
+}
+/// Whether it says how large an effect is; else only where or when it is, or of which make.
 constexpr bool isSize(ParameterKind kind) {
   return kind == ParameterKind::continuous || kind == ParameterKind::spread;
 }

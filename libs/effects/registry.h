@@ -13,11 +13,14 @@
 #include "core/instance.h"
 #include "effects/accelerometer_bias.h"
 #include "effects/auto_exposure.h"
+#include "effects/beam_bias.h"
+#include "effects/beam_missing.h"
 #include "effects/camera_latency.h"
 #include "effects/camera_misalignment.h"
 #include "effects/clock_drift.h"
 #include "effects/dark_offset.h"
 #include "effects/defocus.h"
+#include "effects/dome_port.h"
 #include "effects/dvl_latency.h"
 #include "effects/dvl_lever_arm.h"
 #include "effects/dvl_misalignment.h"
@@ -74,7 +77,7 @@ using Catalogue =
                TurbidityPlume, SlantRange, ForwardScatter, Vignetting, AutoExposure, Gamma, DarkOffset,
                MotionBlur, MarineSnow, HeadingDisturbance, ClockDrift, EdgeBias, PanelShape,
                IlluminationGradient, PressureLeverArm, FlatField, WhiteBalance, ResponseBend, VeilingGlare,
-               Defocus, Sharpening>;
+               Defocus, Sharpening, BeamMissing, BeamBias, DecentredDome>;
 
 /// The catalogue, and after it what the build was told to know besides.
 using AllEffects = decltype(std::tuple_cat(Catalogue{}, ExtraEffects{}));

@@ -29,10 +29,10 @@ struct Sharpening {
           "none"};
   static constexpr std::array parameters{Parameter{.name = "amount",
                                                    .unit = "1",
-                                                   .prior_sigma = 0.3,
+                                                   .prior_sigma = 0.8,
                                                    .limit = 3,
                                                    .positive = true,
-                                                   .usual = "0.2 to 1 of ordinary cameras"}};
+                                                   .usual = "0.2 to 1.5 of ordinary cameras"}};
   template <class T>
   static void apply(const T* p, Stage<T>& image) {
     image.sharpened_px2 += kRadius_px * kRadius_px * p[0];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/beam_geometry.h"
 #include "core/camera_model.h"
 #include "core/face_shape.h"
 #include "core/geometry.h"
@@ -43,6 +44,7 @@ template <class T>
 struct DvlVelocity {
   Vector3<T> velocity_dvl = Vector3<T>::Zero();
   Matrix3<T> R_odom_dvl = Matrix3<T>::Identity();  ///< context
+  BeamGeometry beams{};                            ///< context; without any, none is off by itself
 };
 
 /// Gyro reading, INS frame, rad/s.
@@ -111,6 +113,17 @@ struct FlatPort {
   T slab_m = T(0);       ///< thickness of water behind the glass, where what follows is what the camera is in
   T calibration_per_m = T(0);  ///< 1 over the range at which the intrinsics were found, through this port
   T window_m = T(0);  ///< way to it through what the intrinsics are for, such as air before an aquarium
+};
+
+inline constexpr double kUsualDome_m = 0.075;  ///< outer radius
+
+/// A dome before the camera: air inside, a shell of glass, water behind. See imaging/dome_port.h.
+template <class T>
+struct DomePort {
+  bool present = false;                      ///< false: straight lines of sight
+  Vector3<T> centre_m = Vector3<T>::Zero();  ///< of its spheres, camera frame: the camera's own is zero
+  T log_radius = T(0);                       ///< ln of the outer radius over kUsualDome_m
+  T glass_m = T(0);                          ///< thickness
 };
 
 /// Pinhole and plumb-bob lens, as in CameraModel: starts as the nominal camera.

@@ -11,6 +11,7 @@
 #include "core/camera_model.h"
 #include "core/kinematics.h"
 #include "effects/registry.h"
+#include "imaging/dome_port.h"
 #include "imaging/flat_port.h"
 #include "panel/panel_map.h"
 #include "sensors/inputs.h"
@@ -28,7 +29,9 @@ namespace fathom {
 template <class P>
 struct CameraProjector {
   Intrinsics<P> lens;
-  FlatPort<P> port;
+  FlatPort<P>
+      port;  ///< no camera has this and a dome: beside one, what it sees is taken to be before the other
+  DomePort<P> dome;
   Shutter<P> shutter;
   double height_px = 1;                                     ///< rows that are read
   Vector3<P> velocity_camera = Vector3<P>::Zero();          ///< of the camera, over ground, m/s
@@ -87,6 +90,7 @@ struct CameraProjector {
                     valueOf(port.slab_m),
                     valueOf(port.calibration_per_m),
                     valueOf(port.window_m)};
+      plain.dome = detail::plain(dome);
       plain.shutter = {shutter.rolling, valueOf(shutter.readout_s)};
       plain.height_px = height_px;
       plain.velocity_camera = vector(velocity_camera);
@@ -126,7 +130,9 @@ struct CameraProjector {
   }
   template <class T>
   Vector2<T> straight(const Vector3<T>& point_camera) const {
-    const Vector3<T> d = port.present ? apparentDirection(port, point_camera) : point_camera;
+    Vector3<T> d = point_camera;
+    if (dome.present) d = point_camera.z() * apparentDirection(dome, d);
+    if (port.present) d = apparentDirection(port, d);
     return {d.x() / d.z(), d.y() / d.z()};
   }
 
@@ -186,7 +192,9 @@ SightLine<P> CameraProjector<P>::lineOfSight(const Vector2d& pixel) const {
   const Vector2<P> miss = pixelAt(Vector2<P>(root.cast<P>())) - pixel.cast<P>();
   const Vector2<P> ideal = root.cast<P>() - J.inverse().cast<P>() * miss;
   const Vector3<P> sight(ideal.x(), ideal.y(), P(1));
-  return port.present ? lightBehind(port, sight) : SightLine<P>{Vector3<P>::Zero(), sight.normalized()};
+  if (port.present) return lightBehind(port, sight);
+  if (dome.present) return lightBehind(dome, sight);
+  return {Vector3<P>::Zero(), sight.normalized()};
 }
 
 template <>
@@ -200,6 +208,7 @@ CameraProjector<T> cameraProjector(const CameraModel& nominal, const EffectParam
   auto projector = CameraProjector<T>::nominal(nominal);
   applyEffects(effects, t_s, projector.lens);
   applyEffects(effects, t_s, projector.port);
+  applyEffects(effects, t_s, projector.dome);
   applyEffects(effects, t_s, projector.shutter);
   return projector;
 }

@@ -12,7 +12,7 @@ struct TrueCamera {
   CameraProjector<double> projector;
 
   /// Whether it sees things elsewhere than its lens has them: through a port, or row by row.
-  bool bends() const { return projector.port.present || projector.shutter.rolling; }
+  bool bends() const { return projector.port.present || projector.dome.present || projector.shutter.rolling; }
 };
 
 /// Of an image stamped t_s after the recording's first entry; `motion` is the robot's when it was taken

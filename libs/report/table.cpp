@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/text.h"
+
 namespace fathom {
 namespace {
 
@@ -39,6 +41,12 @@ std::string padded(const std::string& text, std::size_t columns, bool flush_righ
 }
 
 }  // namespace
+
+std::string plusMinus(double value, double sigma) {
+  if (!(sigma > 0) || !std::isfinite(sigma)) return print("%.6g", value);
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 9);
+  return fixed(value, decimals) + " ± " + fixed(sigma, decimals);
+}
 
 bool isNumeric(const Table& table, std::size_t column) {
   bool any = false;

@@ -13,6 +13,9 @@ struct Table {
   std::vector<std::vector<double>> shades{};
 };
 
+/// "0.0153 ± 0.0004": so many digits that sigma has two that count; without a sigma as the value is.
+std::string plusMinus(double value, double sigma);
+
 /// Whether column i holds numbers (with or without unit; "-" and empty cells count as numbers that are
 /// absent), so that it is set flush right.
 bool isNumeric(const Table& table, std::size_t column);

@@ -10,17 +10,6 @@
 namespace fathom {
 namespace {
 
-/// So many digits behind the point that sigma has two that count.
-int decimalsFor(double sigma) {
-  return std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 9);
-}
-
-std::string plusMinusText(double value, double sigma) {
-  if (!(sigma > 0) || !std::isfinite(sigma)) return print("%.6g", value);
-  const int decimals = decimalsFor(sigma);
-  return fixed(value, decimals) + " ± " + fixed(sigma, decimals);
-}
-
 /// Of one parameter, what was estimated of it; empty where nothing was.
 std::vector<double> sigmasOf(const FoundEffect& effect, std::size_t first_scalar, int size) {
   std::vector<double> sigma;
@@ -73,7 +62,7 @@ std::string textOf(const FoundParameter& parameter) {
   if (!parameter.word.empty()) return parameter.word;
   std::vector<std::string> numbers;
   for (std::size_t i = 0; i < parameter.value.size(); ++i)
-    numbers.push_back(plusMinusText(parameter.value[i], i < parameter.sigma.size() ? parameter.sigma[i] : 0));
+    numbers.push_back(plusMinus(parameter.value[i], i < parameter.sigma.size() ? parameter.sigma[i] : 0));
   std::string text;
   for (const std::string& number : numbers) text += (text.empty() ? "" : ", ") + number;
   if (numbers.size() > 1) text = "[" + text + "]";

@@ -21,13 +21,10 @@ struct DvlSheet {
   std::vector<double> beam_azimuths_rad{0, radians(90), radians(180), radians(270)};  ///< DVL frame
   Pose T_robot_dvl;
 
-  /// Beam k's frame on the robot: x along the beam, down and out. The one place that knows the Janus
-  /// geometry.
+  BeamGeometry beams() const { return {beam_angle_rad, beam_azimuths_rad}; }
+  /// Beam k's frame on the robot: x along the beam, down and out.
   Pose T_robot_beam(std::size_t k) const {
-    // From straight down (-z of the DVL), beam_angle outwards at the azimuth.
-    const Pose T_dvl_beam{rotationFromYawPitchRoll(beam_azimuths_rad.at(k), radians(90) - beam_angle_rad, 0),
-                          Vector3d::Zero()};
-    return T_robot_dvl * T_dvl_beam;
+    return T_robot_dvl * Pose{beams().R_dvl_beam(static_cast<std::ptrdiff_t>(k)), Vector3d::Zero()};
   }
 
   template <class Fields>
@@ -110,17 +107,17 @@ struct Dvl {
   }
   /// m/s, DVL frame.
   template <class T>
-  static Vector3<T> predict(const Inputs<T>& in, const DvlSheet&, const Observation& seen) {
-    return velocity(in, seen.T_robot_sensor);
+  static Vector3<T> predict(const Inputs<T>& in, const DvlSheet& sheet, const Observation& seen) {
+    return velocity(in, seen.T_robot_sensor, sheet.beams());
   }
   template <class T>
-  static Vector3<T> velocity(const Inputs<T>& in, const Pose& T_robot_dvl) {
+  static Vector3<T> velocity(const Inputs<T>& in, const Pose& T_robot_dvl, const BeamGeometry& beams = {}) {
     const auto mount = in.template mounting<Dvl>(T_robot_dvl);
     const Vector3<T> at_sensor =
         in.state.velocity_robot + in.state.angular_velocity_robot.cross(mount.position_robot);
     return in
         .at(DvlVelocity<T>{mount.R_robot_sensor.transpose() * at_sensor,
-                           in.state.R_odom_robot * mount.R_robot_sensor})
+                           in.state.R_odom_robot * mount.R_robot_sensor, beams})
         .velocity_dvl;
   }
 };
@@ -221,7 +218,8 @@ class Dvl::Simulated {
                  z = noise_.sigma(sheet_.velocity_sigma_z_m_s);
     const Vector3d error = Vector3d(xy, xy, z).cwiseProduct(random_.normal3());
     DvlSample sample{sheet_.T_robot_dvl, {}};
-    if (in != nullptr && hasBottomLock(*in)) sample.velocity_dvl = velocity(*in, sheet_.T_robot_dvl) + error;
+    if (in != nullptr && hasBottomLock(*in))
+      sample.velocity_dvl = velocity(*in, sheet_.T_robot_dvl, sheet_.beams()) + error;
     return sample;
   }
 

@@ -60,9 +60,8 @@ Window readWindow(const YamlMap& y) {
 CameraPipeline readPipeline(const YamlMap& y) {
   const std::string text = y.text("pipeline");
   if (text == "linear") return CameraPipeline::linear;
-  if (text == "raw") return CameraPipeline::raw;
   if (text == "processed") return CameraPipeline::processed;
-  throw y.error("pipeline", "must be linear, raw or processed");
+  throw y.error("pipeline", "must be linear or processed");
 }
 
 CameraSheet readCamera(const YamlMap& y) {

@@ -16,10 +16,9 @@ namespace fathom {
 
 class YamlMap;
 
-/// What a camera's images are: numbers that go with the light by the response stated; those of a sensor
-/// behind a mosaic of colours (Bayer), likewise; or processed by a curve that nobody states, with colours
-/// weighed anew for each image, sharpened, compressed.
-enum class CameraPipeline { linear, raw, processed };
+/// What a camera's images are: numbers that go with the light by the response stated; or processed by a curve
+/// that nobody states, with colours weighed anew for each image, sharpened, compressed.
+enum class CameraPipeline { linear, processed };
 
 struct CameraSheet {
   double rate_hz = 1;

@@ -174,8 +174,7 @@ class Planner {
                                          Outsider{"dvl-quadratic", false, {0.1, 0.2, 0.4}},
                                          Outsider{"bubbles", true, {20, 60, 200}},
                                          Outsider{"gyro-g-sensitivity", false, {1e-4, 3e-4, 1e-3}},
-                                         Outsider{"mount-shake", false, {0.02, 0.05, 0.2}},
-                                         Outsider{"dvl-beam-bias", false, {0.005, 0.01, 0.03}}};
+                                         Outsider{"mount-shake", false, {0.02, 0.05, 0.2}}};
 
   void addOutside() {
     std::vector<const PlannedDive*> dives;

@@ -148,7 +148,8 @@ TEST_P(HiddenEffect, IsNamed) {
   EXPECT_TRUE(test::namesTheEffect(answer)) << test::told(answer);
 }
 INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenEffect,
-                         testing::Values("dvl-misalignment", "camera-latency", "marker-moved"));
+                         testing::Values("dvl-misalignment", "camera-latency", "marker-moved", "beam-bias",
+                                         "beam-missing", "dome-port"));
 
 TEST(Diagnosis, SaysThatNothingIsMissing) {
   if (test::kSanitized)

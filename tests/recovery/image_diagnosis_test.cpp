@@ -132,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenImageEffect,
                          testing::Values("separate-backscatter", "slant-range", "lamp", "forward-scatter",
                                          "vignetting", "gamma", "dark-offset", "turbidity-plume",
                                          "motion-blur", "marine-snow", "dvl-latency", "flat-field",
-                                         "response-curve", "veiling-glare", "defocus", "sharpening"));
+                                         "response-curve", "veiling-glare", "defocus"));
 
 // Growth on two places of a panel: no effect is named for it, it is said where, and the other places' prints
 // are as even as they were.
@@ -191,17 +191,20 @@ double spreadGiven(const test::BatchRun& run, std::size_t scalar, const std::vec
 
 // All edges alike and to all sides: neither what is forward scattered, which grows with range, nor what
 // moves.
-TEST(ImageDiagnosis, ALensOutOfFocusIsToldFromWaterAndMotion) {
+template <class Effect>
+void expectToldFromWaterAndMotion(double amount) {
   if (test::kSanitized)
     GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
   test::DiagnosisRun hidden = test::plainNull(test::lightDive(), 1);
-  hidden.run.effects.add<Defocus>({1.0});
+  hidden.run.effects.add<Effect>({amount});
   const Diagnosis diagnosis = diagnose(hidden.input());
   ASSERT_EQ(diagnosis.effects.size(), 1U) << diagnosis.why;
-  EXPECT_EQ(nameOf(diagnosis.effects[0].candidate), "defocus");
-  const EffectEstimate& found = diagnosis.effects[0].estimates[0];
-  EXPECT_NEAR(found.value, 1.0, 3 * found.sigma);
+  EXPECT_EQ(nameOf(diagnosis.effects[0].candidate), Effect::id);
+  const EffectEstimate& found = diagnosis.effects[0].estimates.at(0);
+  EXPECT_NEAR(found.value, amount, 3 * found.sigma);
 }
+TEST(ImageDiagnosis, ALensOutOfFocusIsTold) { expectToldFromWaterAndMotion<Defocus>(1.0); }
+TEST(ImageDiagnosis, ASharpenedImageIsTold) { expectToldFromWaterAndMotion<Sharpening>(1.5); }
 
 /// What is drawn anew for each image: by how much it scatters, over some two dozen of them.
 class HiddenDrawnEffect : public testing::TestWithParam<const char*> {};

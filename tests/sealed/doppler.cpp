@@ -1,6 +1,7 @@
 #include "doppler.h"
 
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 
 #include "streams.h"
@@ -11,7 +12,6 @@ namespace {
 constexpr double kUsualDepth_m = 4.4;             // where the assumed sound speed holds
 constexpr double kRichGradient_celsius_m = -0.1;  // of a rich recording: 0.3 m/s a metre
 constexpr double kRichNoiseKept = 0.5;            // from ping to ping: AR(1)
-constexpr std::size_t kBiasedBeam = 1;            // of `dvl-beam-bias`
 constexpr double kNearestOutlier_m_s = 0.1, kFarthestOutlier_m_s = 0.5;
 
 /// A scale error that is always there is the water's sound speed: v_read = v c_assumed / c. One that comes
@@ -100,6 +100,12 @@ double DopplerLog::nextNoise_m_s(std::size_t beam) {
   return noise_m_s_[beam];
 }
 
+/// Of its speed, that a beam does not tell.
+double DopplerLog::missingShare(std::size_t beam, double stamp_s) const {
+  constexpr std::array<const char*, kBeams> kMissing{"missing_1", "missing_2", "missing_3", "missing_4"};
+  return sealed_.number("beam-missing", kMissing[beam], stamp_s);
+}
+
 /// What is ordinary, and outliers.
 Vector3d DopplerLog::unnamedError_m_s(const Vector3d& velocity_m_s) {
   const double fraction = sealed_.outsideSize("dvl-outliers") + sealed_.ordinary * kOrdinary.outliers;
@@ -118,8 +124,9 @@ DvlSample DopplerLog::read(double t_s) {
   const double sent_s = valid_s - echoTime_s(T_odom_dvl, -Vector3d::UnitZ()) / 2;
   Eigen::Vector4d speeds_m_s;
   for (std::size_t i = 0; i < kBeams; ++i)
-    speeds_m_s[static_cast<Eigen::Index>(i)] = beamSpeed_m_s(i, sent_s, t_s) + nextNoise_m_s(i);
-  speeds_m_s[kBiasedBeam] += sealed_.outsideSize("dvl-beam-bias");
+    speeds_m_s[static_cast<Eigen::Index>(i)] =
+        beamSpeed_m_s(i, sent_s, t_s) * (1 - missingShare(i, t_s)) + nextNoise_m_s(i);
+  speeds_m_s.head<3>() += sealed_.vector("beam-bias", "bias_m_s", t_s);
 
   const Matrix3d normal_equations = beams_dvl_.transpose() * beams_dvl_;
   const Vector3d velocity_read = normal_equations.inverse() * (beams_dvl_.transpose() * speeds_m_s);

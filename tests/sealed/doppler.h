@@ -25,6 +25,7 @@ class DopplerLog {
   static constexpr std::size_t kBeams = 4;
 
   Pose T_robot_dvl(double stamp_s) const;
+  double missingShare(std::size_t beam, double stamp_s) const;
   double echoTime_s(const Pose& T_odom_dvl, const Vector3d& beam_dvl) const;
   Vector3d velocity_dvl(double t_s, double stamp_s) const;
   double beamSpeed_m_s(std::size_t beam, double sent_s, double stamp_s) const;

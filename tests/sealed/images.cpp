@@ -31,8 +31,8 @@ cv::Mat3b ImageMaker::take(std::size_t index, double stamp_s) const {
   WaterLight water = waterLightAt(sealed_, stamp_s, log_sun);
   water.cloud = murkyCloudAt(sealed_, viewpoint_, panel_.T_odom_panel(stamp_s).position, stamp_s);
   const LampLight lamps(vehicle_, sealed_.number("lamp", "irradiance_1m_rel", stamp_s), water,
-                        waterLightAt(sealed_, stamp_s, 0).daylight, sight,
-                        sealed_.number("lamp", "scattering_asymmetry", stamp_s));
+                        waterLightAt(sealed_, stamp_s, 0).daylight, sight, lampPhase(sealed_, stamp_s),
+                        sealed_.number("lamp", "beam_exponent", stamp_s));
   const PaintedPanel painted(panel_, paint_, stamp_s);
   const HiddenEffect* blur = sealed_.find("motion-blur", stamp_s);
   const double exposure_s = blur ? sealed_.number(blur->id, "exposure_s", stamp_s) : camera.exposure_s;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace fathom::sealed {
 namespace {
@@ -28,9 +29,11 @@ double indexOf(double range_m) {
 /// irradiance a metre, towards the camera as much as anywhere where it scatters alike in all directions.
 /// Daylight comes from everywhere: what it brings does not depend on that.
 LampLight::LampLight(const Vehicle& vehicle, double irradiance_1m, const WaterLight& water,
-                     const Array3d& daylight, const SightLines& sight, double asymmetry)
+                     const Array3d& daylight, const SightLines& sight, PhaseFunction phase,
+                     double beam_exponent)
     : irradiance_1m_(irradiance_1m),
-      asymmetry_(asymmetry),
+      beam_exponent_(beam_exponent),
+      phase_(std::move(phase)),
       water_(water),
       scattering_per_m_(water.veil_attenuation_per_m * water.veil / daylight) {
   if (!shines()) return;
@@ -48,7 +51,8 @@ LampLight::LampLight(const Vehicle& vehicle, double irradiance_1m, const WaterLi
 Array3d LampLight::fromLamp(const Beam& beam, const Vector3d& point_camera) const {
   const Vector3d way = point_camera - beam.position_camera;
   const double distance_m = way.norm(), cosine = way.dot(beam.axis_camera) / distance_m;
-  const double profile = std::exp2(-(1 - cosine) / (1 - beam.half_angle_cosine));
+  const double profile = beam_exponent_ > 0 ? std::pow(std::max(0.0, cosine), beam_exponent_)
+                                            : std::exp2(-(1 - cosine) / (1 - beam.half_angle_cosine));
   return irradiance_1m_ * kWhiteInDaylight * profile / (distance_m * distance_m) *
          (-water_.attenuation_per_m * distance_m).exp();
 }
@@ -68,17 +72,12 @@ Array3d LampLight::irradianceOn(const Vector3d& point_camera, const Vector3d& no
   return sum;
 }
 
-/// Towards the camera, in units of scattering alike in all directions (Henyey & Greenstein 1941).
-double LampLight::phase(const Beam& beam, const Vector3d& point_camera) const {
-  const double g = asymmetry_;
-  if (g == 0) return 1;
-  const double cosine = -(point_camera - beam.position_camera).normalized().dot(point_camera.normalized());
-  return (1 - g * g) / std::pow(1 + g * g - 2 * g * cosine, 1.5);
-}
-
 Array3d LampLight::scattered(const Vector3d& point_camera, double range_m) const {
   Array3d to_camera = Array3d::Zero();
-  for (const Beam& beam : beams_) to_camera += fromLamp(beam, point_camera) * phase(beam, point_camera);
+  for (const Beam& beam : beams_) {
+    const double cosine = -(point_camera - beam.position_camera).normalized().dot(point_camera.normalized());
+    to_camera += fromLamp(beam, point_camera) * phase_(cosine);
+  }
   return scattering_per_m_ * to_camera * water_.transmission(water_.path_m(point_camera.z(), range_m));
 }
 

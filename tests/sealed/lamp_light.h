@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "phase_function.h"
 #include "port.h"
 #include "sight_lines.h"
 #include "vehicle.h"
@@ -13,10 +14,9 @@ namespace fathom::sealed {
 class LampLight {
  public:
   /// Without lamps where the irradiance is zero. `daylight`: at rest, which the veil is built of.
-  /// `asymmetry`: the mean cosine of the angle that water scatters by.
-
+  /// `beam_exponent`: a beam that goes with the cosine's power, instead of the data sheet's.
   LampLight(const Vehicle& vehicle, double irradiance_1m, const WaterLight& water, const Array3d& daylight,
-            const SightLines& sight, double asymmetry = 0);
+            const SightLines& sight, PhaseFunction phase = henyeyGreenstein(0), double beam_exponent = 0);
 
   bool shines() const { return irradiance_1m_ > 0; }
   /// Of a surface there that looks along `normal`.
@@ -32,12 +32,12 @@ class LampLight {
     double half_angle_cosine;
   };
   Array3d fromLamp(const Beam& beam, const Vector3d& point_camera) const;
-  double phase(const Beam& beam, const Vector3d& point_camera) const;
   Array3d scattered(const Vector3d& point_camera, double range_m) const;
   void march(const SightLines& sight);
 
   std::vector<Beam> beams_;
-  double irradiance_1m_, asymmetry_;
+  double irradiance_1m_, beam_exponent_;
+  PhaseFunction phase_;
   WaterLight water_;
   Array3d scattering_per_m_;
   int columns_ = 0, rows_ = 0;

@@ -1,11 +1,13 @@
 #include "port.h"
 
 #include <cmath>
+#include <utility>
 
 namespace fathom::sealed {
 namespace {
 
 constexpr double kAir = 1.0, kGlass = 1.5, kWater = 1.34;
+constexpr double kUsualDome_m = 0.075;
 constexpr double kBeforeCamera_m = 0.05;
 constexpr double kWidest = 0.9;  // tangent off the axis: farther out the distortion's polynomial folds back
 constexpr int kPortSteps = 100;
@@ -37,6 +39,10 @@ TrueCamera::TrueCamera(const Camera& nominal, const SealedCase& sealed, double t
   const Vector3d tilt_deg(number("flat-port-refraction", "tilt_deg"),
                           number("flat-port-refraction", "tilt_y_deg"), 0);
   normal_ = expSO3<double>(tilt_deg * radians(1.0)).col(2);
+  has_dome_ = sealed.find("dome-port", t_s) != nullptr;
+  dome_centre_ = sealed.vector("dome-port", "centre_m", t_s);
+  dome_outer_m_ = kUsualDome_m * std::exp(number("dome-port", "log_radius"));
+  dome_inner_m_ = dome_outer_m_ - number("dome-port", "glass_m");
 }
 
 /// Brown 1966, in OpenCV's notation.
@@ -70,6 +76,7 @@ Vector2d TrueCamera::idealAt(const Vector2d& pixel) const {
 /// glass and the water, bent at each surface (layers with one normal: Agrawal et al. 2012, sec. 3).
 Ray TrueCamera::rayAlong(const Vector2d& ideal) const {
   const Vector3d calibrated = ideal.homogeneous().normalized();
+  if (has_dome_) return throughDome(calibrated);
   if (!has_port_) return {Vector3d::Zero(), calibrated};
   const Vector3d in_air = refracted(calibrated, normal_, intrinsics_index_ / kAir);
   const Vector3d in_glass = refracted(in_air, normal_, kAir / kGlass);
@@ -79,11 +86,27 @@ Ray TrueCamera::rayAlong(const Vector2d& ideal) const {
   return {leaves, in_water.normalized()};
 }
 
+/// The light's own way backwards: to the far side of each sphere about the dome's centre. On its plane with
+/// that centre, what a sphere's radius makes of the angle at it is the sine by index (Bouguer's invariant).
+Ray TrueCamera::throughDome(const Vector3d& direction) const {
+  Ray ray{Vector3d::Zero(), direction};
+  double index = kAir;
+  for (const auto& [radius_m, next] : {std::pair{dome_inner_m_, kGlass}, std::pair{dome_outer_m_, kWater}}) {
+    const Vector3d nearest =
+        ray.origin - dome_centre_ - ray.direction * (ray.origin - dome_centre_).dot(ray.direction);
+    const double within_m = std::sqrt(radius_m * radius_m - nearest.squaredNorm());
+    const Vector3d hit = dome_centre_ + nearest + within_m * ray.direction;
+    ray = {hit, refracted(ray.direction, (hit - dome_centre_).normalized(), index / next)};
+    index = next;
+  }
+  return ray;
+}
+
 /// Moves the line of sight by what it misses the point by, as an angle, until it meets it.
 std::optional<Vector2d> TrueCamera::pixelOf(const Vector3d& point_camera) const {
   if (point_camera.z() < kBeforeCamera_m) return std::nullopt;
   Vector2d ideal = point_camera.head<2>() / point_camera.z();
-  for (int i = 0; has_port_ && i < kPortSteps; ++i) {
+  for (int i = 0; (has_port_ || has_dome_) && i < kPortSteps; ++i) {
     const Vector3d missing = point_camera - rayAlong(ideal).atHeight(point_camera.z());
     const Vector2d step = missing.head<2>() / point_camera.z();
     ideal += step;

@@ -6,8 +6,8 @@
 #include "sealed_case.h"
 #include "vehicle.h"
 
-/// The true camera: a lens that distorts, behind a flat window. Camera frame: x right, y down, z forward;
-/// pixel (0, 0) is the centre of the top left pixel.
+/// The true camera: a lens that distorts, behind a flat window or a dome. Camera frame: x right, y down, z
+/// forward; pixel (0, 0) is the centre of the top left pixel.
 namespace fathom::sealed {
 
 using Eigen::Vector2d;
@@ -41,11 +41,15 @@ class TrueCamera {
   Vector2d distorted(const Vector2d& ideal) const;
   Vector2d pixelAt(const Vector2d& ideal) const;
   Ray rayAlong(const Vector2d& ideal) const;
+  Ray throughDome(const Vector3d& direction) const;
 
   Camera camera_;  ///< with its true focal length and distortion
   bool has_port_;
   double distance_m_, glass_m_, intrinsics_index_;
   Vector3d normal_;
+  bool has_dome_;
+  double dome_outer_m_, dome_inner_m_;
+  Vector3d dome_centre_;
 };
 
 }  // namespace fathom::sealed

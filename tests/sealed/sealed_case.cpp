@@ -57,8 +57,17 @@ const std::vector<EffectKind>& effectKinds() {
       {"panel-moved", false, {{"time_s"}, {"offset_m", 3}, {"rotation_deg", 3}}},
       {"separate-backscatter", true, {{"backscatter_difference_per_m", 3}}},
       {"slant-range", true, {{"slant_share"}}},
-      // scattering_asymmetry g: Henyey & Greenstein's mean cosine; 0 scatters alike in all directions.
-      {"lamp", true, {{"irradiance_1m_rel", 1, true, true}, {"scattering_asymmetry", 1, false}}},
+      // How water scatters its light (phase_function.h): scattering_asymmetry g, Henyey & Greenstein's mean
+      // cosine, 0 alike in all directions; or Fournier & Forand's; or, where it is 1, petzold. beam_exponent:
+      // a beam that goes with the cosine's power.
+      {"lamp",
+       true,
+       {{"irradiance_1m_rel", 1, true, true},
+        {"scattering_asymmetry", 1, false},
+        {"fournier_forand_index", 1, false, true},
+        {"fournier_forand_slope", 1, false, true},
+        {"petzold", 1, false, true},
+        {"beam_exponent", 1, false, true}}},
       {"forward-scatter", true, {{"scattered_fraction", 1, true, true}}},
       {"vignetting", true, {{"corner_loss"}}},
       {"gamma", true, {{"exponent_error"}}},
@@ -101,7 +110,17 @@ const std::vector<EffectKind>& effectKinds() {
       {"veiling-glare", true, {{"glare_share", 1, true, true}}},
       // Standard deviation, to either side, of the disc to which a point is spread.
       {"defocus", true, {{"blur_px", 1, true, true}}},
-      {"sharpening", true, {{"amount", 1, true, true}}}};
+      {"sharpening", true, {{"amount", 1, true, true}}},
+      // Share of its speed that a beam does not tell.
+      {"beam-missing",
+       false,
+       {{"missing_1", 1, false, true},
+        {"missing_2", 1, false, true},
+        {"missing_3", 1, false, true},
+        {"missing_4", 1, false, true}}},
+      // Of the first three beams.
+      {"beam-bias", false, {{"bias_m_s", 3}}},
+      {"dome-port", false, {{"centre_m", 3}, {"log_radius", 1, false}, {"glass_m", 1, false, true}}}};
   return kinds;
 }
 
@@ -116,7 +135,6 @@ const std::vector<OutsiderKind>& outsiderKinds() {
       {"dvl-quadratic"},             // s/m: v (1 + size |v|)
       {"gyro-g-sensitivity"},        // (rad/s) / (m/s²)
       {"mount-shake"},               // deg, amplitude
-      {"dvl-beam-bias"},             // m/s, of one beam
       {"dvl-outliers"},              // fraction of measurements that are 0.1 to 0.5 m/s off in any direction
       {"markers-wide"},              // fraction by which each marker is wider than high, upright
       {"manipulator"},               // fraction of the time that an arm is before the panel

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "effects/drawn.h"
 
@@ -109,6 +110,11 @@ namespace {
 
 constexpr double kLightSigma = 0.0003;  // of 100 pixels
 
+// Of an image that sees now more of the panel, now more of the water.
+Vector3d meanOfImage(double t_s) {
+  return (1 + 0.4 * std::sin(2 * std::numbers::pi * t_s / 10)) * Vector3d(0.1, 0.2, 0.25);
+}
+
 }  // namespace
 
 std::vector<ImagePatch> BatchRun::patches() const {
@@ -126,6 +132,7 @@ std::vector<ImagePatch> BatchRun::emptyPatches() const {
     patch.t_s = secondsBetween(simulation.start, imageTime(simulation, image));
     if (patch.t_s > duration_s) return patches;
     patch.image = image;
+    patch.image_mean = meanOfImage(patch.t_s);
     patch.T_robot_camera = vehicle.camera->T_robot_camera;
     patch.sigma.setConstant(kLightSigma);
     patches.push_back(patch);

@@ -39,6 +39,7 @@ void makeRecording(const fs::path& folder) {
 void makeRest(const fs::path& folder) {
   writeSmallBag(folder);
   writeSmallCorners(folder);
+  writeSmallBoard(folder);
   writeSmallSeaTrial(folder);
   writeSmallTiePoints(folder);
   fs::copy_file(kSource / "tests/fuzz/corpus/opencv.yaml", folder / "Eichung ä.yaml");
@@ -103,6 +104,9 @@ std::vector<WritingCommand> writingCommands() {
       {"importcsv", "import csv --section 1 " + in("Tabellen ö"), ""},
       {"importcorners",
        "import corners --board 3x3 --square-m 0.03 --camera " + in("Kamera 1.yaml") + " " + in("Ecken é.csv"),
+       ""},
+      {"calibratecamera",
+       "calibrate camera --board 4x3 --square-m 0.05 --image-size 640x480 --air " + in("Schachbrett ü.csv"),
        ""},
       {"importtiepoints",
        "import tie-points --left " + in("Kamera links.yaml") + " --right " + in("Kamera rechts.yaml") + " " +

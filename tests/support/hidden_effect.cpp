@@ -36,7 +36,8 @@ Hidden randomEffect(const EffectInfo& effect, const std::vector<int>& marker_ids
   for (const Parameter& parameter : effect.parameters)
     for (int i = 0; i < parameter.size; ++i, ++scalar) {
       double& value = hidden.effects.values[scalar];
-      if (isSize(parameter.kind)) value = parameter.prior_sigma * random.normal();
+      if (isSize(parameter.kind) || parameter.kind == ParameterKind::shape)
+        value = parameter.prior_sigma * random.normal();
       if (parameter.kind == ParameterKind::peak_time) value = duration_s * random.uniform(0.25, 0.75);
       if (parameter.kind == ParameterKind::log_width)
         value = std::log(duration_s * random.uniform(0.05, 0.15) / parameter.usual_width_s);

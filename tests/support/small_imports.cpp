@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/geometry.h"
 #include "core/text.h"
 #include "support/bags.h"
 #include "support/panels.h"
@@ -81,6 +82,22 @@ void writeSmallCorners(const fs::path& folder) {
       text += print("Bild %d.png,%d,%d,%d\n", view, k, 200 + 30 * (k % 3) + 5 * view, 150 + 30 * (k / 3));
   writeNew(folder / "Ecken é.csv", text);
   writeNew(folder / "Kamera 1.yaml", "fx_px: 500\nfy_px: 500\ncx_px: 319.5\ncy_px: 239.5\n");
+}
+
+void writeSmallBoard(const fs::path& folder) {
+  std::string text = "image,corner,u_px,v_px\n";
+  for (int view = 0; view < 8; ++view) {
+    const Matrix3d turned =
+        expSO3<double>(Vector3d(0.4 * std::sin(view), 0.4 * std::cos(2 * view), 0.2 * view));
+    for (int k = 0; k < 12; ++k) {
+      const Vector3d point =
+          turned * Vector3d(0.05 * (k % 4), 0.05 * (k / 4), 0) + Vector3d(-0.1, -0.05, 0.5);
+      text += print("Bild %d.png,%d,%.4f,%.4f\n", view, k,
+                    500 * point.x() / point.z() + 319.5 + 0.1 * std::sin(7 * k + view),
+                    500 * point.y() / point.z() + 239.5 + 0.1 * std::cos(9 * k + 2 * view));
+    }
+  }
+  writeNew(folder / "Schachbrett ü.csv", text);
 }
 
 void writeSmallSeaTrial(const fs::path& folder) {

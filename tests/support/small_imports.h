@@ -9,6 +9,8 @@ namespace fathom::test {
 void writeSmallBag(const std::filesystem::path& folder);
 /// "Ecken é.csv", a board of 3 x 3 corners seen straight on from 0.5 m, and its camera, "Kamera 1.yaml".
 void writeSmallCorners(const std::filesystem::path& folder);
+/// "Schachbrett ü.csv", a board of 4 x 3 corners of 0.05 m in eight images of 640 x 480, seen askew.
+void writeSmallBoard(const std::filesystem::path& folder);
 /// The folder "Tabellen ö", a minute of section 1 of a sea trial: a level turn with a little heave.
 void writeSmallSeaTrial(const std::filesystem::path& folder);
 /// "Punkte ä.csv", six points in each of three frames, seen by cameras side by side, "Kamera links.yaml" and

@@ -115,13 +115,18 @@ TEST(BoardCorners, SeveralBoardsInOneImage) {
 }
 
 TEST(BoardCorners, CalibrateTheCameraThatSawThem) {
-  const CalibratedCamera calibrated = calibrateCamera(chessCorners(numberedTable(12, false)), 1440, 1080);
+  const CameraSetting setting{.width_px = 1440, .height_px = 1080};
+  const auto views = boardViews(chessCorners(numberedTable(12, false)), "air", false);
+  const CameraFit fit = fitByOpenCv(views, setting);
+  const CameraModel camera = lensOf(fit.values, *fit.kind, setting);
   // Exact corners in single precision: the reprojection is that of rounding.
-  EXPECT_LT(calibrated.rms_px, 1e-3);
-  EXPECT_NEAR(calibrated.camera.fx_px, chessCamera().fx_px, 0.1);
-  EXPECT_NEAR(calibrated.camera.cy_px, chessCamera().cy_px, 0.1);
-  EXPECT_NEAR(calibrated.camera.k1, chessCamera().k1, 1e-3);
-  EXPECT_THROW(calibrateCamera(chessCorners(numberedTable(2, false)), 1440, 1080), std::invalid_argument);
+  EXPECT_LT(fit.rms_px, 1e-3);
+  EXPECT_NEAR(camera.fx_px, chessCamera().fx_px, 0.1);
+  EXPECT_NEAR(camera.cy_px, chessCamera().cy_px, 0.1);
+  EXPECT_NEAR(camera.k1, chessCamera().k1, 1e-3);
+  EXPECT_EQ(views[0].name.rfind("air/", 0), 0u);
+  EXPECT_EQ(views[0].pixels.size(), 48u);
+  EXPECT_THROW(fitByOpenCv({views[0], views[1]}, setting), std::invalid_argument);
 }
 
 TEST(BoardCorners, WrongTablesAreOneLine) {

@@ -5,33 +5,16 @@
 
 #include "core/random.h"
 #include "imaging/two_views.h"
+#include "support/traced_light.h"
 
 namespace fathom {
 namespace {
 
+using test::LightRay;
+using test::refracted;
+using test::traced;
+
 constexpr double kPortDirection = 1e-11;  // of unit vectors: what rounding leaves
-
-/// Snell's law for vectors (Glassner 1989): a unit direction through a plane, from index n1 to n2.
-Vector3d refracted(const Vector3d& direction, const Vector3d& normal, double n1, double n2) {
-  const double ratio = n1 / n2, cosine = direction.dot(normal);
-  return ratio * direction + (std::sqrt(1 - ratio * ratio * (1 - cosine * cosine)) - ratio * cosine) * normal;
-}
-
-struct LightRay {
-  Vector3d origin, direction;
-};
-
-/// From the camera's centre outwards: the light's way in the water, of what the nominal camera sees along
-/// `sight`.
-LightRay traced(const FlatPort<double>& port, const Vector3d& sight) {
-  const Vector3d normal = expSO3<double>(Vector3d(port.tilt_x_rad, port.tilt_y_rad, 0)) * Vector3d::UnitZ();
-  const double nominal_index = 1.34 / (1 + port.index_error);
-  const Vector3d air = refracted(sight.normalized(), normal, nominal_index, 1.0);
-  const Vector3d at_glass = port.distance_m / air.dot(normal) * air;
-  const Vector3d glass = refracted(air, normal, 1.0, 1.5);
-  const Vector3d at_water = at_glass + port.glass_m / glass.dot(normal) * glass;
-  return {at_water, refracted(glass, normal, 1.5, 1.34)};
-}
 
 FlatPort<double> randomPort(Random& random) {
   return {true,
@@ -263,6 +246,57 @@ TEST(FlatPort, NearTheAxisIsACameraFartherBack) {
   EXPECT_NEAR(x / (seen.x() / seen.z()) - z, 0.34 * 0.02, 1e-6);
 }
 
+DomePort<double> randomDome(Random& random) {
+  return {true, 0.01 * random.normal3(), random.uniform(-0.5, 0.5), random.uniform(0.002, 0.01)};
+}
+
+TEST(DomePort, LightBehindItIsTheTracedOne) {
+  Random random(11);
+  for (int i = 0; i < 1000; ++i) {
+    const DomePort<double> dome = randomDome(random);
+    const Vector3d sight = Vector3d(random.uniform(-0.6, 0.6), random.uniform(-0.5, 0.5), 1).normalized();
+    const LightRay expected = traced(dome, sight);
+    const SightLine<double> line = lightBehind(dome, sight);
+    EXPECT_LT((line.origin - expected.origin).norm(), kPortDirection);
+    EXPECT_LT((line.direction - expected.direction).norm(), kPortDirection);
+  }
+}
+
+TEST(DomePort, SeesWhereTheTracedLightGoes) {
+  Random random(12);
+  for (int i = 0; i < 1000; ++i) {
+    const DomePort<double> dome = randomDome(random);
+    const Vector3d sight = Vector3d(random.uniform(-0.6, 0.6), random.uniform(-0.5, 0.5), 1).normalized();
+    const LightRay ray = traced(dome, sight);
+    const Vector3d point = ray.origin + random.uniform(0.05, 5.0) * ray.direction;
+    EXPECT_LT((apparentDirection(dome, point).normalized() - sight).norm(), kPortDirection);
+  }
+}
+
+TEST(DomePort, AboutTheCameraItIsNone) {
+  const DomePort<double> dome{true, Vector3d::Zero(), 0.2, 0.005};
+  const Vector3d point(0.3, -0.4, 1.2);
+  EXPECT_LT((apparentDirection(dome, point).normalized() - point.normalized()).norm(), kPortDirection);
+}
+
+/// Near the axis, a dome without thickness is one spherical surface: light that meets it in air at a height y
+/// and an angle u goes on in water at (u + 0.34 y / R) / 1.34 (Gauss).
+TEST(DomePort, NearTheAxisIsASphericalSurface) {
+  const double radius_m = 0.075, behind_m = 0.01, z_m = 1.5, x_m = 1e-3;
+  const DomePort<double> dome{true, Vector3d(0, 0, -behind_m), 0, 0};
+  const double camera_to_surface_m = radius_m - behind_m, water_m = z_m - camera_to_surface_m;
+  const double x_by_angle =
+      camera_to_surface_m + water_m * (1 + 0.34 * camera_to_surface_m / radius_m) / 1.34;
+  const Vector3d seen = apparentDirection(dome, Vector3d(x_m, 0, z_m));
+  EXPECT_NEAR(seen.x() / seen.z(), x_m / x_by_angle, 1e-8);
+}
+
+/// A fit may ask for what no camera fits into.
+TEST(DomePort, HoldsWhereTheCameraWouldBeOutside) {
+  const DomePort<double> dome{true, Vector3d(0, 0, 0.5), 0, 0.01};
+  EXPECT_TRUE(apparentDirection(dome, Vector3d(0.3, 0.2, 1)).allFinite());
+}
+
 /// A camera whose rows are read one after the other, by bisection on the row over its exact motion.
 TEST(RollingShutter, EachCornerIsSeenWhenItsRowIsRead) {
   Random random(4);
@@ -304,6 +338,7 @@ TEST(CameraProjector, PassesJetsOfThePointThroughPortAndRows) {
   Random random(6);
   auto projector = CameraProjector<double>::nominal({.k1 = -0.04});
   projector.port = {true, 0.05, 0.01, 0.02, -0.01, 0.1};
+  projector.dome = {true, {0.01, -0.005, 0.02}, 0.1, 0.005};
   projector.shutter = {true, 0.03};
   projector.velocity_camera = {0.5, -0.4, 0.3};
   projector.angular_velocity_camera = {0.2, 0.3, -0.5};

@@ -240,7 +240,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadVehicle{"Distortion", "k3: 0.0}", "k4: 0.0}", "camera.distortion (line 35)", "missing key `k3`"},
         BadVehicle{"HalfAPixel", "width_px: 640", "width_px: 640.5", "camera.width_px (line 29)",
                    "must be a whole number"},
-        BadVehicle{"LampWithoutName", "{name: port, ", "{", "lamps[0] (line 45)", "missing key `name`"}),
+        BadVehicle{"LampWithoutName", "{name: port, ", "{", "lamps[0] (line 46)", "missing key `name`"}),
     [](const auto& each) { return each.param.what; });
 
 }  // namespace
