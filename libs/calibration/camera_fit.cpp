@@ -85,6 +85,36 @@ std::vector<double> distancesOf(const CameraFit& fit, const BoardView& view, con
   return off;
 }
 
+using Jacobian = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// What one view tells of the camera once its pose is solved for.
+struct Told {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd score;
+  double squares = 0;  ///< of its residuals
+};
+Told toldOf(Eigen::MatrixXd by_camera, const Eigen::MatrixXd& by_pose, const Eigen::VectorXd& off) {
+  by_camera -= by_pose * by_pose.colPivHouseholderQr().solve(by_camera);
+  return {by_camera.transpose() * by_camera, by_camera.transpose() * off, off.squaredNorm()};
+}
+
+/// By how the camera would change without each view (jackknife to first order; Bell & McCaffrey 2002, CR3),
+/// since what a view's points are off by they have in common. What is known beforehand, `prior`, is known as
+/// well without a view. Few views cannot tell how they differ: then by points that are off each by itself.
+Eigen::MatrixXd covarianceOf(const std::vector<Told>& views, const Eigen::MatrixXd& prior, double sigma_px) {
+  Eigen::MatrixXd all = prior;
+  for (const Told& view : views) all += view.information;
+  const Eigen::MatrixXd inverse = all.inverse();
+  Eigen::MatrixXd covariance = sigma_px * sigma_px * inverse * prior * inverse;
+  if (std::ssize(views) <= all.rows()) return sigma_px * sigma_px * inverse;
+  const auto count = static_cast<double>(views.size());
+  for (const Told& view : views) {
+    const Eigen::VectorXd change = (all - view.information).ldlt().solve(view.score);
+    covariance += (count - 1) / count * change * change.transpose();
+  }
+  return covariance;
+}
+
 /// The bundle: one camera, a pose for each view, those points that are used.
 class Bundle {
  public:
@@ -126,8 +156,6 @@ class Bundle {
     note(problem, poses);
   }
 
-  /// The residuals' scale, and the camera's covariance: by how it would change without each view (jackknife
-  /// to first order; Bell & McCaffrey 2002, CR3), since what a view's points are off by they have in common.
   void note(ceres::Problem& problem, std::vector<PoseValues>& poses) {
     std::vector<double*> blocks{fit_.values.data()};
     for (PoseValues& pose : poses) blocks.push_back(pose.data());
@@ -136,41 +164,25 @@ class Bundle {
     std::vector<double> residuals;
     ceres::CRSMatrix crs;
     problem.Evaluate(what, nullptr, &residuals, nullptr, &crs);
-    const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> J(
-        crs.num_rows, crs.num_cols, std::ssize(crs.values), crs.rows.data(), crs.cols.data(),
-        crs.values.data());
-    const Eigen::Index count = std::ssize(fit_.unknowns);
-    std::vector<Eigen::MatrixXd> information;
-    std::vector<Eigen::VectorXd> score;
-    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(count, count);
-    double squares = 0;
+    const Jacobian J = Eigen::Map<const Jacobian>(crs.num_rows, crs.num_cols, std::ssize(crs.values),
+                                                  crs.rows.data(), crs.cols.data(), crs.values.data());
+    const Eigen::Index unknowns = std::ssize(fit_.unknowns);
+    std::vector<Told> told;
     Eigen::Index row = 0;
     for (std::size_t i = 0; i < views_.size(); ++i) {
-      const Eigen::Index rows = 2 * std::ssize(used_[i]), pose = count + 6 * static_cast<Eigen::Index>(i);
-      const Eigen::SparseMatrix<double, Eigen::RowMajor> own = J.middleRows(row, rows);
-      const Eigen::MatrixXd by_pose = Eigen::MatrixXd(own).middleCols(pose, 6);
-      Eigen::MatrixXd by_camera = Eigen::MatrixXd(own).leftCols(count);
-      by_camera -= by_pose * by_pose.colPivHouseholderQr().solve(by_camera);
-      const Eigen::Map<const Eigen::VectorXd> off(residuals.data() + row, rows);
-      squares += off.squaredNorm();
-      information.emplace_back(by_camera.transpose() * by_camera);
-      score.emplace_back(by_camera.transpose() * off);
-      all += information.back();
+      const Eigen::Index rows = 2 * std::ssize(used_[i]), pose = unknowns + 6 * static_cast<Eigen::Index>(i);
+      const Eigen::MatrixXd own(J.middleRows(row, rows));
+      told.push_back(toldOf(own.leftCols(unknowns), own.middleCols(pose, 6),
+                            Eigen::Map<const Eigen::VectorXd>(residuals.data() + row, rows)));
       row += rows;
     }
-    const Eigen::MatrixXd prior = Eigen::MatrixXd(J.bottomRows(J.rows() - row)).leftCols(count);
-    all += prior.transpose() * prior;
+    double squares = 0;
+    for (const Told& one : told) squares += one.squares;
     fit_.points = static_cast<std::size_t>(row / 2);
     fit_.sigma_px = std::sqrt(squares / std::max<double>(1, static_cast<double>(row - J.cols())));
     fit_.rms_px = std::sqrt(2 * squares / static_cast<double>(row));
-    // What is known beforehand is known as well without a view.
-    fit_.covariance =
-        fit_.sigma_px * fit_.sigma_px * all.inverse() * (prior.transpose() * prior) * all.inverse();
-    const auto views = static_cast<double>(views_.size());
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-      const Eigen::VectorXd without = (all - information[i]).ldlt().solve(score[i]);
-      fit_.covariance += (views - 1) / views * without * without.transpose();
-    }
+    const Eigen::MatrixXd prior = Eigen::MatrixXd(J.bottomRows(J.rows() - row)).leftCols(unknowns);
+    fit_.covariance = covarianceOf(told, prior.transpose() * prior, fit_.sigma_px);
   }
 
   /// A prior counts as what is known, points by how far they scatter.

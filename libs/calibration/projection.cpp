@@ -3,6 +3,7 @@
 #include <ceres/jet.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -67,8 +68,10 @@ std::vector<Vector2d> projectionDifference(const CameraFit& camera, const Camera
 }
 
 std::vector<double> projectionSigma(const CameraFit& camera, const ProjectionGrid& grid, Random& random) {
-  const Eigen::MatrixXd L = camera.covariance.llt().matrixL();
-  const Eigen::MatrixXd draws = L * random.normals(L.cols(), kDraws);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(camera.covariance);
+  const Eigen::MatrixXd root =
+      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  const Eigen::MatrixXd draws = root * random.normals(root.cols(), kDraws);
   std::vector<std::vector<Vector2d>> off(kDraws);
   parallelFor(kDraws, [&](int k) {
     CameraFit drawn = camera;

@@ -34,6 +34,19 @@ struct BeamBias {
                 .prior_sigma = 0.01,
                 .limit = 1,
                 .usual = "of beams 1, 2, 3, the fourth being right, within 0.02; of beam 4 alone: b, -b, b"}};
+  static constexpr DerivedParameter derived{.name = "beam", .unit = "", .size = 1};
+  /// The one that is off most, once all four have so much of + - + - that they are off least together.
+  static Vector3d derive(const double* p, const Vector3d&) {
+    const Eigen::Vector4d found(p[0], p[1], p[2], 0), unseen(1, -1, 1, -1);
+    Eigen::Vector4d least = found;
+    for (int k = 0; k < 3; ++k)
+      if (const Eigen::Vector4d other = found - found[k] * unseen[k] * unseen;
+          other.lpNorm<1>() < least.lpNorm<1>())
+        least = other;
+    Eigen::Index beam = 0;
+    least.cwiseAbs().maxCoeff(&beam);
+    return Vector3d::Constant(1.0 + static_cast<double>(beam));
+  }
   template <class T>
   static void apply(const T* p, Stage<T>& reading) {
     if (reading.beams.count() < 3) return;

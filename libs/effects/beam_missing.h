@@ -33,11 +33,15 @@ struct BeamMissing {
                      .prior_sigma = 0.3,
                      .limit = 1,
                      .positive = true,
-                     .optional = true,
                      .usual = "share of its speed that is lost: 1 of a beam that counts as zero"};
   };
   static constexpr std::array parameters{ofBeam("missing_1"), ofBeam("missing_2"), ofBeam("missing_3"),
                                          ofBeam("missing_4")};
+  static constexpr DerivedParameter derived{.name = "beam", .unit = "", .size = 1};
+  /// The one that lacks most.
+  static Vector3d derive(const double* p, const Vector3d&) {
+    return Vector3d::Constant(1.0 + static_cast<double>(std::max_element(p, p + 4) - p));
+  }
   template <class T>
   static void apply(const T* p, Stage<T>& reading) {
     if (reading.beams.count() < 3) return;

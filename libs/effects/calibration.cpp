@@ -35,7 +35,8 @@ void readParameter(const YamlMap& entry, const Parameter& parameter, double* val
     if (!isPossible(parameter, number)) throw entry.error(name, "must be 0 or more");
     if (parameter.kind == ParameterKind::marker_id && (number < 0 || number != std::floor(number)))
       throw entry.error(name, "must be a whole number, 0 or more");
-    *values++ = parameter.squared ? number * number : number;
+    if (parameter.at_zero > 0 && !(number > 0)) throw entry.error(name, "must be greater than 0");
+    *values++ = asHeld(parameter, number);
   }
 }
 

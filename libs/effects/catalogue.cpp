@@ -56,12 +56,19 @@ std::size_t effectOf(std::size_t scalar) {
 double sizeOf(std::size_t scalar, double value) { return isSize(parameterOf(scalar).kind) ? value : 0; }
 
 double asNamed(const Parameter& parameter, double value) {
+  if (parameter.at_zero > 0) return parameter.at_zero * std::exp(value);
   return parameter.squared ? std::sqrt(std::max(0.0, value)) : value;
+}
+
+double asHeld(const Parameter& parameter, double named) {
+  if (parameter.at_zero > 0) return std::log(named / parameter.at_zero);
+  return parameter.squared ? named * named : named;
 }
 
 /// Where less than nothing is as likely as more, the root has no derivative: then the root of the largest
 /// value that is still likely.
 double sigmaAsNamed(const Parameter& parameter, double value, double sigma) {
+  if (parameter.at_zero > 0) return asNamed(parameter, value) * sigma;
   return parameter.squared ? sigma / std::sqrt(4 * std::max(value, 0.25 * sigma)) : sigma;
 }
 

@@ -22,7 +22,7 @@ struct EffectInfo {
   const DerivedParameter* derived = nullptr;  ///< null: there is none
   /// It acts on an instrument, of which a vehicle may have several, not on the world.
   bool is_of_instrument = true;
-  /// Its value by the effect's scalars and the water's attenuation.
+  /// Its value by the effect's scalars and the water's attenuation; the first of derived->size count.
   Vector3d (*derive)(const double* p, const Vector3d& attenuation_per_m) = nullptr;
 
   std::vector<std::string_view> confusedWith() const;
@@ -40,6 +40,8 @@ double sizeOf(std::size_t scalar, double value);
 /// What people know as the parameter, in its unit, of what EffectParameters hold: another only where it is
 /// squared.
 double asNamed(const Parameter& parameter, double value);
+/// The inverse, of a value that is possible.
+double asHeld(const Parameter& parameter, double named);
 /// The same of a standard deviation about that value.
 double sigmaAsNamed(const Parameter& parameter, double value, double sigma);
 /// Whether a parameter can have this value: not less than nothing of what is positive.

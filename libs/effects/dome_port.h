@@ -18,7 +18,9 @@ struct DecentredDome {
       .equation =
           "n sin(theta) is the same in air (1), glass (1.5) and water (1.34), theta from the normal of "
           "concentric spheres\n"
-          "outer radius 75 mm e^log_radius, inner radius glass_m less, centre at centre_m, camera frame",
+          "outer radius radius_m, inner radius thickness_m less; the camera is at offset_m from their "
+          "centre, in "
+          "its own axes",
       .source =
           "She, Nakath, Song & Koeser 2022 (refractive geometry for underwater domes); a camera in the "
           "dome's centre sees as in air, with which the intrinsics are",
@@ -27,31 +29,35 @@ struct DecentredDome {
           "Markers near and far, across the whole image: along the axis it is a focal length with some "
           "distortion that changes with range, aside an image that is tilted"};
   static constexpr std::array parameters{
-      Parameter{.name = "centre_m",
-                .unit = "m",
-                .size = 3,
-                .prior_sigma = 0.005,
-                .limit = 1.0,
-                .usual = "the dome's centre from the camera's, within 0.01 of a port that was centred"},
-      Parameter{.name = "log_radius",
-                .unit = "1",
-                .prior_sigma = 0.4,
-                .limit = 4.0,
-                .kind = ParameterKind::shape,
-                .optional = true,
-                .usual = "ln of the outer radius over 75 mm; domes of 4 to 8 inches: -0.4 to 0.3"},
-      Parameter{.name = "glass_m",
+      Parameter{
+          .name = "offset_m",
+          .unit = "m",
+          .size = 3,
+          .prior_sigma = 0.005,
+          .limit = 1.0,
+          .usual =
+              "the camera's centre from the dome's, camera axes, within 0.01 of a port that was centred"},
+      Parameter{
+          .name = "radius_m",
+          .unit = "m",
+          .prior_sigma = 0.4,
+          .limit = 10.0,
+          .kind = ParameterKind::shape,
+          .at_zero = kUsualDome_m,
+          .optional = true,
+          .usual = "of the outer sphere; domes of 4 to 8 inches: 0.05 to 0.1; known to a factor of 1.5"},
+      Parameter{.name = "thickness_m",
                 .unit = "m",
                 .prior_sigma = 0.005,
                 .limit = 0.1,
                 .kind = ParameterKind::shape,
                 .positive = true,
                 .optional = true,
-                .usual = "thickness, 0.003 to 0.01"}};
+                .usual = "of the glass, 0.003 to 0.01"}};
   template <class T>
   static void apply(const T* p, Stage<T>& dome) {
     dome.present = true;
-    for (int i = 0; i < 3; ++i) dome.centre_m[i] += p[i];
+    for (int i = 0; i < 3; ++i) dome.centre_m[i] -= p[i];
     dome.log_radius += p[3];
     dome.glass_m += p[4];
   }

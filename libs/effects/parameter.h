@@ -49,6 +49,9 @@ struct Parameter {
   /// reports have the root, see asNamed(). Or else nothing could be told of it at zero, where a derivative by
   /// it is zero.
   bool squared = false;
+  /// Files and reports have this times the exponential of what EffectParameters and prior_sigma hold: of what
+  /// has a usual value that is not zero. 0: they have the value itself.
+  double at_zero = 0;
   bool optional = false;  ///< a calibration file may leave it out: zero
   /// A value from which a fit finds what it may miss from zero: of a camera by itself, which may stand
   /// anywhere, both are tried. 0: zero will do.
@@ -60,7 +63,8 @@ struct Parameter {
 /// What people know an effect by, where that is its parameters and the water's: results have it, calibration
 /// files do not.
 struct DerivedParameter {
-  std::string_view name{}, unit{};  ///< red, green, blue
+  std::string_view name{}, unit{};
+  int size = 3;  ///< red, green, blue; or 1
 };
 
 }  // namespace fathom

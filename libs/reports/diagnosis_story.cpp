@@ -52,8 +52,10 @@ std::vector<FoundParameter> parametersOf(const FoundEffect& effect, const Diagno
   }
   if (info.derived != nullptr) {
     const Vector3d value = info.derive(calibration.values.data() + info.first_scalar, state.water.head<3>());
-    parameters.push_back(
-        {std::string(info.derived->name), std::string(info.derived->unit), {value.begin(), value.end()}, {}});
+    parameters.push_back({std::string(info.derived->name),
+                          std::string(info.derived->unit),
+                          {value.begin(), value.begin() + info.derived->size},
+                          {}});
   }
   return parameters;
 }

@@ -25,7 +25,7 @@ EffectParameters<double> truthOf(const ProofCase& proof_case) {
         if (value == hidden.at("parameters").end()) continue;
         const double named =
             parameter.size == 1 ? value->get<double>() : value->at(static_cast<std::size_t>(i)).get<double>();
-        truth.values[scalar] = parameter.squared ? named * named : named;
+        truth.values[scalar] = asHeld(parameter, named);
       }
   }
   return truth;

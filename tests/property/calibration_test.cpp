@@ -60,6 +60,7 @@ Error errorOf(const std::string& text) {
 /// So many zeros, but for the last, as a file has them; of a sensor, one that there is.
 std::string valueText(const Parameter& p, const std::string& last = "0") {
   if (p.kind == ParameterKind::sensor) return "INS";
+  if (p.at_zero > 0 && last == "0") return "1";  // it has no zero
   std::string text;
   for (int i = 1; i < p.size; ++i) text += "0, ";
   return p.size == 1 ? last : "[" + text + last + "]";
@@ -82,6 +83,7 @@ TEST(CalibrationFile, BadCalibrationIsRefused) {
       const std::string name(p.name), where = "effects[0]." + name + " (line 2)";
       EXPECT_EQ(errorOf("effects:" + entry(effect, name, "[0, 0, 0, 0]")).where, where);
       EXPECT_EQ(errorOf("effects:" + entry(effect, name, p.size == 1 ? "[0, 0, 0]" : "0")).where, where);
+      if (p.at_zero > 0) EXPECT_EQ(errorOf("effects:" + entry(effect, name, "0")).where, where);
       if (p.kind == ParameterKind::sensor) {
         EXPECT_EQ(errorOf("effects:" + entry(effect, name, "SONAR")).where, where);
         EXPECT_EQ(errorOf("effects:" + entry(effect, name, "1")).where, where);

@@ -45,10 +45,10 @@ PhaseFunction fournierForand(double index, double slope) {
   };
 }
 
-/// Straight between logarithms: it falls by powers of the angle.
+/// Straight between logarithms, and before the first: it falls by powers of the angle.
 PhaseFunction petzold() {
   return [](double cosine) {
-    const double angle_deg = std::max(degreesOf(cosine), kPetzold.front().angle_deg);
+    const double angle_deg = std::max(degreesOf(cosine), 1e-4);
     const auto* above = std::upper_bound(kPetzold.begin() + 1, kPetzold.end() - 1, angle_deg,
                                          [](double angle, const Measured& m) { return angle < m.angle_deg; });
     const Measured &a = *(above - 1), &b = *above;

@@ -40,9 +40,9 @@ TrueCamera::TrueCamera(const Camera& nominal, const SealedCase& sealed, double t
                           number("flat-port-refraction", "tilt_y_deg"), 0);
   normal_ = expSO3<double>(tilt_deg * radians(1.0)).col(2);
   has_dome_ = sealed.find("dome-port", t_s) != nullptr;
-  dome_centre_ = sealed.vector("dome-port", "centre_m", t_s);
-  dome_outer_m_ = kUsualDome_m * std::exp(number("dome-port", "log_radius"));
-  dome_inner_m_ = dome_outer_m_ - number("dome-port", "glass_m");
+  dome_centre_ = -sealed.vector("dome-port", "offset_m", t_s);
+  dome_outer_m_ = number("dome-port", "radius_m") > 0 ? number("dome-port", "radius_m") : kUsualDome_m;
+  dome_inner_m_ = dome_outer_m_ - number("dome-port", "thickness_m");
 }
 
 /// Brown 1966, in OpenCV's notation.

@@ -120,7 +120,7 @@ const std::vector<EffectKind>& effectKinds() {
         {"missing_4", 1, false, true}}},
       // Of the first three beams.
       {"beam-bias", false, {{"bias_m_s", 3}}},
-      {"dome-port", false, {{"centre_m", 3}, {"log_radius", 1, false}, {"glass_m", 1, false, true}}}};
+      {"dome-port", false, {{"offset_m", 3}, {"radius_m", 1, false, true}, {"thickness_m", 1, false, true}}}};
   return kinds;
 }
 

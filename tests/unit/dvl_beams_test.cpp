@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/QR>
+#include <array>
 
 #include "core/random.h"
 #include "sensors/dvl.h"
@@ -56,6 +57,18 @@ TEST(DvlBeams, AFourthBeamsBiasIsOneOfTheOthers) {
              solved(sheet, Vector3d::Zero(), Eigen::Vector4d::Ones(), Eigen::Vector4d(0, 0, 0, 0.02)))
                 .norm(),
             1e-12);
+}
+
+TEST(DvlBeams, TheBeamIsTold) {
+  const auto beamOf = [](const auto&... p) {
+    const std::array values{p...};
+    return values.size() == 3 ? BeamBias::derive(values.data(), {})[0]
+                              : BeamMissing::derive(values.data(), {})[0];
+  };
+  EXPECT_EQ(beamOf(0.001, 0.02, -0.001), 2);
+  EXPECT_EQ(beamOf(0.02, 0.0, 0.001), 1);
+  EXPECT_EQ(beamOf(0.021, -0.019, 0.02), 4);
+  EXPECT_EQ(beamOf(0.0, 0.1, 1.0, 0.0), 3);
 }
 
 TEST(DvlBeams, AMissingBeamIsSolvedForAsADvlDoes) {

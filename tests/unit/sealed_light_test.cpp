@@ -207,7 +207,8 @@ double sphereMean(const PhaseFunction& phase, double from_deg) {
   return sum;
 }
 
-// What is measured from 0.1 degrees on lacks some of what is ahead; Mobley 1994 has 0.0183 of it behind.
+// What was measured begins at 0.1 degrees, before which it is extrapolated; Mobley 1994 has 0.0183 of it
+// behind.
 TEST(SealedLamps, PhaseFunctionsAreOfOneWhole) {
   EXPECT_NEAR(sphereMean(henyeyGreenstein(0.9), 0), 1, 0.002);
   EXPECT_NEAR(sphereMean(henyeyGreenstein(0), 0), 1, 0.002);
