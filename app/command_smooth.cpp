@@ -37,7 +37,8 @@ void readEffects(const SmoothOptions& options, BatchOptions& batch) {
       batch.calibration.only[effect->index] = *instance;
     }
     for (const Parameter& p : effect->parameters)
-      if (p.kind != ParameterKind::continuous && !batch.calibration.on[effect->index])
+      if (p.kind != ParameterKind::continuous && p.kind != ParameterKind::shape &&
+          !batch.calibration.on[effect->index])
         throw Error("--estimate", id,
                     "its " + std::string(p.name) + " is not estimated: name it in the --calibration file");
     batch.calibration.on.set(effect->index);

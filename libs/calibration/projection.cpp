@@ -24,7 +24,7 @@ std::vector<Vector3d> pointsOn(const ProjectionGrid& grid, const CameraFit& came
   std::vector<Vector3d> points;
   for (const Vector2d& pixel : grid.pixels) {
     const SightLine<double> line = projector.lineOfSight(pixel);
-    points.push_back(line.origin + grid.range_m * line.direction);
+    points.emplace_back(line.origin + grid.range_m * line.direction);
   }
   return points;
 }

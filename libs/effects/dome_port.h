@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "effects/effect_text.h"
 #include "effects/parameter.h"
@@ -34,7 +35,7 @@ struct DecentredDome {
           .unit = "m",
           .size = 3,
           .prior_sigma = 0.005,
-          .limit = 1.0,
+          .limit = 0.1,
           .usual =
               "the camera's centre from the dome's, camera axes, within 0.01 of a port that was centred"},
       Parameter{
@@ -48,18 +49,19 @@ struct DecentredDome {
           .usual = "of the outer sphere; domes of 4 to 8 inches: 0.05 to 0.1; known to a factor of 1.5"},
       Parameter{.name = "thickness_m",
                 .unit = "m",
-                .prior_sigma = 0.005,
-                .limit = 0.1,
+                .prior_sigma = 0.5,
+                .limit = 1.0,
                 .kind = ParameterKind::shape,
-                .positive = true,
+                .at_zero = kUsualDomeGlass_m,
                 .optional = true,
-                .usual = "of the glass, 0.003 to 0.01"}};
+                .usual = "of the glass, 0.003 to 0.01; known to a factor of 1.6"}};
   template <class T>
   static void apply(const T* p, Stage<T>& dome) {
     dome.present = true;
     for (int i = 0; i < 3; ++i) dome.centre_m[i] -= p[i];
     dome.log_radius += p[3];
-    dome.glass_m += p[4];
+    using std::exp;
+    dome.glass_m += kUsualDomeGlass_m * exp(p[4]);
   }
 };
 

@@ -115,7 +115,7 @@ struct FlatPort {
   T window_m = T(0);  ///< way to it through what the intrinsics are for, such as air before an aquarium
 };
 
-inline constexpr double kUsualDome_m = 0.075;  ///< outer radius
+inline constexpr double kUsualDome_m = 0.075, kUsualDomeGlass_m = 0.005;  ///< outer radius, thickness
 
 /// A dome before the camera: air inside, a shell of glass, water behind. See imaging/dome_port.h.
 template <class T>

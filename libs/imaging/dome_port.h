@@ -37,8 +37,10 @@ Vector3<T> leaves(const SightLine<T>& line, const Vector3<T>& centre, const T& r
   return line.origin + (sqrt(half * half - out.squaredNorm() + radius_m * radius_m) - half) * line.direction;
 }
 
-/// Of a dome, so much of its inner radius at most may lie between its centre and the camera's.
-inline constexpr double kFarthestInDome = 0.95;
+/// Of a dome, so much of its inner radius at most may lie between its centre and the camera's, and so much of
+/// its outer radius at most is glass: a fit may try what no camera fits into, or a ball of glass.
+inline constexpr double kFarthestInDome = 0.95, kThickest = 0.5;
+inline constexpr double kMissed = 1e-6;  ///< see missOf()
 
 }  // namespace detail
 
@@ -47,9 +49,10 @@ template <class T, class P>
 SightLine<T> lightBehind(const DomePort<P>& dome, const Vector3<T>& apparent) {
   using std::exp;
   const T outer_m = T(kUsualDome_m) * exp(T(dome.log_radius));
-  T inner_m = outer_m - T(dome.glass_m);
+  T glass_m(dome.glass_m);
+  if (glass_m > detail::kThickest * outer_m) glass_m = T(detail::kThickest * outer_m);
+  T inner_m = outer_m - glass_m;
   const Vector3<T> centre = dome.centre_m.template cast<T>();
-  // A fit may try what no camera fits into.
   const double least_m = centre.squaredNorm() > 0 ? valueOf(centre.norm()) / detail::kFarthestInDome : 0.0;
   if (inner_m < least_m) inner_m = T(least_m);
   SightLine<T> line{Vector3<T>::Zero(), apparent.normalized()};
@@ -59,7 +62,7 @@ SightLine<T> lightBehind(const DomePort<P>& dome, const Vector3<T>& apparent) {
     line.direction = detail::refracted(line.direction, normal, index / next_index);
   };
   passInto(1, kGlassIndex, inner_m);
-  passInto(kGlassIndex, kWaterIndex, T(inner_m + T(dome.glass_m)));
+  passInto(kGlassIndex, kWaterIndex, T(inner_m + glass_m));
   line.direction.normalize();
   return line;
 }
@@ -79,7 +82,8 @@ struct Apparent {
   Vector2d direction;                                      ///< (x, y, 1)
   Eigen::Matrix2d miss_by = -Eigen::Matrix2d::Identity();  ///< derivative of missOf() there
 };
-/// Newton's method from straight ahead to the point.
+/// Newton's method from straight ahead to the point, by steps that are not too long. A point that no light
+/// reaches the camera from is seen far aside.
 Apparent solveApparent(const DomePort<double>& dome, const Vector3d& point_camera);
 
 template <class P>
@@ -101,6 +105,8 @@ Vector3<T> apparentDirection(const DomePort<P>& dome, const Vector3<T>& point_ca
   const detail::Apparent root = detail::solveApparent(detail::plain(dome), point);
   const Vector2<T> at = root.direction.template cast<T>();
   const Vector2<T> miss = detail::missOf(dome, at, point_camera);
+  // What is no root has no derivatives.
+  if (!(std::hypot(valueOf(miss.x()), valueOf(miss.y())) < detail::kMissed)) return {at.x(), at.y(), T(1)};
   const Vector2<T> found = at - root.miss_by.inverse().template cast<T>() * miss;
   return {found.x(), found.y(), T(1)};
 }

@@ -32,7 +32,8 @@ EffectParameters<double> portOf(const CameraFit& fit) {
     effects.add<FlatPortRefraction>(
         {value(12), fit.setting.glass_m, value(13), value(14), kWaterIndex - 1, 0, 0});
   if (fit.kind->port == CameraKind::Port::dome)
-    effects.add<DecentredDome>({-value(15), -value(16), -value(17), value(18), fit.setting.glass_m});
+    effects.add<DecentredDome>(
+        {-value(15), -value(16), -value(17), value(18), std::log(fit.setting.glass_m / kUsualDomeGlass_m)});
   return effects;
 }
 

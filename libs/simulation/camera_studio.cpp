@@ -83,8 +83,8 @@ CameraStudio::CameraStudio(CameraWorld world, const CameraSheet& sheet, std::vec
       lamps_(std::move(lamps)),
       effects_(withoutDraws(effects)),
       panels_move_(movesPanels(effects)),
-      scene_changes_(panels_move_ || anyActsAt<FlatPort<double>>(effects) || anyActsAt<DomePort<double>>(effects) ||
-                     anyActsAt<Shutter<double>>(effects)),
+      scene_changes_(panels_move_ || anyActsAt<FlatPort<double>>(effects) ||
+                     anyActsAt<DomePort<double>>(effects) || anyActsAt<Shutter<double>>(effects)),
       threads_(std::make_unique<Threads>()) {}
 
 CameraStudio::~CameraStudio() = default;

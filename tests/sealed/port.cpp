@@ -7,7 +7,7 @@ namespace fathom::sealed {
 namespace {
 
 constexpr double kAir = 1.0, kGlass = 1.5, kWater = 1.34;
-constexpr double kUsualDome_m = 0.075;
+constexpr double kUsualDome_m = 0.075, kUsualDomeGlass_m = 0.005;
 constexpr double kBeforeCamera_m = 0.05;
 constexpr double kWidest = 0.9;  // tangent off the axis: farther out the distortion's polynomial folds back
 constexpr int kPortSteps = 100;
@@ -42,7 +42,8 @@ TrueCamera::TrueCamera(const Camera& nominal, const SealedCase& sealed, double t
   has_dome_ = sealed.find("dome-port", t_s) != nullptr;
   dome_centre_ = -sealed.vector("dome-port", "offset_m", t_s);
   dome_outer_m_ = number("dome-port", "radius_m") > 0 ? number("dome-port", "radius_m") : kUsualDome_m;
-  dome_inner_m_ = dome_outer_m_ - number("dome-port", "thickness_m");
+  const double glass_m = number("dome-port", "thickness_m");
+  dome_inner_m_ = dome_outer_m_ - (glass_m > 0 ? glass_m : kUsualDomeGlass_m);
 }
 
 /// Brown 1966, in OpenCV's notation.

@@ -291,10 +291,19 @@ TEST(DomePort, NearTheAxisIsASphericalSurface) {
   EXPECT_NEAR(seen.x() / seen.z(), x_m / x_by_angle, 1e-8);
 }
 
-/// A fit may ask for what no camera fits into.
-TEST(DomePort, HoldsWhereTheCameraWouldBeOutside) {
-  const DomePort<double> dome{true, Vector3d(0, 0, 0.5), 0, 0.01};
-  EXPECT_TRUE(apparentDirection(dome, Vector3d(0.3, 0.2, 1)).allFinite());
+/// A fit may ask for what no camera fits into, or for a ball of glass.
+TEST(DomePort, HoldsWhereThereIsNoRoomForTheCamera) {
+  for (const DomePort<double>& dome : {DomePort<double>{true, Vector3d(0, 0, 0.5), 0, 0.01},
+                                       DomePort<double>{true, Vector3d(0, 0, 0.001), 0, 1}}) {
+    const Vector3d seen = apparentDirection(dome, Vector3d(0.3, 0.2, 1));
+    EXPECT_TRUE(seen.allFinite());
+    EXPECT_LT((seen - Vector3d(0.3, 0.2, 1)).norm(), 1);
+  }
+  // Far to the side, where light of no direction arrives from.
+  const DomePort<double> back{true, {0.0015, 0.001, -0.033}, 0, 0.3};
+  for (const double x : {0.6, 0.9, 1.2, 5.0})
+    for (const double z : {0.35, 0.5, 1.0})
+      EXPECT_TRUE(apparentDirection(back, Vector3d(x, 0.05, z)).allFinite());
 }
 
 /// A camera whose rows are read one after the other, by bisection on the row over its exact motion.
