@@ -7,6 +7,7 @@
 
 #include "core/median.h"
 #include "core/parallel.h"
+#include "core/progress.h"
 
 namespace fathom {
 namespace {
@@ -34,6 +35,7 @@ template <class Fit>
 Squares heldOutSquares(const std::vector<BoardView>& views, bool judged_in_water, int folds, const Fit& fit) {
   Squares squares;
   for (int fold = 0; fold < folds; ++fold) {
+    if (interrupted()) throw Interrupted{};
     std::vector<BoardView> fitted, judged;
     for (std::size_t i = 0; i < views.size(); ++i) {
       const bool is_out = static_cast<int>(i) % folds == fold && views[i].in_water == judged_in_water;
