@@ -34,6 +34,8 @@ std::vector<BoardView> viewsOf(const CalibrateOptions& options) {
 
 void calibrateCamera(CalibrateOptions options, const RunContext& context) {
   if (options.air.empty() && options.water.empty()) throw Error("--air", "", "or --water is needed");
+  for (const std::string& id : options.selection.kinds)
+    if (findCameraKind(id) == nullptr) throw Error("--kind", id, "no such kind of camera");
   const auto [width_px, height_px] = imageSizeOf("--image-size", options.image_size);
   options.setting.width_px = width_px;
   options.setting.height_px = height_px;

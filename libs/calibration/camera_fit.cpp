@@ -24,8 +24,7 @@ constexpr double kMedianOfRayleigh = 1.1774;  // of a point's distance, in sigma
 using PoseValues = std::array<double, 6>;  ///< rotation vector, position
 
 PoseValues valuesOf(const Pose& pose) {
-  const Eigen::AngleAxisd turn(pose.rotation);
-  const Vector3d r = turn.angle() * turn.axis();
+  const Vector3d r = logSO3<double>(pose.rotation);
   return {r.x(), r.y(), r.z(), pose.position.x(), pose.position.y(), pose.position.z()};
 }
 Pose poseOf(const PoseValues& v) { return {expSO3<double>(Vector3d(v[0], v[1], v[2])), {v[3], v[4], v[5]}}; }
@@ -310,18 +309,13 @@ CameraFit fitByOpenCv(const std::vector<BoardView>& views, const CameraSetting& 
   return fit;
 }
 
-Pose poseOfView(const CameraFit& camera, const BoardView& view, const std::optional<Pose>& start) {
-  PoseValues pose{};
-  if (start) {
-    pose = valuesOf(*start);
-  } else {
-    const CvPoints given = forOpenCv({view});
-    const cv::Mat K = (cv::Mat_<double>(3, 3) << camera.values[0], 0, camera.values[2], 0, camera.values[1],
-                       camera.values[3], 0, 0, 1);
-    cv::Mat turn, shift;
-    cv::solvePnP(given.points[0], given.pixels[0], K, {}, turn, shift);
-    pose = valuesOf(poseOf(turn, shift));
-  }
+Pose poseOfView(const CameraFit& camera, const BoardView& view) {
+  const CvPoints given = forOpenCv({view});
+  const cv::Mat K = (cv::Mat_<double>(3, 3) << camera.values[0], 0, camera.values[2], 0, camera.values[1],
+                     camera.values[3], 0, 0, 1);
+  cv::Mat turn, shift;
+  cv::solvePnP(given.points[0], given.pixels[0], K, {}, turn, shift);
+  PoseValues pose = valuesOf(poseOf(turn, shift));
   CameraValues values = camera.values;
   ceres::Problem problem;
   problem.AddResidualBlock(costOf(view, *camera.kind, camera.setting, allOf(view)), nullptr, values.data(),

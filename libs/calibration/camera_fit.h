@@ -51,8 +51,7 @@ CameraFit fitCamera(const std::vector<BoardView>& views, const CameraKind& kind,
 /// Pinhole and plumb-bob lens as cv::calibrateCamera() finds them, with its sigmas: what others have.
 CameraFit fitByOpenCv(const std::vector<BoardView>& views, const CameraSetting& setting);
 
-/// Where a camera stands that sees the view so. By robust least squares from `start`, or from the pose that
-/// fits a pinhole.
-Pose poseOfView(const CameraFit& camera, const BoardView& view, const std::optional<Pose>& start = {});
+/// Where a camera stands that sees the view so: by least squares, from the pose that fits a pinhole.
+Pose poseOfView(const CameraFit& camera, const BoardView& view);
 
 }  // namespace fathom

@@ -76,6 +76,7 @@ class Selection {
 
   CameraSelection run() {
     const std::vector<const CameraKind*> kinds = kindsToTry();
+    selection_.by_opencv = fitByOpenCv(judged_, setting_);
     std::vector<std::optional<Tried>> tried(kinds.size());
     std::vector<std::string> why(kinds.size());
     parallelFor(kinds.size(), [&](std::size_t i) {
@@ -100,7 +101,6 @@ class Selection {
     selection_.grid = gridFor(chosen);
     Random random = Random::stream(options_.seed, 1);
     selection_.sigma_px = projectionSigma(chosen, selection_.grid, random);
-    selection_.by_opencv = fitByOpenCv(judged_, setting_);
     selection_.opencv_heldout_rms_px =
         std::sqrt(meanOf(heldOutSquares(judged_, has_water_, options_.folds,
                                         [&](const auto& fitted) { return fitByOpenCv(fitted, setting_); })));
@@ -135,7 +135,9 @@ class Selection {
   Tried tryKind(const CameraKind& kind) const {
     const std::vector<BoardView>& views = viewsFor(kind);
     Tried tried;
-    tried.result.fit = fitCamera(views, kind, setting_);
+    const bool is_without_port = kind.port == CameraKind::Port::none;
+    tried.result.fit =
+        fitCamera(views, kind, setting_, is_without_port ? selection_.by_opencv : std::nullopt);
     const auto again = [&](const std::vector<BoardView>& some) {
       return fitCamera(some, kind, setting_, tried.result.fit);
     };

@@ -179,7 +179,7 @@ HeldOutGain HoldOut::holdOutFold(int fold) {
   std::vector<Eigen::Index> in_train, in_test;
   for (Eigen::Index i = 0; i < model_.residual().size(); ++i) {
     const bool is_test = !isPrior(i) && stretches_.foldOf(bare_.rows[static_cast<std::size_t>(i)]) == fold;
-    if (is_test || isPrior(i)) in_test.push_back(i);
+    if (options_.yardsticks && (is_test || isPrior(i))) in_test.push_back(i);
     if (!is_test) in_train.push_back(i);
   }
   const RowsAlone train(model_, std::move(in_train));

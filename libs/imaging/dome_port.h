@@ -10,7 +10,7 @@
 #include "imaging/flat_port.h"
 
 /// A camera behind a dome port: air | glass | water between concentric spheres. Light is bent at each of them
-/// by Snell's law about the sphere's normal there (She, Weidner, Nagel, Koch & Koeser 2022). Where the
+/// by Snell's law about the sphere's normal there (She, Nakath, Song & Koeser 2022). Where the
 /// camera's centre is the dome's, all light comes along normals: it is no port at all, and the nominal
 /// intrinsics, those of a calibration in air, hold.
 namespace fathom {
@@ -40,7 +40,6 @@ Vector3<T> leaves(const SightLine<T>& line, const Vector3<T>& centre, const T& r
 /// Of a dome, so much of its inner radius at most may lie between its centre and the camera's, and so much of
 /// its outer radius at most is glass: a fit may try what no camera fits into, or a ball of glass.
 inline constexpr double kFarthestInDome = 0.95, kThickest = 0.5;
-inline constexpr double kLightMissed = 1e-6;  ///< see missOf()
 
 }  // namespace detail
 
@@ -106,8 +105,7 @@ Vector3<T> apparentDirection(const DomePort<P>& dome, const Vector3<T>& point_ca
   const Vector2<T> at = root.direction.template cast<T>();
   const Vector2<T> miss = detail::missOf(dome, at, point_camera);
   // What is no root has no derivatives.
-  if (!(std::hypot(valueOf(miss.x()), valueOf(miss.y())) < detail::kLightMissed))
-    return {at.x(), at.y(), T(1)};
+  if (!(std::hypot(valueOf(miss.x()), valueOf(miss.y())) < detail::kMissed)) return {at.x(), at.y(), T(1)};
   const Vector2<T> found = at - root.miss_by.inverse().template cast<T>() * miss;
   return {found.x(), found.y(), T(1)};
 }

@@ -103,11 +103,13 @@ struct PortCrossing {
 /// that no light reaches the camera from (beyond the critical angle) is seen along the port.
 double solveSlope(const PortCrossing<double>& port);
 
+/// What misses by more, as a share of the distance, is no root.
+inline constexpr double kMissed = 1e-6;
+
 /// One Newton step in T, which gives a root its derivatives (implicit function). What is no root, beyond the
 /// critical angle, has none.
 template <class T>
 T withDerivatives(double root, const T& miss, double by_root) {
-  constexpr double kMissed = 1e-6;
   return std::abs(valueOf(miss)) > kMissed ? T(root) : T(root) - miss / by_root;
 }
 

@@ -26,16 +26,32 @@ FlatPort<double> randomPort(Random& random) {
           0};
 }
 
-TEST(FlatPort, SeesWhereTheTracedLightGoes) {
-  Random random(1);
+/// 1000 ports, as `make` draws them, each asked for what a traced line of sight says.
+template <class MakePort>
+void expectSeenWhereTracedLightGoes(std::uint64_t seed, const MakePort& make) {
+  Random random(seed);
   for (int i = 0; i < 1000; ++i) {
-    const FlatPort<double> port = randomPort(random);
+    const auto port = make(random);
     const Vector3d sight = Vector3d(random.uniform(-0.6, 0.6), random.uniform(-0.5, 0.5), 1).normalized();
     const LightRay ray = traced(port, sight);
     const Vector3d point = ray.origin + random.uniform(0.05, 5.0) * ray.direction;
     EXPECT_LT((apparentDirection(port, point).normalized() - sight).norm(), kPortDirection);
   }
 }
+template <class MakePort>
+void expectLightBehindIsTheTracedOne(std::uint64_t seed, const MakePort& make) {
+  Random random(seed);
+  for (int i = 0; i < 1000; ++i) {
+    const auto port = make(random);
+    const Vector3d sight = Vector3d(random.uniform(-0.6, 0.6), random.uniform(-0.5, 0.5), 1).normalized();
+    const LightRay expected = traced(port, sight);
+    const SightLine<double> line = lightBehind(port, sight);
+    EXPECT_LT((line.origin - expected.origin).norm(), kPortDirection);
+    EXPECT_LT((line.direction - expected.direction).norm(), kPortDirection);
+  }
+}
+
+TEST(FlatPort, SeesWhereTheTracedLightGoes) { expectSeenWhereTracedLightGoes(1, randomPort); }
 
 TEST(FlatPort, TheLightOfWhatIsSeenPassesThroughThePoint) {
   Random random(2);
@@ -58,17 +74,7 @@ TEST(FlatPort, WithoutThicknessIsNoPort) {
   }
 }
 
-TEST(FlatPort, LightBehindItIsTheTracedOne) {
-  Random random(6);
-  for (int i = 0; i < 1000; ++i) {
-    const FlatPort<double> port = randomPort(random);
-    const Vector3d sight(random.uniform(-0.6, 0.6), random.uniform(-0.5, 0.5), 1);
-    const LightRay traced_ray = traced(port, sight);
-    const SightLine<double> line = lightBehind(port, sight);
-    EXPECT_LT((line.origin - traced_ray.origin).norm(), kPortDirection);
-    EXPECT_LT((line.direction - traced_ray.direction).norm(), kPortDirection);
-  }
-}
+TEST(FlatPort, LightBehindItIsTheTracedOne) { expectLightBehindIsTheTracedOne(6, randomPort); }
 
 TEST(FlatPort, LightBehindItComesFromThePoint) {
   Random random(7);
@@ -250,28 +256,9 @@ DomePort<double> randomDome(Random& random) {
   return {true, 0.01 * random.normal3(), random.uniform(-0.5, 0.5), random.uniform(0.002, 0.01)};
 }
 
-TEST(DomePort, LightBehindItIsTheTracedOne) {
-  Random random(11);
-  for (int i = 0; i < 1000; ++i) {
-    const DomePort<double> dome = randomDome(random);
-    const Vector3d sight = Vector3d(random.uniform(-0.6, 0.6), random.uniform(-0.5, 0.5), 1).normalized();
-    const LightRay expected = traced(dome, sight);
-    const SightLine<double> line = lightBehind(dome, sight);
-    EXPECT_LT((line.origin - expected.origin).norm(), kPortDirection);
-    EXPECT_LT((line.direction - expected.direction).norm(), kPortDirection);
-  }
-}
+TEST(DomePort, LightBehindItIsTheTracedOne) { expectLightBehindIsTheTracedOne(11, randomDome); }
 
-TEST(DomePort, SeesWhereTheTracedLightGoes) {
-  Random random(12);
-  for (int i = 0; i < 1000; ++i) {
-    const DomePort<double> dome = randomDome(random);
-    const Vector3d sight = Vector3d(random.uniform(-0.6, 0.6), random.uniform(-0.5, 0.5), 1).normalized();
-    const LightRay ray = traced(dome, sight);
-    const Vector3d point = ray.origin + random.uniform(0.05, 5.0) * ray.direction;
-    EXPECT_LT((apparentDirection(dome, point).normalized() - sight).norm(), kPortDirection);
-  }
-}
+TEST(DomePort, SeesWhereTheTracedLightGoes) { expectSeenWhereTracedLightGoes(12, randomDome); }
 
 TEST(DomePort, AboutTheCameraItIsNone) {
   const DomePort<double> dome{true, Vector3d::Zero(), 0.2, 0.005};
