@@ -71,6 +71,7 @@ TEST(ErrorBudget, WhatNobodyStatesIsAsShown) {
   EXPECT_EQ(noise.with(other).sigmaOf(0), 0.03);
   EXPECT_EQ(noise.with(other).sigmaOf(1), 0.0005);
   noise.budget = parseErrorBudget(kComponent, "budget.yaml").of(CameraPipeline::linear);
+  noise.scales.resize(noise.budget.components.size());
   EXPECT_TRUE(noise.declared().scales.empty());
 }
 
