@@ -136,6 +136,19 @@ bool isEstimated(const Linearization& linear, std::size_t effect) {
                      [&](const EffectColumn& c) { return c.effect == effect && c.estimated; });
 }
 
+bool followsKnots(const Candidate& candidate) {
+  EffectParameters<double> effects;
+  switchOn(effects, candidate);
+  return knotEffect(effects) == candidate.effect;
+}
+
+/// Which of the linearization's derivatives one of the candidate's columns is of.
+Eigen::Ref<const Eigen::VectorXd> derivativeBy(const Linearization& linear, const Candidate& candidate,
+                                               const CandidateColumn& column) {
+  if (followsKnots(candidate)) return linear.by_knots;
+  return linear.C.col(static_cast<Eigen::Index>(column.column));
+}
+
 Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::vector<Candidate>& candidates) {
   Eigen::Index count = 0, column = 0;
   for (const Candidate& candidate : candidates) count += std::ssize(columnsOf(linear, candidate.effect));
@@ -144,8 +157,9 @@ Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::ve
     for (const CandidateColumn& own : columnsOf(linear, candidate.effect)) {
       columns.startVec(column);
       const bool at_peak = candidate.peak && !linear.columns[own.column].on;
+      const Eigen::Ref<const Eigen::VectorXd> derivative = derivativeBy(linear, candidate, own);
       for (std::size_t i = 0; i < linear.rows.size(); ++i) {
-        const double value = linear.C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(own.column));
+        const double value = derivative[static_cast<Eigen::Index>(i)];
         if (value == 0 || !own.has(linear.rows[i]) || !actsOn(candidate, linear.rows[i])) continue;
         const double share =
             at_peak ? shareOfPeak(linear.rows[i].t_s, candidate.peak->time_s, candidate.peak->width_s) : 1;

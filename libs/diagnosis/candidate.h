@@ -42,6 +42,8 @@ void switchOn(EffectParameters<double>& calibration, const Candidate& candidate)
 
 /// Whether the candidate acts on a reading.
 bool actsOn(const Candidate& candidate, const RowInfo& row);
+/// Whether a fit of it moves the path along with it, see knotEffect().
+bool followsKnots(const Candidate& candidate);
 /// Whether the effect comes and goes.
 bool hasPeak(const EffectInfo& effect);
 /// When it does, as a calibration has it.

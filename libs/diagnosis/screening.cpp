@@ -183,6 +183,7 @@ void Screening::layOut(const Linearization& linear, int segments, const LeftOut&
       family.candidate.only = only;
       family.first = width_;
       family.segments = count;
+      family.has_parts_only = count > 1 && followsKnots(family.candidate);
       family.size = std::ssize(family.scalars);
       width_ += family.size * count;
       families_.push_back(family);
@@ -199,6 +200,8 @@ void Screening::layOut(const Linearization& linear, int segments, const LeftOut&
       continue;
     }
     const int count = lasts || isDrawn(effect.index) ? 1 : segments;
+    // Of what moves the path along, a whole is not the sum of its parts.
+    if (count > 1 && followsKnots(family.candidate)) add({}, {}, 1);
     add({}, {}, count);
     for (const Instance& instance : instancesOf(linear, effect.index)) add({}, instance, count);
   }
@@ -207,6 +210,7 @@ void Screening::layOut(const Linearization& linear, int segments, const LeftOut&
 /// Whitened.
 Eigen::SparseMatrix<double> Screening::columnsOf(const Family& family) const {
   const Linearization& linear = model_.linear();
+  if (family.segments == 1) return model_.whitened(fathom::columnsOf(linear, {family.candidate}));
   const std::vector<CandidateColumn> own = fathom::columnsOf(linear, family.candidate.effect);
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t i = 0; i < linear.rows.size(); ++i) {
@@ -243,7 +247,8 @@ std::vector<Screening::Run> Screening::runsOf(std::size_t family, const LeftOut&
   }
   for (int from = 0; from < f.segments; ++from)
     for (int to = from + 1; to <= f.segments; ++to)
-      if (f.has_peak ? to - from < f.segments : to - from == f.segments || !isLeftOut(left_out, from, to))
+      if (to - from == f.segments ? !f.has_peak && !f.has_parts_only
+                                  : f.has_peak || !isLeftOut(left_out, from, to))
         runs.push_back({family, from, to});
   return runs;
 }

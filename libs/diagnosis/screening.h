@@ -111,6 +111,7 @@ class Screening {
     Eigen::Index first = 0, size = 0;
     int segments = 1;
     bool is_step = false, has_peak = false;
+    bool has_parts_only = false;  ///< as a whole it is another family
   };
   /// A run of a family's segments.
   struct Run {

@@ -58,6 +58,8 @@ class BatchCost : public ceres::CostFunction {
   /// EffectParameters; every one taken as acting here: its marker id is this marker's, its time long past,
   /// its interval open.
   virtual void effectColumns(const Motions&, Eigen::Ref<Eigen::MatrixXd> columns) const { columns.setZero(); }
+  /// The same by the effect that knots follow (knotEffect()), the path moving with it.
+  virtual Eigen::VectorXd knotColumn(const Motions&) const { return Eigen::VectorXd::Zero(num_residuals()); }
 
   /// What the rows would change by with poses that they take as they are: by the coordinates of these blocks,
   /// one behind the other, at the motions of x = 0.

@@ -141,14 +141,10 @@ double latencyChange(const EffectParameters<double>& a, const EffectParameters<d
   return change_s;
 }
 
-/// Has the path's knots where the INS's readings begin and end (BatchData::knot_s), whatever its latency:
-/// what of their noise a path can follow depends on where its knots are. Else two explanations that differ by
-/// a shift of the INS alone would be told apart by noise. A latency for a part of the recording leaves them.
+/// Has the path's knots where the INS's readings begin and end, see knotEffect().
 void keepKnotsOnInsClock(const BatchData& data, BatchState& state) {
   if (!state.path.isSpline()) return;
-  const double first_s = validityOffset<Ins>(state.effects, data.first_s),
-               last_s = validityOffset<Ins>(state.effects, data.last_s),
-               begin_s = gridBegin_s(data) + (first_s == last_s ? first_s : 0.0);
+  const double begin_s = gridBegin_s(data) - knotLatency_s(state.effects);
   if (std::abs(begin_s - state.path.begin_s) > kSettled_s) state.path = state.path.begunAt(begin_s);
 }
 
@@ -169,7 +165,18 @@ class Uncertainty {
   Matrix6d ofPose(const MotionNode& node) const {
     std::vector<const UnknownBlock*> poses;
     for (int k = 0; k < node.count; ++k) poses.push_back(problem_.find(Kind::pose, node.pose(k)));
-    const Eigen::MatrixXd slope = motionJacobian(problem_.reference().path, node).topRows<6>();
+    const BatchState& reference = problem_.reference();
+    Eigen::MatrixXd slope = motionJacobian(reference.path, node).topRows<6>();
+    const auto effect = knotEffect(reference.effects);
+    const UnknownBlock* latency =
+        effect && reference.path.isSpline() ? problem_.find(Kind::effect, *effect) : nullptr;
+    if (latency != nullptr) {
+      // Knots come so much earlier, and what follows them with them.
+      poses.push_back(latency);
+      const Motion motion = motionOf(reference.path, node);
+      slope.conservativeResize(Eigen::NoChange, slope.cols() + 1);
+      slope.rightCols<1>() << motion.velocity_odom, motion.rate_robot;
+    }
     return slope * of(poses) * slope.transpose();
   }
 

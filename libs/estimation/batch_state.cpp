@@ -20,6 +20,17 @@ double gridBegin_s(const BatchData& data) {
   return std::floor(data.first_s / data.knot_s + 1e-6) * data.knot_s;
 }
 
+std::optional<std::size_t> knotEffect(const EffectParameters<double>& effects) {
+  constexpr std::size_t kEffect = kEffectIndex<InsLatency>;
+  const bool lasts = effects.active_s[kEffect] == Interval{} && !effects.only[kEffect];
+  return lasts ? std::optional(kEffect) : std::nullopt;
+}
+
+double knotLatency_s(const EffectParameters<double>& effects) {
+  const auto effect = knotEffect(effects);
+  return effect && effects.on[*effect] ? *effects.of<InsLatency>() : 0;
+}
+
 namespace {
 
 /// At zero, one for each instrument that has been read and drifts.

@@ -69,6 +69,14 @@ std::vector<std::size_t> continuousScalars(std::size_t effect);
 /// Of the knot interval in which the recording begins: from when to when the INS is averaged, by its stamps.
 double gridBegin_s(const BatchData& data);
 
+/// The effect that knots follow: the INS's latency, where all of its readings have it as long as they last. A
+/// path's knots are where these begin and end, whatever their latency: what of their noise a path can follow
+/// depends on where its knots are, and two explanations that differ by a shift of the INS alone would be told
+/// apart by noise. Null: none.
+std::optional<std::size_t> knotEffect(const EffectParameters<double>& effects);
+/// By how much knots are earlier than the INS's stamps; 0 where they follow none.
+double knotLatency_s(const EffectParameters<double>& effects);
+
 /// The first state of a problem: a spline near a path, or a pose an image. Images without one are left out.
 BatchState startState(const BatchData& data, const std::vector<double>& times_s,
                       const std::vector<Pose>& T_odom_robot, const EffectParameters<double>& effects,

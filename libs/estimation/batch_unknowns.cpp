@@ -117,6 +117,7 @@ BatchState BatchUnknowns::at(const Eigen::VectorXd& x) const {
       for (const std::size_t s : continuousScalars(block.index)) state.effects.values[s] += e[i++];
     }
   }
+  state.path.begin_s -= knotLatency_s(state.effects) - knotLatency_s(reference_.effects);
   return state;
 }
 

@@ -37,6 +37,9 @@ struct ForwardPoint {
   /// The motion is that at the stamp + so much. Where the effects' validity is another one it is carried on,
   /// at constant jerk.
   double validity_s = 0.0;
+  /// The INS's latency with which knots are where they are, see knotEffect(): of another one the motion comes
+  /// so much later. Nothing: they do not follow it.
+  std::optional<double> knot_latency_s;
   Pose T_odom_panel, T_left_right;
   Vector9d water = Vector9d::Zero();
   Flaws flaws = Flaws::Zero();

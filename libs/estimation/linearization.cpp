@@ -132,9 +132,11 @@ void setPixel(RowInfo& info, const Vector2d& pixel, const CameraModel& camera) {
       std::hypot((pixel.x() - camera.cx_px) / camera.fx_px, (pixel.y() - camera.cy_px) / camera.fy_px);
 }
 
-void setCorner(RowInfo& info, const BatchMarker& seen) {
+/// Where it is predicted: what depends on the place in the image must not depend on a reading's own error,
+/// which a steep field would make less of. raw: reading - prediction, of all corners.
+void setCorner(RowInfo& info, const BatchMarker& seen, const Eigen::VectorXd& raw) {
   const auto corner = static_cast<std::size_t>(info.component / 2);
-  setPixel(info, seen.detection.corners_px[corner], seen.camera);
+  setPixel(info, seen.detection.corners_px[corner] - raw.segment<2>(2 * (info.component / 2)), seen.camera);
   info.point_panel = seen.marker.corners_panel()[corner].head<2>();
 }
 
@@ -176,9 +178,10 @@ void putBackLight(RowInfo& info, double& residual, const BatchState& reference) 
   residual += found * info.per_unit;
 }
 
-/// Of the k-th row of a reading of an image. J: its derivative, by the water from water_column on.
+/// Of the k-th row of a reading of an image. raw: of all its rows; J: its derivative, by the water from
+/// water_column on.
 void setSeen(RowInfo& info, Eigen::Index k, const BatchData& data, const BatchState& reference,
-             const Eigen::MatrixXd& J, Eigen::Index water_column) {
+             const Eigen::VectorXd& raw, const Eigen::MatrixXd& J, Eigen::Index water_column) {
   if (info.patch >= 0) {
     const ImagePatch& seen = data.patches[static_cast<std::size_t>(info.patch)];
     info.component = seen.colours()[static_cast<std::size_t>(k)];
@@ -186,7 +189,7 @@ void setSeen(RowInfo& info, Eigen::Index k, const BatchData& data, const BatchSt
     setLight(info, seen, seen.radiance[info.component] / factor, J.row(k).segment(water_column, 9),
              reference.water);
   }
-  if (info.marker >= 0) setCorner(info, data.markers[static_cast<std::size_t>(info.marker)]);
+  if (info.marker >= 0) setCorner(info, data.markers[static_cast<std::size_t>(info.marker)], raw);
   if (info.tie_point >= 0)
     setTiePoint(info, data.tie_points[static_cast<std::size_t>(info.tie_point)], reference.T_left_right);
 }
@@ -230,6 +233,7 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
   linear.residual.resize(first.back());
   linear.rows.resize(static_cast<std::size_t>(first.back()));
   linear.C.resize(first.back(), std::ssize(linear.columns));
+  linear.by_knots.setZero(first.back());
 
   // Each cost writes to places of its own, so that nothing depends on the number of threads.
   std::vector<std::vector<Eigen::Triplet<double>>> entries(costs.size()), taken(costs.size());
@@ -260,6 +264,7 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
       for (std::size_t c = 0; c < linear.columns.size(); ++c)
         linear.C.block(first[i], static_cast<Eigen::Index>(c), r.size(), 1) =
             all.col(static_cast<Eigen::Index>(linear.columns[c].scalar));
+      linear.by_knots.segment(first[i], r.size()) = cost.knotColumn(zero.motions);
     }
     RowInfo info = commonInfo(data, problem, cost.source);
     info.reading = i;
@@ -272,7 +277,7 @@ Linearization linearize(const BatchData& data, const BatchProblem& problem, bool
       info.component = static_cast<int>(k);
       info.raw = raw[k];
       info.per_unit = 1 / sigma[k];
-      setSeen(info, k, data, problem.reference(), J, water_column);
+      setSeen(info, k, data, problem.reference(), raw, J, water_column);
       if (info.patch >= 0) putBackLight(info, linear.residual[first[i] + k], problem.reference());
       linear.rows[static_cast<std::size_t>(first[i] + k)] = info;
     }
@@ -311,6 +316,7 @@ Interval readingsSpan(const Linearization& linear) {
 void multiplyRows(Linearization& linear, const Eigen::VectorXd& factor) {
   linear.residual.array() *= factor.array();
   linear.C.array().colwise() *= factor.array();
+  if (linear.by_knots.size() > 0) linear.by_knots.array() *= factor.array();
   linear.J = (factor.asDiagonal() * linear.J).eval();
   if (linear.taken.nonZeros() > 0) linear.taken = (factor.asDiagonal() * linear.taken).eval();
 }

@@ -83,6 +83,9 @@ struct Linearization {
   /// peak.
   Eigen::MatrixXd C;
   std::vector<EffectColumn> columns;
+  /// By the effect that knots follow (knotEffect()) where it is there for good, the path moving with it:
+  /// instead of C's column, of which the path stays where it is.
+  Eigen::VectorXd by_knots;
   /// Rows of one sensor's axis, or of one coordinate of one marker's corner, or one colour of
   /// one place (and eye), in time order.
   std::vector<std::vector<std::size_t>> tracks;

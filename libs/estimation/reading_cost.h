@@ -55,6 +55,7 @@ class ReadingCost final : public BatchCost {
   };
   std::vector<Other> others;
   std::vector<Link> links;
+  std::optional<std::size_t> knot_effect;  ///< of what looks at the path: see knotEffect()
   std::bitset<kEffectCount> acting, told;  ///< effects in the model; those it can tell something of
   /// Poses that are taken as they are: the motion's number in the table, its poses, and the panel's behind
   /// them where that is an unknown.
@@ -130,6 +131,13 @@ class ReadingCost final : public BatchCost {
     return {taken->blocks, -whitening * derivative};
   }
 
+  /// So that the effect that knots follow moves them; as at_reference where it has that one's value.
+  ForwardPoint onMovingKnots(ForwardPoint point) const {
+    point.on.set(*knot_effect);
+    point.knot_latency_s = point.effects[kEffectOffsets[*knot_effect]];
+    return point;
+  }
+
   bool dependsOn(std::size_t effect) const override { return model->dependsOn(effect); }
 
   Eigen::MatrixXd raw(const Eigen::MatrixXd& residuals) const override {
@@ -148,11 +156,25 @@ class ReadingCost final : public BatchCost {
     const Eigen::MatrixXd scale = -1.0 / static_cast<double>(motions.size()) * whitening;
     for (const std::size_t motion : motions) {
       ForwardPoint point = at_reference;
+      point.knot_latency_s.reset();  // the path as it is
       setMotion(point, at, motion);
       for (std::size_t first = 0; first < wanted.size(); first += kColumnsAtOnce)
         addColumns(point, std::span(wanted).subspan(first, std::min(kColumnsAtOnce, wanted.size() - first)),
                    scale, columns);
     }
+  }
+
+  Eigen::VectorXd knotColumn(const Motions& at) const override {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(reading.size(), 1), slope;
+    if (!knot_effect) return sum;
+    ForwardPoint point = onMovingKnots(at_reference);
+    const std::vector<int> column{kEffectColumn + static_cast<int>(kEffectOffsets[*knot_effect])};
+    for (const std::size_t motion : motions) {
+      setMotion(point, at, motion);
+      model->differentiate(point, column, slope);
+      sum += slope;
+    }
+    return -1.0 / static_cast<double>(motions.size()) * whitening * sum;
   }
 
  private:

@@ -42,6 +42,7 @@ std::unique_ptr<BatchCost> ReadingCostMaker::make(std::unique_ptr<ReadingModel> 
   cost->source = source;
   const Subject subject = subjectOf(source);
   setEffects(subject, *cost);
+  if (!node_s.empty()) followKnots(*cost);
   setPlaces(subject, cost->at_reference);
   setMotions(subject, std::move(node_s), *cost);
   addOthers(subject, *cost);
@@ -104,6 +105,18 @@ void ReadingCostMaker::setEffects(const Subject& subject, ReadingCost& cost) con
   for (std::size_t e = 0; e < kEffectCount; ++e)
     if (cost.acting[e])
       for (const std::size_t s : continuousScalars(e)) point.effects[s] = effects.values[s];
+}
+
+/// An estimate of the effect that knots follow moves the whole path under what is read, but for what takes
+/// poses as they are and what is about the knots themselves.
+void ReadingCostMaker::followKnots(ReadingCost& cost) const {
+  const BatchState& reference = unknowns_.reference();
+  if (cost.source.channel == kChannel<Prior> || !reference.path.isSpline()) return;
+  cost.knot_effect = knotEffect(reference.effects);
+  if (!cost.knot_effect || unknowns_.find(UnknownBlock::Kind::effect, *cost.knot_effect) == nullptr) return;
+  cost.at_reference = cost.onMovingKnots(cost.at_reference);
+  cost.acting.set(*cost.knot_effect);
+  cost.told.set(*cost.knot_effect);
 }
 
 void ReadingCostMaker::setPlaces(const Subject& subject, ForwardPoint& point) const {

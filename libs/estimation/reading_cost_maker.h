@@ -39,6 +39,7 @@ class ReadingCostMaker {
   std::bitset<kEffectCount> actingOn(const ReadingModel& model, const RowSource& source,
                                      const EffectParameters<double>& effects) const;
   void setEffects(const Subject& subject, ReadingCost& cost) const;
+  void followKnots(ReadingCost& cost) const;
   void setPlaces(const Subject& subject, ForwardPoint& point) const;
   void setMotions(const Subject& subject, std::vector<double> node_s, ReadingCost& cost) const;
   void addOthers(const Subject& subject, ReadingCost& cost) const;

@@ -89,10 +89,12 @@ ReadingInputs<T> inputsAt(const ForwardPoint& point, double t_s, const std::vect
   return in;
 }
 
-/// The motion at another time of validity: extrapolated(), and constant jerks too.
+/// The motion at another time of validity, on a path whose knots follow the INS's latency: extrapolated(),
+/// and constant jerks too.
 template <class T>
 void carryOn(ReadingInputs<T>& in, const ForwardPoint& point, const T& validity_s) {
-  const T seconds = validity_s - point.validity_s;
+  T seconds = validity_s - point.validity_s;
+  if (point.knot_latency_s) seconds += *in.effects.template of<InsLatency>() - *point.knot_latency_s;
   in.state = extrapolated(in.state, seconds);
   in.state.acceleration_robot +=
       in.state.R_odom_robot.transpose() * Vector3<T>(lifted<T>(point.motion.jerk_odom) * seconds);

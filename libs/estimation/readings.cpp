@@ -214,7 +214,7 @@ class ModelOf final : public ReadingModel {
   ReadingInputs<T> inputs(const ForwardPoint& point, const std::vector<int>& columns,
                           std::size_t first) const {
     ReadingInputs<T> in = inputsAt<T>(point, reader_.t_s, columns, first);
-    if (kMayBeLate && anyLatency(in.effects.on))
+    if (kMayBeLate && (anyLatency(in.effects.on) || point.knot_latency_s))
       carryOn<T>(in, point, validityOffset<Camera>(in.effects, reader_.t_s));
     return in;
   }
@@ -293,7 +293,8 @@ class InstrumentReading final : public ReadingModel {
                           const Validity& validity) const {
     ReadingInputs<T> in = inputsAt<T>(point, t_s_, columns, first);
     in.world.gravity_odom = vehicle_.gravityOdom();
-    if (anyLatency(in.effects.on & model_.effects)) carryOn<T>(in, point, validity(in.effects, t_s_));
+    if (anyLatency(in.effects.on & model_.effects) || point.knot_latency_s)
+      carryOn<T>(in, point, validity(in.effects, t_s_));
     return in;
   }
 

@@ -132,6 +132,46 @@ TEST(BatchEstimate, DoesNotTellOneShiftOfTimeFromTheSame) {
   }
 }
 
+/// A quarter of the turning and moving before the panel: most of what a gyro reads is its noise.
+Trajectory almostStill(double duration_s) {
+  std::vector<double> times_s = test::timesBetween(0, duration_s, 0.1);
+  std::vector<Pose> poses;
+  const Pose from = test::beforePanel(0);
+  for (const double t_s : times_s) {
+    const Pose moved = from.inverse() * test::beforePanel(t_s);
+    poses.push_back(from *
+                    Pose{expSO3<double>(0.25 * logSO3<double>(moved.rotation)), 0.25 * moved.position});
+  }
+  return {times_s, poses};
+}
+
+// The same where it has to be found: a path whose knots stay while the INS's latency is looked for follows
+// the noise that it had before, and an estimate ends where that is least.
+TEST(BatchEstimate, FindsOneShiftOfTimeAsWellAsTheSame) {
+  std::vector<double> differences;
+  for (const int seed : {1, 2, 3}) {
+    test::BatchRun run(40.0, almostStill(50.0));
+    run.seed = static_cast<std::uint64_t>(seed);
+    run.effects = test::effectsFrom("{id: ins-latency, latency_s: -0.12}");
+    BatchInput input = run.input();
+    input.data.of<Depth>().clear();
+    input.data.of<Dvl>().clear();
+    const auto of = [&](const char* effect) {
+      return estimateBatch(input.data, input.start, test::estimating(test::effectsFrom(effect)));
+    };
+    const BatchEstimate late = of("{id: ins-latency, latency_s: 0}"),
+                        early = of("{id: camera-latency, latency_s: 0}");
+    ASSERT_TRUE(late.succeeded && early.succeeded) << late.failure << early.failure;
+    ASSERT_EQ(late.effects.size(), 1u);
+    EXPECT_NEAR(late.effects[0].sigma, early.effects[0].sigma, 0.02 * early.effects[0].sigma) << seed;
+    // Their priors differ, a little of the size and by the same of all costs; and the ends.
+    EXPECT_NEAR(late.effects[0].value, -early.effects[0].value, 0.5 * early.effects[0].sigma) << seed;
+    EXPECT_NEAR(late.effects[0].value, -0.12, 4 * late.effects[0].sigma) << seed;
+    differences.push_back(late.cost - early.cost);
+    EXPECT_NEAR(differences.back(), differences.front(), 0.3) << seed;
+  }
+}
+
 // A path that only its start holds: damped steps (a trust region that starts at Ceres's 1e4) take 11.
 TEST(BatchEstimate, SettlesInAFewSteps) {
   test::BatchRun run(60.0);

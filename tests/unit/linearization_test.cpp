@@ -82,12 +82,12 @@ struct LinearRun {
   BatchOptions options;
   BatchEstimate estimate;
 
-  explicit LinearRun(bool pixels = false) {
+  explicit LinearRun(bool pixels = false, std::size_t late = kEffectIndex<CameraLatency>) {
     run.panel.position_sigma_m = 0.05;
     run.panel.angle_sigma_rad = 0.01;
     run.pixels = pixels;
     input = run.input();
-    options.calibration.on.set(kEffectIndex<DvlScale>).set(kEffectIndex<CameraLatency>);
+    options.calibration.on.set(kEffectIndex<DvlScale>).set(late);
     options.problem.estimate = options.calibration.on;
     estimate = estimateBatch(input.data, input.start, options);
   }
@@ -104,8 +104,8 @@ Eigen::VectorXd residuals(const BatchProblem& problem, const Eigen::VectorXd& x)
   return Eigen::Map<Eigen::VectorXd>(all.data(), std::ssize(all));
 }
 
-TEST(Linearization, NuisancesDerivativeIsThatOfDifferences) {
-  const LinearRun linear_run;
+/// What several unknowns at once change in all readings.
+void expectDerivativeOfDifferences(const LinearRun& linear_run) {
   ASSERT_TRUE(linear_run.estimate.succeeded) << linear_run.estimate.failure;
   const auto problem = problemAt(linear_run.input.data, linear_run.estimate, linear_run.options);
   const Linearization linear = linearize(linear_run.input.data, *problem);
@@ -123,6 +123,59 @@ TEST(Linearization, NuisancesDerivativeIsThatOfDifferences) {
     const Eigen::VectorXd change = 0.5 * (residuals(*problem, direction) - residuals(*problem, -direction));
     const Eigen::VectorXd expected = linear.J * direction;
     EXPECT_LT((change - expected).norm(), 1e-5 * expected.norm()) << k;
+  }
+}
+
+TEST(Linearization, NuisancesDerivativeIsThatOfDifferences) { expectDerivativeOfDifferences(LinearRun()); }
+
+// A path moves along with the INS's latency.
+TEST(Linearization, DerivativeByALatencyThatKnotsFollowIsThatOfDifferences) {
+  const LinearRun linear_run(false, kEffectIndex<InsLatency>);
+  expectDerivativeOfDifferences(linear_run);
+  constexpr double h = 1e-5;
+  Eigen::VectorXd ends[2];
+  for (const int sign : {0, 1}) {
+    BatchEstimate moved = linear_run.estimate;
+    const double step = sign == 0 ? -h : h;
+    *moved.state.effects.of<InsLatency>() += step;
+    moved.state.path.begin_s -= step;
+    const auto there = problemAt(linear_run.input.data, moved, linear_run.options);
+    ends[sign] = residuals(*there, Eigen::VectorXd::Zero(there->unknowns()));
+  }
+  const auto problem = problemAt(linear_run.input.data, linear_run.estimate, linear_run.options);
+  const Linearization linear = linearize(linear_run.input.data, *problem);
+  Eigen::VectorXd expected = (ends[1] - ends[0]) / (2 * h);
+  bool has_markers = false;
+  for (std::size_t i = 0; i < linear.rows.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (linear.rows[i].channel == kChannel<Prior>) expected[k] = 0;
+    if (linear.rows[i].channel == kChannel<Gyro>) EXPECT_EQ(linear.by_knots[k], 0);
+    has_markers = has_markers || (linear.rows[i].channel == kChannel<Markers> && linear.by_knots[k] != 0);
+  }
+  EXPECT_TRUE(has_markers);
+  EXPECT_LT((linear.by_knots - expected).norm(), 1e-4 * expected.norm());
+  BatchEstimate later = linear_run.estimate;
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(problem->unknowns());
+  x[problem->find(UnknownBlock::Kind::effect, kEffectIndex<InsLatency>)->column] = 0.01;
+  EXPECT_NEAR(problem->at(x).path.begin_s, later.state.path.begin_s - 0.01, 1e-12);
+}
+
+// Where in the image a corner is must not tell how far off its reading is: a field over the image that is
+// steep would make all of what is left smaller.
+TEST(Linearization, ACornersPlaceDoesNotFollowItsReading) {
+  LinearRun linear_run;
+  const auto rows = [&] {
+    const auto problem = problemAt(linear_run.input.data, linear_run.estimate, linear_run.options);
+    return linearize(linear_run.input.data, *problem).rows;
+  };
+  const std::vector<RowInfo> before = rows();
+  for (BatchMarker& seen : linear_run.input.data.markers) seen.detection.corners_px[2] += Vector2d(20, -10);
+  const std::vector<RowInfo> after = rows();
+  ASSERT_EQ(before.size(), after.size());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before[i].channel != kChannel<Markers>) continue;
+    EXPECT_LT((after[i].pixel - before[i].pixel).norm(), 1e-9);
+    EXPECT_NEAR(after[i].image_radius, before[i].image_radius, 1e-12);
   }
 }
 
@@ -229,7 +282,9 @@ TEST(Linearization, RowsSayWhatTheyAre) {
     if (row.channel == kChannel<Prior>) ++priors;
     if (row.channel != kChannel<Markers>) continue;
     const BatchMarker& seen = data.markers[static_cast<std::size_t>(row.marker)];
-    EXPECT_EQ(row.pixel, seen.detection.corners_px[static_cast<std::size_t>(row.component / 2)]);
+    EXPECT_NEAR((seen.detection.corners_px[static_cast<std::size_t>(row.component / 2)] -
+                 row.pixel)[row.component % 2],
+                row.raw, 1e-9);
     const Pose T_odom_camera = linear_run.run.truth(row.t_s) * seen.T_robot_camera;
     const Pose T_odom_marker = linear_run.run.panel.T_odom_panel * seen.marker.T_panel_marker;
     EXPECT_NEAR(row.range_m, (T_odom_camera.position - T_odom_marker.position).norm(), 0.05);
