@@ -55,8 +55,10 @@ inline constexpr double kModelError = 0.03;
 
 // Whether it holds on stretches that were not fitted.
 
-/// Of the gain that is expected there, that has to be seen. Chosen.
+/// Of the gain that is expected there, that has to be seen, see leastSeen(). Chosen.
 inline constexpr double kConfirmed = 0.3;
+/// By which it may be less than expected: as one true effect of 44 is, or fewer. Usual.
+inline constexpr double kUsualSigmas = 2;
 /// Where held-out stretches could not show so much of the gain, since poses follow it there, it has to gain
 /// kUnseen (ln of the likelihood: odds of a thousand to one) where it was fitted, for kUnseenShare of the
 /// recording. Chosen.
@@ -156,7 +158,11 @@ inline constexpr double kLessNoise = 0.9;  ///< times the noise taken before: le
 inline constexpr double kOtherMinimum = 1;
 inline constexpr int kNoisePasses = 2;          ///< of noise and nominal fit. Chosen
 inline constexpr double kCostTolerance = 0.01;  ///< of a fit: a hundredth of what decides
-inline constexpr int kNoiseDraws = 16;          ///< squares of kFewestRows are known to sqrt(2 / 480) then
+/// Of a noise's scale beside the one assumed: ln of a factor, and how often that is halved until it is known
+/// to 1e-4. Derived.
+inline constexpr double kMostLogScale = 15;
+inline constexpr int kScaleHalvings = 18;
+inline constexpr int kNoiseDraws = 16;  ///< squares of kFewestRows are known to sqrt(2 / 480) then
 inline constexpr int kCorrelationRounds = 5, kPartRounds = 3;  ///< at most. Chosen
 inline constexpr std::size_t kFewestRows = 30;                 ///< fewer show no noise of their own
 inline constexpr double kClearSigmas = 4;  ///< from which on a correlation is more than chance

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/median.h"
 #include "core/random.h"
@@ -33,6 +34,45 @@ Moments momentsOf(const Eigen::Ref<const Eigen::VectorXd>& r, const ChannelRows&
   if (!own.pairs.empty())
     moments.product *= static_cast<double>(own.rows.size()) / static_cast<double>(own.pairs.size());
   return moments;
+}
+
+/// What is left as far as a robust fit is moved by it: of an outlier the threshold, however far off it is.
+Eigen::VectorXd influenceOf(const Eigen::VectorXd& left, const Linearization& linear) {
+  Eigen::VectorXd influence = left;
+  for (std::size_t i = 0; i < linear.rows.size(); ++i)
+    influence[static_cast<Eigen::Index>(i)] *= std::sqrt(linear.rows[i].robust_weight);
+  return influence;
+}
+
+/// Times the noise assumed, with which influences are as large as white noise's would be (Huber 1964,
+/// proposal 2): a few outliers do not make all readings seem noisy, and what is estimated scatters as it is
+/// said to.
+double robustScale(const Eigen::VectorXd& left, const Linearization& linear, const ChannelRows& own,
+                   double expected_square) {
+  struct Reading {
+    double square = 0, threshold = 0;  // in full; 0: none
+  };
+  std::map<std::size_t, Reading> readings;
+  for (const std::size_t i : own.rows) {
+    const RowInfo& row = linear.rows[i];
+    Reading& reading = readings[row.reading];
+    reading.square += std::pow(left[static_cast<Eigen::Index>(i)], 2) / row.robust_weight;
+    reading.threshold = row.robust_threshold;
+  }
+  const auto squareAt = [&](double log_scale) {
+    double sum = 0;
+    for (const auto& [index, reading] : readings) {
+      const double square = reading.square * std::exp(-2 * log_scale);
+      sum += reading.threshold > 0 ? std::min(square, reading.threshold * reading.threshold) : square;
+    }
+    return sum;
+  };
+  double less = -kMostLogScale, more = kMostLogScale;
+  for (int halving = 0; halving < kScaleHalvings; ++halving) {
+    const double middle = 0.5 * (less + more);
+    (squareAt(middle) > expected_square ? less : more) = middle;
+  }
+  return std::exp(0.5 * (less + more));
 }
 
 Moments meanMoments(const Eigen::MatrixXd& draws, const ChannelRows& own) {
@@ -76,7 +116,7 @@ Eigen::MatrixXd correlated(Eigen::MatrixXd noise, const std::array<ChannelRows, 
 /// second part where that sum is not beyond chance, or where there is no more noise than is stated: that
 /// counts what rounding does to dark places, which lasts, and is not to be made less of. `simulated`: what
 /// would be left of white noise.
-void splitLightNoise(const Saturated& saturated, const Linearization& linear,
+void splitLightNoise(const Eigen::VectorXd& influence, const Linearization& linear,
                      const std::vector<std::size_t>& rows, const Eigen::MatrixXd& simulated,
                      const NoiseModel& assumed, NoiseModel& noise) {
   constexpr auto kPixels = indexOf(kChannel<Pixels>);
@@ -92,7 +132,7 @@ void splitLightNoise(const Saturated& saturated, const Linearization& linear,
     light[k] = std::pow(info.level * info.per_unit, 2);
     stated[k] = (1 - assumed.light_scatter * assumed.light_scatter * light[k]) / (scale * scale);
     left[k] = simulated.row(row).squaredNorm() / kNoiseDraws;
-    seen[k] = saturated.left[row] * saturated.left[row];
+    seen[k] = influence[row] * influence[row];
   }
   const double of_stated = (left * stated).sum();
   const Eigen::ArrayXd weight = light - (left * stated * light).sum() / of_stated;
@@ -147,6 +187,7 @@ NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint
     takeParts(linear, more);
     saturated = saturate(linear, noise);
   }
+  const Eigen::VectorXd influence = influenceOf(saturated->left, linear);
   const auto rows = rowsByChannel(linear);
   Random random(seed);
   const Eigen::MatrixXd white = random.normals(saturated->left.size(), kNoiseDraws),
@@ -161,7 +202,7 @@ NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint
       ChannelNoise& channel = noise.channels[c];
       channel.rows = rows[c].rows.size();
       if (channel.rows < kFewestRows) continue;
-      const Moments seen = momentsOf(saturated->left, rows[c]), expected = meanMoments(simulated, rows[c]);
+      const Moments seen = momentsOf(influence, rows[c]), expected = meanMoments(simulated, rows[c]);
       const double difference = seen.correlation() - expected.correlation();
       const bool counts_specks = static_cast<Channel>(c) == kChannel<Specks>;
       if (round == 0)
@@ -174,7 +215,7 @@ NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint
       // are seen in several images, in how many is told by how alike the numbers are.
       if (!counts_specks) {
         channel.scale = assumed.channels[c].independentScale() *
-                        std::sqrt(seen.square / std::max(expected.square, 1e-12));
+                        robustScale(saturated->left, linear, rows[c], std::max(expected.square, 1e-12));
         channel.freedom = expected.square;
       }
       if (is_correlated[c])
@@ -184,7 +225,7 @@ NoiseModel shownNoise(Linearization linear, const NoiseModel& assumed, std::uint
     if (std::none_of(is_correlated.begin(), is_correlated.end(), [](bool is) { return is; })) break;
   }
   noise.light_scatter = 0;
-  splitLightNoise(*saturated, linear, rows[indexOf(kChannel<Pixels>)].rows, left_of_white, assumed, noise);
+  splitLightNoise(influence, linear, rows[indexOf(kChannel<Pixels>)].rows, left_of_white, assumed, noise);
   return noise;
 }
 
