@@ -35,8 +35,9 @@ bool isConfirmed(const Refit& fit, std::size_t effect, const HeldOutGain& held, 
   if (lasts && seen > std::max(kUnseen, kConfirmed * expected)) return true;
   const Refit rest = fits.without(fit, effect);
   const double gain = rest.succeeded ? fits.gainOf(fit) - fits.gainOf(rest) : 0;
-  return expected >= kShownAtAll * gain ? seen > kConfirmed * std::min(gain, expected)
-                                        : gain > kUnseen && lasts;
+  return expected >= kShownAtAll * gain
+             ? seen > leastSeen(std::min(gain, expected), held.scatter_by_effect[effect])
+             : gain > kUnseen && lasts;
 }
 
 /// Why an effect is not named though it fits; empty where it is.
@@ -76,6 +77,10 @@ bool mayErrAs(const Candidate& larger, const Candidate& effect) {
                       own = allEffects()[effect.effect].text.channel;
   return its == own || (its == EffectChannel::image && own == EffectChannel::marker_geometry &&
                         effect.active_s.to_s < Interval::kForever_s);
+}
+
+double leastSeen(double expected, double scatter) {
+  return std::min(kConfirmed * expected, std::max(0.0, expected - kUsualSigmas * scatter));
 }
 
 HeldOutResult heldOut(const Fits& fits, const Refit& fit, const HeldOutOptions& options) {

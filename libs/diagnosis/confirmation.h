@@ -16,6 +16,11 @@ bool mayErrAs(const Candidate& larger, const Candidate& effect);
 /// How a fit does where it was not fitted.
 HeldOutResult heldOut(const Fits& fits, const Refit& fit, const HeldOutOptions& options);
 
+/// Of a gain that is expected where an effect was not fitted, what has to be seen: so large a share as models
+/// are exact (kConfirmed), less what a true effect may miss by chance (scatter: HeldOutGain's), and something
+/// in any case: one that is not there loses as much as is expected.
+double leastSeen(double expected, double scatter);
+
 /// By what effects are confirmed, and where it is noted which are not.
 struct Confirmation {
   Fits& fits;

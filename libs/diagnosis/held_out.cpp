@@ -368,10 +368,12 @@ HeldOutResult HoldOut::run() {
   HeldOutResult result;
   result.gain.by_effect.assign(effects_.size(), 0);
   result.gain.expected_by_effect.assign(effects_.size(), 0);
+  result.gain.scatter_by_effect.assign(effects_.size(), 0);
   for (const HeldOutGain& own : by_fold)
     for (std::size_t e = 0; e < effects_.size(); ++e) {
       result.gain.by_effect[e] += own.by_effect[e];
       result.gain.expected_by_effect[e] += own.expected_by_effect[e];
+      result.gain.scatter_by_effect[e] += std::sqrt(2 * std::max(0.0, own.expected_by_effect[e]));
     }
   if (filled_.empty()) return result;
   std::map<Channel, std::vector<double>> resampled;

@@ -35,6 +35,10 @@ struct HeldOutGain {
   /// effect, held-out stretches show less of it than the whole recording does. At most what it changes there
   /// by itself: one that takes an outlier away makes the others' values better everywhere, and is none.
   std::vector<double> expected_by_effect;
+  /// By what a true effect's gain scatters about that, at most: a fold's, ln of a ratio of likelihoods of
+  /// normal noise, by the root of twice what is expected of it; and folds may all do so alike, since all are
+  /// told of by the same nuisances.
+  std::vector<double> scatter_by_effect;
   std::array<double, 2> physics_ci95{};  ///< by block bootstrap
   std::array<double, 2> over_black_box_ci95{};
   double placebo = 0;  ///< 95th percentile of what the best of all effects gains where nothing is missing

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/random.h"
 #include "effects/registry.h"
 
 namespace fathom {
@@ -37,6 +38,27 @@ TEST(Confirmation, OneMoreNameHasToBe95PercentSure) {
   EXPECT_EQ(fits.threshold(), 0);
   fits.setThreshold(7);
   EXPECT_EQ(fits.thresholdBeside(), 7);
+}
+
+// What a true effect gains there, ln of a ratio of likelihoods of normal noise, scatters by sqrt(2 E) about
+// the E that is expected; of one that is not there it scatters as much about -E.
+TEST(Confirmation, ATrueEffectIsSeldomTakenForNone) {
+  Random random(1);
+  for (const double expected : {2.0, 10.0, 30.0, 100.0}) {
+    constexpr int kDraws = 20000;
+    int unseen = 0, seen = 0;
+    const double scatter = std::sqrt(2 * expected), least = leastSeen(expected, scatter);
+    for (int draw = 0; draw < kDraws; ++draw) {
+      const double by_chance = scatter * random.normal();
+      unseen += expected + by_chance < least;
+      seen += -expected + by_chance > least;
+    }
+    // Of E = 2 a gain of nothing is a sigma off, of 10 more than two.
+    EXPECT_LT(unseen, (expected < 10 ? 0.17 : 0.025) * kDraws) << expected;
+    EXPECT_LT(seen, (expected < 10 ? 0.17 : 0.014) * kDraws) << expected;
+  }
+  EXPECT_NEAR(leastSeen(100, std::sqrt(200)), 30, 1e-9);     // models are not that exact
+  EXPECT_EQ(leastSeen(27, 5 * std::sqrt(2 * 27 / 5.0)), 0);  // five folds that may scatter alike
 }
 
 }  // namespace
