@@ -142,12 +142,16 @@ bool followsKnots(const Candidate& candidate) {
   return knotEffect(effects) == candidate.effect;
 }
 
+namespace {
+
 /// Which of the linearization's derivatives one of the candidate's columns is of.
 Eigen::Ref<const Eigen::VectorXd> derivativeBy(const Linearization& linear, const Candidate& candidate,
                                                const CandidateColumn& column) {
   if (followsKnots(candidate)) return linear.by_knots;
   return linear.C.col(static_cast<Eigen::Index>(column.column));
 }
+
+}  // namespace
 
 Eigen::SparseMatrix<double> columnsOf(const Linearization& linear, const std::vector<Candidate>& candidates) {
   Eigen::Index count = 0, column = 0;

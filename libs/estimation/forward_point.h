@@ -4,6 +4,7 @@
 #include <array>
 #include <bitset>
 #include <cstddef>
+#include <optional>
 
 #include "effects/registry.h"
 #include "estimation/motion.h"
