@@ -158,9 +158,9 @@ inline constexpr double kLessNoise = 0.9;  ///< times the noise taken before: le
 inline constexpr double kOtherMinimum = 1;
 inline constexpr int kNoisePasses = 2;          ///< of noise and nominal fit. Chosen
 inline constexpr double kCostTolerance = 0.01;  ///< of a fit: a hundredth of what decides
-/// Of a noise's scale beside the one assumed: ln of a factor, and how often that is halved until it is known
-/// to 1e-4. Derived.
-inline constexpr double kMostLogScale = 15;
+/// Of a noise's scale beside the one assumed: the largest, and how often what it is between is halved (its
+/// logarithm) until it is known to 1e-4. Derived.
+inline constexpr double kMostScale = 3e6;
 inline constexpr int kScaleHalvings = 18;
 inline constexpr int kNoiseDraws = 16;  ///< squares of kFewestRows are known to sqrt(2 / 480) then
 inline constexpr int kCorrelationRounds = 5, kPartRounds = 3;  ///< at most. Chosen

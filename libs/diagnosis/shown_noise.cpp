@@ -59,20 +59,20 @@ double robustScale(const Eigen::VectorXd& left, const Linearization& linear, con
     reading.square += std::pow(left[static_cast<Eigen::Index>(i)], 2) / row.robust_weight;
     reading.threshold = row.robust_threshold;
   }
-  const auto squareAt = [&](double log_scale) {
+  const auto squareAt = [&](double scale) {
     double sum = 0;
     for (const auto& [index, reading] : readings) {
-      const double square = reading.square * std::exp(-2 * log_scale);
+      const double square = reading.square / (scale * scale);
       sum += reading.threshold > 0 ? std::min(square, reading.threshold * reading.threshold) : square;
     }
     return sum;
   };
-  double less = -kMostLogScale, more = kMostLogScale;
+  double less = 1 / kMostScale, more = kMostScale;
   for (int halving = 0; halving < kScaleHalvings; ++halving) {
-    const double middle = 0.5 * (less + more);
+    const double middle = std::sqrt(less * more);
     (squareAt(middle) > expected_square ? less : more) = middle;
   }
-  return std::exp(0.5 * (less + more));
+  return std::sqrt(less * more);
 }
 
 Moments meanMoments(const Eigen::MatrixXd& draws, const ChannelRows& own) {
