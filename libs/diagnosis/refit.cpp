@@ -76,13 +76,13 @@ double lambdaOf(const Refit& fit, const std::vector<Eigen::Index>& estimates) {
 }
 
 void takeEstimates(const Refit& fit, BatchState& state) {
-  const double before_s = knotLatency_s(state.effects);
+  const EffectParameters<double> before = state.effects;
   for (const EffectEstimate& found : fit.estimates)
     if (found.image < 0)
       state.effects.values[found.scalar] = found.value;
     else
       state.draws[{found.scalar, static_cast<std::size_t>(found.image)}] = found.value;
-  state.path.begin_s -= knotLatency_s(state.effects) - before_s;
+  moveKnots(before, state);
 }
 
 std::vector<PatchLight> lightOf(const BatchData& data, const Linearization& linear, const Weight& weight) {

@@ -114,8 +114,8 @@ Eigen::MatrixXd correlated(Eigen::MatrixXd noise, const std::array<ChannelRows, 
 /// The pixels' noise as two parts: the sigma stated, so many times, and a share of the light. By the sum of
 /// what is left squared, and by the same with more weight where the second part would show most; without a
 /// second part where that sum is not beyond chance, or where there is no more noise than is stated: that
-/// counts what rounding does to dark places, which lasts, and is not to be made less of. `simulated`: what
-/// would be left of white noise.
+/// counts what rounding does to dark places, which lasts, and is not to be made less of. `influence`: of
+/// what is left; `simulated`: what would be left of white noise.
 void splitLightNoise(const Eigen::VectorXd& influence, const Linearization& linear,
                      const std::vector<std::size_t>& rows, const Eigen::MatrixXd& simulated,
                      const NoiseModel& assumed, NoiseModel& noise) {

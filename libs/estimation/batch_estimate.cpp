@@ -167,10 +167,7 @@ class Uncertainty {
     for (int k = 0; k < node.count; ++k) poses.push_back(problem_.find(Kind::pose, node.pose(k)));
     const BatchState& reference = problem_.reference();
     Eigen::MatrixXd slope = motionJacobian(reference.path, node).topRows<6>();
-    const auto effect = knotEffect(reference.effects);
-    const UnknownBlock* latency =
-        effect && reference.path.isSpline() ? problem_.find(Kind::effect, *effect) : nullptr;
-    if (latency != nullptr) {
+    if (const UnknownBlock* latency = problem_.knotBlock(); latency != nullptr) {
       // Knots come so much earlier, and what follows them with them.
       poses.push_back(latency);
       const Motion motion = motionOf(reference.path, node);
@@ -354,7 +351,6 @@ BatchEstimate minimumFrom(const BatchData& data, const BatchEstimate& from, cons
     const bool has_gained = summary.initial_cost - summary.final_cost >= options.cost_tolerance;
     settled = !has_moved || (estimate.rounds > 0 && !has_gained);
     if (settled || estimate.rounds + 1 == options.max_rounds) continue;
-    keepKnotsOnInsClock(data, estimate.state);
     problem = problemAt(data, estimate, options);
   }
   estimate.succeeded = true;

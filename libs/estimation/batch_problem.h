@@ -33,6 +33,7 @@ class BatchProblem {
   const UnknownBlock* find(UnknownBlock::Kind kind, std::size_t index) const {
     return unknowns_.find(kind, index);
   }
+  const UnknownBlock* knotBlock() const { return unknowns_.knotBlock(); }
   int unknowns() const { return unknowns_.size(); }
   const std::vector<std::unique_ptr<BatchCost>>& costs() const { return costs_; }
   /// Those that must be minimized anew where they had been at their minimum before these effects changed:

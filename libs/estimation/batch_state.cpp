@@ -31,6 +31,10 @@ double knotLatency_s(const EffectParameters<double>& effects) {
   return effect && effects.on[*effect] ? *effects.of<InsLatency>() : 0;
 }
 
+void moveKnots(const EffectParameters<double>& before, BatchState& state) {
+  state.path.begin_s -= knotLatency_s(state.effects) - knotLatency_s(before);
+}
+
 namespace {
 
 /// At zero, one for each instrument that has been read and drifts.

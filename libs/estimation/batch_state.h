@@ -76,6 +76,9 @@ double gridBegin_s(const BatchData& data);
 std::optional<std::size_t> knotEffect(const EffectParameters<double>& effects);
 /// By how much knots are earlier than the INS's stamps; 0 where they follow none.
 double knotLatency_s(const EffectParameters<double>& effects);
+/// Has the whole path follow the effects, of which knots followed these before: what it is by the INS's clock
+/// stays.
+void moveKnots(const EffectParameters<double>& before, BatchState& state);
 
 /// The first state of a problem: a spline near a path, or a pose an image. Images without one are left out.
 BatchState startState(const BatchData& data, const std::vector<double>& times_s,

@@ -87,6 +87,11 @@ const UnknownBlock* BatchUnknowns::find(Kind kind, std::size_t index, std::size_
   return found == place_of_.end() ? nullptr : &blocks_[found->second];
 }
 
+const UnknownBlock* BatchUnknowns::knotBlock() const {
+  const auto effect = knotEffect(reference_.effects);
+  return effect && reference_.path.isSpline() ? find(Kind::effect, *effect) : nullptr;
+}
+
 PosePath BatchUnknowns::pathAt(const Eigen::VectorXd& x) const {
   PosePath path = reference_.path;
   for (const UnknownBlock& block : blocks_)
@@ -117,7 +122,7 @@ BatchState BatchUnknowns::at(const Eigen::VectorXd& x) const {
       for (const std::size_t s : continuousScalars(block.index)) state.effects.values[s] += e[i++];
     }
   }
-  state.path.begin_s -= knotLatency_s(state.effects) - knotLatency_s(reference_.effects);
+  moveKnots(reference_.effects, state);
   return state;
 }
 

@@ -29,6 +29,8 @@ class BatchUnknowns {
   const std::vector<UnknownBlock>& blocks() const { return blocks_; }
   /// Null: not estimated.
   const UnknownBlock* find(UnknownBlock::Kind kind, std::size_t index, std::size_t knot = 0) const;
+  /// Of the effect that knots follow, see knotEffect(): null where none does or it is not estimated.
+  const UnknownBlock* knotBlock() const;
   /// Its place among blocks(); there must be one.
   std::size_t placeOf(UnknownBlock::Kind kind, std::size_t index, std::size_t knot = 0) const {
     return place_of_.at({kind, index, knot});

@@ -113,7 +113,7 @@ void ReadingCostMaker::followKnots(ReadingCost& cost) const {
   const BatchState& reference = unknowns_.reference();
   if (cost.source.channel == kChannel<Prior> || !reference.path.isSpline()) return;
   cost.knot_effect = knotEffect(reference.effects);
-  if (!cost.knot_effect || unknowns_.find(UnknownBlock::Kind::effect, *cost.knot_effect) == nullptr) return;
+  if (unknowns_.knotBlock() == nullptr) return;
   cost.at_reference = cost.onMovingKnots(cost.at_reference);
   cost.acting.set(*cost.knot_effect);
   cost.told.set(*cost.knot_effect);

@@ -154,10 +154,9 @@ TEST(Linearization, DerivativeByALatencyThatKnotsFollowIsThatOfDifferences) {
   }
   EXPECT_TRUE(has_markers);
   EXPECT_LT((linear.by_knots - expected).norm(), 1e-4 * expected.norm());
-  BatchEstimate later = linear_run.estimate;
   Eigen::VectorXd x = Eigen::VectorXd::Zero(problem->unknowns());
   x[problem->find(UnknownBlock::Kind::effect, kEffectIndex<InsLatency>)->column] = 0.01;
-  EXPECT_NEAR(problem->at(x).path.begin_s, later.state.path.begin_s - 0.01, 1e-12);
+  EXPECT_NEAR(problem->at(x).path.begin_s, linear_run.estimate.state.path.begin_s - 0.01, 1e-12);
 }
 
 // Where in the image a corner is must not tell how far off its reading is: a field over the image that is
