@@ -74,11 +74,14 @@ void exportKml(const ExportOptions& options) {
 }
 
 void exportImagePoses(const ExportOptions& options) {
-  const fs::path map = neededPanelMapFile(options.map, options.from, RawlogReader(options.from).header());
+  const RecordingHeader header = RawlogReader(options.from).header();
+  const fs::path map = neededPanelMapFile(options.map, options.from, header);
+  const auto vehicle = vehicleFile("", options.from, header);
   const std::vector<PanelMap> panels = readPanelMaps(map);
   const DetectionSettings detection = settingsFor(panels);
   if (detection.families.empty()) throw Error(map.string(), "markers", "there are none");
-  const PosedImages images = posedImages(options.from, panels, detection);
+  const PosedImages images =
+      posedImages(options.from, vehicle ? readVehicle(*vehicle) : Vehicle(), panels, detection);
   for (const std::string& remark : images.remarks) std::cout << remark << "\n";
   if (images.posed.empty()) throw Error(options.from, "", "no image shows where the panel is");
   std::cout << "wrote " << exportColmap(images, panels, options.out) << " images to " << options.out << "; "

@@ -71,7 +71,8 @@ void fitWaterTo(const FitWaterOptions& options, const RunContext& context) {
   how.fit.gain = gainNamed(options.gain);
   how.panel_poses.backend = detection.backend;
   story.remarks = disagreements(inspectRecording(options.recording), world.vehicle);
-  const PosedImages images = posedImages(options.recording, world.panels, detection, world.effects);
+  const PosedImages images =
+      posedImages(options.recording, world.vehicle, world.panels, detection, world.effects);
   const PairMaker maker(world, PairOptions{}, detection);
   story.study = studyWater(options.recording, images, maker, how);
   const auto& more = story.study.remarks;

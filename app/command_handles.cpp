@@ -153,7 +153,7 @@ void readHandles(const HandlesOptions& options, const RunContext& context) {
   if (!options.truth.empty()) story.true_panels = readTruth(options.truth, world.panels);
   const DetectionSettings detection = settingsFor(world.panels);
   if (detection.families.empty()) throw Error(story.map, "markers", "there are none");
-  story.images = posedImages(options.recording, world.panels, detection);
+  story.images = posedImages(options.recording, world.vehicle, world.panels, detection);
   story.remarks = story.images.remarks;
   const auto is_left_out = [&](const auto& image) { return image.number % options.every != 0; };
   std::erase_if(story.images.posed, is_left_out);

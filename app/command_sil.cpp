@@ -74,7 +74,7 @@ void sil(const SilCommandOptions& options, const RunContext& context) {
 
   const fs::path folder = options.folder;
   const PosedImages images =
-      posedImages(options.recording, world.panels, story.options.detection, world.effects);
+      posedImages(options.recording, world.vehicle, world.panels, story.options.detection, world.effects);
   story.remarks = images.remarks;
   const PairMaker maker(world, story.options.pairs, story.options.detection);
   const SilTarget target = targetOf(story, folder);

@@ -106,6 +106,9 @@ void simulate(SimulateOptions options, const RunContext& context) {
   requireInstances(simulation.effects, simulation.vehicle, options.calibration);
   simulation.noise = !options.no_noise;
   if (options.image_format == "jpg") simulation.image_format.kind = ImageFormat::Kind::jpeg;
+  const auto& camera = simulation.vehicle.camera;
+  if (camera && camera->pipeline == CameraPipeline::raw && options.image_format == "jpg")
+    throw Error(options.vehicle, "camera.pipeline", "raw images are stored as PNG");
   const Trajectory trajectory = readTrajectory(shippedFile(options.trajectory));
 
   const std::string name = options.name.empty() ? fs::path(options.trajectory).stem().string() : options.name;

@@ -36,6 +36,19 @@ std::optional<LensModel> lensNamed(std::string_view name) {
   return static_cast<LensModel>(found - kLensNames.begin());
 }
 
+double pixelsPerMeasured(BayerPattern pattern, int colour) {
+  if (pattern == BayerPattern::none) return 1;
+  constexpr int kGreen = 1;
+  return colour == kGreen ? 2 : 4;
+}
+
+std::optional<BayerPattern> bayerNamed(std::string_view name) {
+  constexpr std::array<std::string_view, 4> kNames{"rggb", "grbg", "gbrg", "bggr"};
+  const auto found = std::find(kNames.begin(), kNames.end(), name);
+  if (found == kNames.end()) return {};
+  return static_cast<BayerPattern>(found - kNames.begin() + 1);
+}
+
 std::string distortionText(const CameraModel& camera) {
   std::string text = camera.lens == LensModel::plumb_bob ? "" : "model: " + std::string(nameOf(camera.lens));
   for (const LensCoefficient& c : coefficientsOf(camera.lens))

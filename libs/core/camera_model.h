@@ -23,6 +23,10 @@ enum class LensModel {
   fisheye     ///< Kannala & Brandt 2006, as OpenCV's fisheye and ROS's equidistant: k1, k2, k3, k4
 };
 
+/// Which colour each pixel measures, by the first two pixels of the first two rows; none: each pixel all of
+/// them.
+enum class BayerPattern { none, rggb, grbg, gbrg, bggr };
+
 /// Ideal image coordinates to distorted ones. C has the coefficients k1, k2, p1, p2, k3, k4, k5, k6 and which
 /// of them count: `lens`.
 template <class T, class C>
@@ -57,6 +61,7 @@ struct CameraModel {
   Window window{};
   double k4{}, k5{}, k6{};
   LensModel lens{};
+  BayerPattern bayer{};
 
   /// Ideal image coordinates (x/z, y/z) to distorted ones.
   template <class T>
@@ -97,6 +102,10 @@ std::span<const LensCoefficient> coefficientsOf(LensModel lens);
 /// "plumb_bob", …, as in files.
 std::string_view nameOf(LensModel lens);
 std::optional<LensModel> lensNamed(std::string_view name);
+/// How many pixels come to one that measures a colour (0 red, 1 green, 2 blue): by so much fewer tell of it.
+double pixelsPerMeasured(BayerPattern pattern, int colour);
+/// "rggb", …, as in files; none has no name.
+std::optional<BayerPattern> bayerNamed(std::string_view name);
 /// "k1: 0.1, …", of a fisheye "model: fisheye, k1: …": as a vehicle file has it.
 std::string distortionText(const CameraModel& camera);
 

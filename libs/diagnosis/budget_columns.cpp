@@ -124,7 +124,7 @@ Owner ownerOf(const RowInfo& row, Each each, std::map<Instance, int>& instances)
     case Each::instrument:
       return {instances.try_emplace(row.instance, static_cast<int>(instances.size())).first->second, 0};
     case Each::marker:
-      return {row.marker_id >= 0 ? row.marker_id : row.printed_on, 0};
+      return {row.markerSeen(), 0};
     case Each::place:
       return {row.place, row.component};
     case Each::spot:

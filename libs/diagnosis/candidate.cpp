@@ -8,6 +8,7 @@
 #include "core/text.h"
 #include "diagnosis/constants.h"
 #include "effects/drawn.h"
+#include "effects/image_regions.h"
 #include "effects/peak.h"
 #include "effects/sensor_kinds.h"
 
@@ -18,6 +19,8 @@ std::string nameOf(const Candidate& candidate) {
   if (candidate.marker_id) name += print(" %d", *candidate.marker_id);
   if (candidate.sensor)
     name += " " + std::string(kSensorKinds.at(static_cast<std::size_t>(*candidate.sensor)));
+  if (candidate.region)
+    name += " " + std::string(kImageRegions.at(static_cast<std::size_t>(*candidate.region)).name);
   if (candidate.only)
     name += " of " + (candidate.only->isFirst() ? "the first" : std::string(candidate.only->name()));
   if (candidate.time_s) name += print(" at %.1f s", *candidate.time_s);
@@ -31,7 +34,8 @@ std::string nameOf(const Candidate& candidate) {
 }
 
 bool isSameButTime(const Candidate& a, const Candidate& b) {
-  return a.effect == b.effect && a.marker_id == b.marker_id && a.sensor == b.sensor && a.only == b.only;
+  return a.effect == b.effect && a.marker_id == b.marker_id && a.sensor == b.sensor && a.region == b.region &&
+         a.only == b.only;
 }
 
 void switchOn(EffectParameters<double>& calibration, const Candidate& candidate) {
@@ -43,6 +47,7 @@ void switchOn(EffectParameters<double>& calibration, const Candidate& candidate)
   for (const Parameter& p : effect.parameters) {
     if (p.kind == ParameterKind::marker_id) calibration.values[scalar] = candidate.marker_id.value_or(0);
     if (p.kind == ParameterKind::sensor) calibration.values[scalar] = candidate.sensor.value_or(0);
+    if (p.kind == ParameterKind::region) calibration.values[scalar] = candidate.region.value_or(0);
     if (p.kind == ParameterKind::time) calibration.values[scalar] = candidate.time_s.value_or(0);
     if (p.kind == ParameterKind::peak_time && candidate.peak)
       calibration.values[scalar] = candidate.peak->time_s;
@@ -54,8 +59,11 @@ void switchOn(EffectParameters<double>& calibration, const Candidate& candidate)
 
 bool actsOn(const Candidate& candidate, const RowInfo& row) {
   if (row.channel == kChannel<Prior>) return false;
-  if (candidate.marker_id && row.marker_id != *candidate.marker_id) return false;
+  if (candidate.marker_id && row.markerSeen() != *candidate.marker_id) return false;
   if (candidate.sensor && sensorKindOf(row.channel) != *candidate.sensor) return false;
+  if (candidate.region &&
+      !kImageRegions.at(static_cast<std::size_t>(*candidate.region)).contains(row.image_place))
+    return false;
   if (candidate.only && row.instance != *candidate.only) return false;
   if (candidate.time_s && row.t_s < *candidate.time_s) return false;
   return candidate.active_s.contains(row.t_s);
@@ -182,34 +190,57 @@ std::set<int> markersOf(const Linearization& linear) {
   return ids;
 }
 
+namespace {
+
+/// Those that an effect changes.
+template <class See>
+void forRowsOf(const Linearization& linear, std::size_t effect, See&& see) {
+  for (std::size_t c = 0; c < linear.columns.size(); ++c) {
+    if (linear.columns[c].effect != effect) continue;
+    const auto column = linear.C.col(static_cast<Eigen::Index>(c));
+    for (std::size_t i = 0; i < linear.rows.size(); ++i)
+      if (column[static_cast<Eigen::Index>(i)] != 0) see(linear.rows[i]);
+  }
+}
+
+}  // namespace
+
 std::set<Instance> instancesOf(const Linearization& linear, std::size_t effect) {
   std::set<Instance> instances;
   const bool are_several = std::any_of(linear.rows.begin(), linear.rows.end(),
                                        [](const RowInfo& row) { return !row.instance.isFirst(); });
   if (!are_several || !allEffects()[effect].is_of_instrument) return {};
-  for (std::size_t c = 0; c < linear.columns.size(); ++c) {
-    if (linear.columns[c].effect != effect) continue;
-    const auto column = linear.C.col(static_cast<Eigen::Index>(c));
-    for (std::size_t i = 0; i < linear.rows.size(); ++i)
-      if (column[static_cast<Eigen::Index>(i)] != 0) instances.insert(linear.rows[i].instance);
-  }
+  forRowsOf(linear, effect, [&](const RowInfo& row) { instances.insert(row.instance); });
   return instances.size() > 1 ? instances : std::set<Instance>();
 }
 
 std::set<int> sensorsOf(const Linearization& linear, std::size_t effect) {
   std::set<int> sensors;
   if (!allEffects()[effect].has(ParameterKind::sensor)) return sensors;
-  for (std::size_t c = 0; c < linear.columns.size(); ++c) {
-    if (linear.columns[c].effect != effect) continue;
-    const auto column = linear.C.col(static_cast<Eigen::Index>(c));
-    for (std::size_t i = 0; i < linear.rows.size(); ++i)
-      if (column[static_cast<Eigen::Index>(i)] != 0) sensors.insert(sensorKindOf(linear.rows[i].channel));
-  }
+  forRowsOf(linear, effect, [&](const RowInfo& row) { sensors.insert(sensorKindOf(row.channel)); });
   return sensors;
 }
 
+std::set<int> markersOf(const Linearization& linear, std::size_t effect) {
+  std::set<int> ids;
+  if (!allEffects()[effect].has(ParameterKind::marker_id)) return ids;
+  forRowsOf(linear, effect, [&](const RowInfo& row) {
+    if (row.markerSeen() >= 0) ids.insert(row.markerSeen());
+  });
+  return ids;
+}
+
+std::set<int> regionsOf(const Linearization& linear, std::size_t effect) {
+  std::set<int> regions;
+  if (!allEffects()[effect].has(ParameterKind::region)) return regions;
+  forRowsOf(linear, effect, [&](const RowInfo& row) {
+    for (std::size_t r = 0; r < kImageRegions.size(); ++r)
+      if (kImageRegions[r].contains(row.image_place)) regions.insert(static_cast<int>(r));
+  });
+  return regions;
+}
+
 std::vector<Candidate> lastingCandidates(const Linearization& linear) {
-  const std::set<int> ids = markersOf(linear);
   std::vector<Candidate> candidates;
   for (const EffectInfo& effect : allEffects()) {
     if (isEstimated(linear, effect.index) || effect.has(ParameterKind::time) || hasPeak(effect)) continue;
@@ -222,16 +253,20 @@ std::vector<Candidate> lastingCandidates(const Linearization& linear) {
       }
       continue;
     }
+    for (const int region : regionsOf(linear, effect.index)) {
+      candidate.region = region;
+      candidates.push_back(candidate);
+    }
+    if (effect.has(ParameterKind::region)) continue;
     if (!effect.has(ParameterKind::marker_id)) candidates.push_back(candidate);
     for (const Instance& instance : instancesOf(linear, effect.index)) {
       candidates.push_back(candidate);
       candidates.back().only = instance;
     }
-    for (const int id : ids)
-      if (effect.has(ParameterKind::marker_id)) {
-        candidate.marker_id = id;
-        candidates.push_back(candidate);
-      }
+    for (const int id : markersOf(linear, effect.index)) {
+      candidate.marker_id = id;
+      candidates.push_back(candidate);
+    }
   }
   return candidates;
 }

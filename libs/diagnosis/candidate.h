@@ -26,12 +26,13 @@ struct Candidate {
   Interval active_s;               ///< the default: for good
   std::optional<Instance> only{};  ///< of several instruments of the kind; nothing: of each
   std::optional<int> sensor{};     ///< place in kSensorKinds, where the effect is of one kind of sensors
+  std::optional<int> region{};     ///< place in kImageRegions, where the effect is of one part of the image
 
   bool isForGood() const { return active_s == Interval{} && !time_s && !peak; }
   friend bool operator==(const Candidate&, const Candidate&) = default;
 };
 
-/// The same effect of the same marker, sensor or instrument, whenever it is there.
+/// The same effect of the same marker, sensor, region or instrument, whenever it is there.
 bool isSameButTime(const Candidate& a, const Candidate& b);
 
 /// "marker-moved 14", "panel-moved at 73.2 s", "water-current from 30.0 to 80.0 s".
@@ -92,12 +93,18 @@ std::set<int> markersOf(const Linearization& linear);
 /// world.
 std::set<Instance> instancesOf(const Linearization& linear, std::size_t effect);
 
+/// The ids of the markers whose corners or patches an effect changes that is of one marker; none of another.
+std::set<int> markersOf(const Linearization& linear, std::size_t effect);
+
 /// The kinds of sensors whose readings an effect changes that is of one kind; none of another.
 std::set<int> sensorsOf(const Linearization& linear, std::size_t effect);
 
+/// The parts of the image whose patches an effect changes that is of one part; none of another.
+std::set<int> regionsOf(const Linearization& linear, std::size_t effect);
+
 /// Every effect not yet estimated that a fit can differentiate by, for good; those with a marker's id once
-/// for each id, those of a kind of sensors once for each; where there are several instruments of the kind, of
-/// each too.
+/// for each id, those of a kind of sensors or a part of the image once for each; where there are several
+/// instruments of the kind, of each too.
 std::vector<Candidate> lastingCandidates(const Linearization& linear);
 
 }  // namespace fathom

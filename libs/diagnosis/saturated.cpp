@@ -29,17 +29,17 @@ std::vector<Candidate> peaksOf(const Linearization& linear) {
   return candidates;
 }
 
-/// Where one marker is estimated to have moved, the others.
+/// Where an effect is estimated of one marker, the same of the others.
 std::vector<Candidate> otherMarkers(const Linearization& linear) {
-  const auto moved = std::find_if(linear.blocks.begin(), linear.blocks.end(), [](const UnknownBlock& block) {
-    return block.kind == UnknownBlock::Kind::effect && block.index == kEffectIndex<MarkerMoved>;
-  });
-  if (moved == linear.blocks.end()) return {};
-  std::set<int> ids = markersOf(linear);
-  for (Eigen::SparseMatrix<double>::InnerIterator entry(linear.J, moved->column); entry; ++entry)
-    if (entry.value() != 0) ids.erase(linear.rows[static_cast<std::size_t>(entry.row())].marker_id);
   std::vector<Candidate> candidates;
-  for (const int id : ids) candidates.push_back({kEffectIndex<MarkerMoved>, id, {}, {}, {}});
+  for (const UnknownBlock& block : linear.blocks) {
+    if (block.kind != UnknownBlock::Kind::effect) continue;
+    std::set<int> ids = markersOf(linear, block.index);
+    if (ids.empty()) continue;
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(linear.J, block.column); entry; ++entry)
+      if (entry.value() != 0) ids.erase(linear.rows[static_cast<std::size_t>(entry.row())].markerSeen());
+    for (const int id : ids) candidates.push_back({block.index, id, {}, {}, {}});
+  }
   return candidates;
 }
 

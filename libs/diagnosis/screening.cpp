@@ -13,6 +13,7 @@
 #include "diagnosis/constants.h"
 #include "diagnosis/finer_edges.h"
 #include "effects/drawn.h"
+#include "effects/image_regions.h"
 
 namespace fathom {
 
@@ -33,6 +34,7 @@ double PriorOdds::logOf(const Candidate& candidate) const {
   double log_prior = -std::log(std::max(1.0, effects_) * instances_.at(candidate.effect));
   if (candidate.marker_id) log_prior -= std::log(markers_);
   if (candidate.sensor) log_prior -= std::log(sensors_);
+  if (candidate.region) log_prior -= std::log(static_cast<double>(kImageRegions.size()));
   if (hasPeak(allEffects()[candidate.effect])) return log_prior - std::log(0.5 * n * (n + 1));
   if (candidate.time_s) return log_prior - std::log(n);
   // An effect that is of one marker or clock, or drawn for each image, is not tried for a part.
@@ -189,7 +191,7 @@ void Screening::layOut(const Linearization& linear, int segments, const LeftOut&
       families_.push_back(family);
     };
     if (effect.has(ParameterKind::marker_id)) {
-      for (const int id : markersOf(linear)) add(id, {}, 1);
+      for (const int id : markersOf(linear, effect.index)) add(id, {}, 1);
       continue;
     }
     if (effect.has(ParameterKind::sensor)) {
@@ -199,7 +201,13 @@ void Screening::layOut(const Linearization& linear, int segments, const LeftOut&
       }
       continue;
     }
+    const auto regions = regionsOf(linear, effect.index);
     const int count = lasts || isDrawn(effect.index) ? 1 : segments;
+    for (const int region : regions) {
+      family.candidate.region = region;
+      add({}, {}, count);
+    }
+    if (!regions.empty()) continue;
     // Of what moves the path along, a whole is not the sum of its parts.
     if (count > 1 && followsKnots(family.candidate)) add({}, {}, 1);
     add({}, {}, count);

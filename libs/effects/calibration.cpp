@@ -6,24 +6,25 @@
 
 #include "core/text.h"
 #include "effects/catalogue.h"
-#include "effects/sensor_kinds.h"
+#include "effects/parameter_words.h"
 
 namespace fathom {
 namespace {
 
-double readSensor(const YamlMap& entry, const std::string& name) {
-  const std::string label = entry.text(name);
-  if (const int kind = sensorKind(label); kind >= 0) return kind;
+double readWord(const YamlMap& entry, const std::string& name, std::span<const std::string_view> words) {
+  const std::string word = entry.text(name);
+  if (const auto found = std::find(words.begin(), words.end(), word); found != words.end())
+    return static_cast<double>(found - words.begin());
   std::string known;
-  for (const std::string_view kind : kSensorKinds) known.append(known.empty() ? "" : ", ").append(kind);
-  throw entry.error(name, "no such kind of sensors: `" + label + "` (known: " + known + ")");
+  for (const std::string_view one : words) known.append(known.empty() ? "" : ", ").append(one);
+  throw entry.error(name, "no such " + name + ": `" + word + "` (known: " + known + ")");
 }
 
 void readParameter(const YamlMap& entry, const Parameter& parameter, double* values) {
   const std::string name(parameter.name);
   if (parameter.optional && !entry.has(name)) return;
-  if (parameter.kind == ParameterKind::sensor) {
-    *values = readSensor(entry, name);
+  if (const auto words = wordsOf(parameter.kind); !words.empty()) {
+    *values = readWord(entry, name, words);
     return;
   }
   const auto numbers = parameter.size == 1 ? std::vector<double>{entry.number(name)} : entry.numbers(name);
@@ -65,8 +66,8 @@ void readInstance(const YamlMap& entry, std::optional<Instance>& only) {
 }
 
 std::string formatNumbers(const double* values, int size, const Parameter& parameter = {}) {
-  if (parameter.kind == ParameterKind::sensor)
-    return std::string(kSensorKinds.at(static_cast<std::size_t>(*values)));
+  if (const auto words = wordsOf(parameter.kind); !words.empty())
+    return std::string(words[static_cast<std::size_t>(*values)]);
   std::string text = size > 1 ? "[" : "";
   for (int i = 0; i < size; ++i) text += (i > 0 ? ", " : "") + shortest(asNamed(parameter, values[i]));
   return text + (size > 1 ? "]" : "");

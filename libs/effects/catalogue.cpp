@@ -106,6 +106,8 @@ std::string_view nameOf(ParameterKind kind) {
       return "marker id";
     case ParameterKind::sensor:
       return "sensor";
+    case ParameterKind::region:
+      return "region";
     case ParameterKind::time:
       return "time";
     case ParameterKind::peak_time:

@@ -9,6 +9,7 @@ enum class ParameterKind {
   continuous,  ///< readings depend on it smoothly: a fit may differentiate
   marker_id,   ///< a whole number, one of the panel map's ids: tried one by one
   sensor,      ///< a kind of sensors by its label, its place in kSensorKinds: tried one by one
+  region,      ///< a part of the image by its name, its place in kImageRegions: tried one by one
   time,        ///< s since the recording's first entry, of a step: derivatives are zero, so searched
   peak_time,   ///< the same of a peak: searched, and then estimated. Neutral is any time
   log_width,   ///< ln of a peak's width over its usual one, likewise
@@ -18,7 +19,8 @@ enum class ParameterKind {
 
 /// Whether readings depend on it, or on what is drawn of it, smoothly.
 constexpr bool isDifferentiated(ParameterKind kind) {
-  return kind != ParameterKind::marker_id && kind != ParameterKind::sensor && kind != ParameterKind::time;
+  return kind != ParameterKind::marker_id && kind != ParameterKind::sensor && kind != ParameterKind::region &&
+         kind != ParameterKind::time;
 }
 /// Whether a fit estimates it itself, where it is once known roughly.
 constexpr bool isEstimated(ParameterKind kind) {

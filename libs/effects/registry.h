@@ -15,6 +15,7 @@
 #include "effects/auto_exposure.h"
 #include "effects/beam_bias.h"
 #include "effects/beam_missing.h"
+#include "effects/biofouling.h"
 #include "effects/camera_latency.h"
 #include "effects/camera_misalignment.h"
 #include "effects/clock_drift.h"
@@ -45,6 +46,7 @@
 #include "effects/marker_moved.h"
 #include "effects/marker_size.h"
 #include "effects/motion_blur.h"
+#include "effects/occlusion.h"
 #include "effects/panel_moved.h"
 #include "effects/panel_shape.h"
 #include "effects/pressure_density.h"
@@ -77,7 +79,7 @@ using Catalogue =
                TurbidityPlume, SlantRange, ForwardScatter, Vignetting, AutoExposure, Gamma, DarkOffset,
                MotionBlur, MarineSnow, HeadingDisturbance, ClockDrift, EdgeBias, PanelShape,
                IlluminationGradient, PressureLeverArm, FlatField, WhiteBalance, ResponseBend, VeilingGlare,
-               Defocus, Sharpening, BeamMissing, BeamBias, DecentredDome>;
+               Defocus, Sharpening, BeamMissing, BeamBias, DecentredDome, Biofouling, Occlusion>;
 
 /// The catalogue, and after it what the build was told to know besides.
 using AllEffects = decltype(std::tuple_cat(Catalogue{}, ExtraEffects{}));

@@ -98,6 +98,14 @@ struct PanelPlacement {
   Matrix3<T> R_odom_panel = Matrix3<T>::Identity();
 };
 
+/// What a marker's print is covered with: starts clean.
+template <class T>
+struct MarkerCover {
+  int id = 0;                              ///< context
+  T share = T(0);                          ///< of its area, evenly
+  Vector3<T> albedo = Vector3<T>::Zero();  ///< of what covers it; red, green, blue
+};
+
 // FaceShape (core/face_shape.h): how its face differs from that of the map.
 
 /// A flat port before the camera: parallel layers of air and glass, and water behind. See
@@ -186,6 +194,14 @@ struct SuspendedParticles {
   T per_m3 = T(0);
 };
 
+/// What is right before the camera, where a line of sight goes: starts with nothing.
+template <class T>
+struct ViewCover {
+  Vector2d place = Vector2d::Zero();  ///< context: shares of the image's width and height
+  T share = T(0);                     ///< of the light that comes from there instead
+  T radiance = T(0);
+};
+
 /// Of the light that comes into the camera, what lens and port strew evenly over the image.
 template <class T>
 struct StrayLight {
@@ -237,6 +253,8 @@ template <class T>
 inline constexpr bool kIsOfWorld<MarkerPlacement<T>> = true;
 template <class T>
 inline constexpr bool kIsOfWorld<PanelPlacement<T>> = true;
+template <class T>
+inline constexpr bool kIsOfWorld<MarkerCover<T>> = true;
 template <class T>
 inline constexpr bool kIsOfWorld<FaceShape<T>> = true;
 template <class T>

@@ -63,7 +63,7 @@ class Collector {
     if (!any_) data_.time_zero = sample.time;
     any_ = true;
     t_s_ = secondsBetween(data_.time_zero, sample.time);
-    if (isImage(sample)) return addImage(*imageEntry(sample, image_folder_));
+    if (isImage(sample)) return addImage(*imageEntry(sample, image_folder_, data_.vehicle));
     if (!watch_.accept(sample, t_s_)) return;
     withInstrument(sample, [&]<class Instrument>(const auto& entry, const Instance& instance) {
       addEntry<Instrument>(entry, instance);

@@ -156,7 +156,7 @@ BatchInput batchInput(const std::function<std::unique_ptr<SampleSource>()>& open
       input.start = imageStart(input.data);
     return input;
   }
-  const auto entries = imageEntries(*open());
+  const auto entries = imageEntries(*open(), vehicle);
   const auto sightings = std::make_shared<Sightings>(solveSightings(entries, detections, panels));
   const auto filter = [&](const std::optional<StartPose>& from) {
     LandmarkSource samples(open(), sightings);

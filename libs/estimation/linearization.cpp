@@ -102,6 +102,7 @@ RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const Row
   if (patch != nullptr) {
     setPlace(info, *patch, motion, problem.reference());
     info.image_radius = patch->image_radius;
+    info.image_place = patch->image_place;
     // Of all of it: its middle pixel may be some centimetres from there.
     info.point_panel = patch->at_panel_m;
     info.panel_spread = spreadOnPanel(*patch);

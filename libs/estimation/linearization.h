@@ -40,11 +40,14 @@ struct RowInfo {
 
   // Of markers and patches; of tie points as the left eye sees them.
   std::ptrdiff_t marker = -1;  ///< index in BatchData::markers
-  int marker_id = -1;
-  int printed_on = -1;  ///< of a patch of a marker's print: that marker's id
+  int marker_id = -1;          ///< of a corner
+  int printed_on = -1;         ///< of a patch of a marker's print: that marker's id
+  /// The marker that a corner or a patch is of; -1: of none.
+  int markerSeen() const { return marker_id >= 0 ? marker_id : printed_on; }
   std::ptrdiff_t panel = -1, image = -1, eye = -1;
-  Vector2d pixel = Vector2d::Constant(kNone);  ///< the corner, or the point
-  double focal_px = 1;                         ///< of the camera
+  Vector2d pixel = Vector2d::Constant(kNone);        ///< the corner, or the point
+  Vector2d image_place = Vector2d::Constant(kNone);  ///< of a patch, see ViewCover
+  double focal_px = 1;                               ///< of the camera
   double image_radius = kNone;  ///< its distance from the principal point over the focal length
   Vector2d point_panel = Vector2d::Constant(kNone);  ///< of a corner, patch or edges: where on the panel, m
   // Of what a patch is the mean of: standard deviations about these, each axis.

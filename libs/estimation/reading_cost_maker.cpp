@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/chi_square.h"
+#include "effects/image_regions.h"
 #include "estimation/reading_cost.h"
 #include "sensors/channel_model.h"
 
@@ -15,9 +16,11 @@ namespace {
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
 /// Marker ids, sensors and times are this row's own: what acts here.
-void setDiscrete(ForwardPoint& point, int marker_id, const RowSource& source) {
+void setDiscrete(ForwardPoint& point, int marker_id, const ImagePatch* patch, const RowSource& source) {
+  const int cell = patch == nullptr ? 0 : imageCellAt(patch->image_place.x(), patch->image_place.y());
   for (std::size_t s = 0; s < kEffectScalars; ++s) {
     if (parameterOf(s).kind == ParameterKind::marker_id) point.effects[s] = marker_id;
+    if (parameterOf(s).kind == ParameterKind::region) point.effects[s] = cell;
     if (parameterOf(s).kind == ParameterKind::sensor) point.effects[s] = sensorKindOf(source.channel);
     if (parameterOf(s).kind == ParameterKind::time) point.effects[s] = -Interval::kForever_s;
     if (parameterOf(s).kind == ParameterKind::peak_time) point.effects[s] = source.t_s;
@@ -32,6 +35,16 @@ struct ReadingCostMaker::Subject {
   const ImagePatch* patch = nullptr;
   const MarkerBlur* blur = nullptr;
   std::size_t panel = kNone, image = kNone;
+
+  /// Of the marker that a corner or a patch is of; -1: of none.
+  int markerId() const {
+    if (marker != nullptr) return marker->marker.id;
+    return patch != nullptr ? patch->marker_id : -1;
+  }
+  /// Of a patch.
+  bool isIn(const ImageRegion& region) const {
+    return patch != nullptr && region.contains(patch->image_place);
+  }
 };
 
 std::unique_ptr<BatchCost> ReadingCostMaker::make(std::unique_ptr<ReadingModel> model,
@@ -73,6 +86,7 @@ ReadingCostMaker::Subject ReadingCostMaker::subjectOf(const RowSource& source) c
 std::bitset<kEffectCount> ReadingCostMaker::actingOn(const ReadingModel& model, const RowSource& source,
                                                      const EffectParameters<double>& effects) const {
   const EffectParameters<double>& all = unknowns_.reference().effects;
+  const Subject subject = subjectOf(source);
   std::bitset<kEffectCount> acting;
   for (std::size_t e = 0; e < kEffectCount; ++e) {
     const bool on = effects.on[e] || (options_.estimate[e] && all.concerns(e, source.instance));
@@ -81,9 +95,9 @@ std::bitset<kEffectCount> ReadingCostMaker::actingOn(const ReadingModel& model, 
     for (std::size_t s = kEffectOffsets[e]; s < kEffectOffsets[e + 1]; ++s) {
       const double value = effects.values[s];
       if (parameterOf(s).kind == ParameterKind::marker_id)
-        acts = acts && source.marker >= 0 &&
-               static_cast<int>(std::lround(value)) ==
-                   data_.markers[static_cast<std::size_t>(source.marker)].marker.id;
+        acts = acts && static_cast<int>(std::lround(value)) == subject.markerId();
+      if (parameterOf(s).kind == ParameterKind::region)
+        acts = acts && subject.isIn(kImageRegions.at(static_cast<std::size_t>(std::lround(value))));
       if (parameterOf(s).kind == ParameterKind::sensor)
         acts = acts && static_cast<int>(std::lround(value)) == sensorKindOf(source.channel);
       if (parameterOf(s).kind == ParameterKind::time) acts = acts && source.t_s >= value;
@@ -95,7 +109,7 @@ std::bitset<kEffectCount> ReadingCostMaker::actingOn(const ReadingModel& model, 
 
 void ReadingCostMaker::setEffects(const Subject& subject, ReadingCost& cost) const {
   ForwardPoint& point = cost.at_reference;
-  setDiscrete(point, subject.marker == nullptr ? -1 : subject.marker->marker.id, cost.source);
+  setDiscrete(point, subject.markerId(), subject.patch, cost.source);
   const EffectParameters<double> effects = unknowns_.reference().effects.of(cost.source.instance);
   cost.acting = actingOn(*cost.model, cost.source, effects);
   for (const EffectInfo& effect : allEffects())

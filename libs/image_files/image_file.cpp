@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/files.h"
 #include "core/text.h"
+#include "image_files/bayer.h"
 
 namespace fathom {
 namespace {
@@ -179,7 +180,9 @@ cv::Mat readImage(const std::filesystem::path& file, const CameraModel& camera) 
     throw Error(file.string(), "",
                 print("is of %d x %d pixels, its camera of %d x %d", image.cols, image.rows, camera.width_px,
                       camera.height_px));
-  return image;
+  if (camera.bayer != BayerPattern::none && image.channels() != 1)
+    throw Error(file.string(), "", "has colours; a raw image, as its camera's are, has one channel");
+  return demosaiced(image, camera.bayer);
 }
 
 }  // namespace fathom

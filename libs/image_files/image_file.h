@@ -13,7 +13,9 @@ namespace fathom {
 /// byte where that helps: cannot be read, empty, none of these, cut off, damaged (PNG's checksums), not
 /// decodable.
 cv::Mat readImage(const std::filesystem::path& file);
-/// The same of an image that this camera took. Throws Error, too, where it is not of the camera's size.
+/// The same of an image that this camera took; what it measured in a Bayer pattern, of one channel, is given
+/// all its colours (demosaiced()). Throws Error, too, where it is not of the camera's size, or has colours
+/// and the camera such a pattern.
 cv::Mat readImage(const std::filesystem::path& file, const CameraModel& camera);
 
 }  // namespace fathom

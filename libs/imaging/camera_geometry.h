@@ -68,7 +68,8 @@ struct CameraProjector {
             l.k4,
             l.k5,
             l.k6,
-            l.lens};
+            l.lens,
+            nominal.bayer};
   }
 
   /// Without derivatives.

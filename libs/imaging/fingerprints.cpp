@@ -20,6 +20,7 @@ void add(Fingerprint& fingerprint, const CameraModel& camera) {
        {1.0 * camera.width_px, 1.0 * camera.height_px, camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px,
         camera.k1, camera.k2, camera.p1, camera.p2, camera.k3})
     fingerprint.add(number);
+  if (camera.bayer != BayerPattern::none) fingerprint.add(static_cast<double>(camera.bayer));
   if (camera.lens == LensModel::plumb_bob) return;
   for (const double number : {camera.k4, camera.k5, camera.k6}) fingerprint.add(number);
   fingerprint.add(nameOf(camera.lens));

@@ -179,6 +179,21 @@ cv::Mat withStrayLight(const cv::Mat& light, double share) {
   return mixed + share * cv::mean(light);
 }
 
+cv::Mat covered(const cv::Mat& light, const EffectParameters<double>& effects, double t_s) {
+  require(light, CV_32FC3, light.size());
+  if (!anyActsAt<ViewCover<double>>(effects)) return light;
+  cv::Mat seen(light.size(), CV_32FC3);
+  parallelFor(light.rows, [&](int v) {
+    for (int u = 0; u < light.cols; ++u) {
+      ViewCover<double> cover{{(u + 0.5) / light.cols, (v + 0.5) / light.rows}};
+      applyEffects(effects, t_s, cover);
+      const auto share = static_cast<float>(cover.share), radiance = static_cast<float>(cover.radiance);
+      seen.at<cv::Vec3f>(v, u) = (1 - share) * light.at<cv::Vec3f>(v, u) + cv::Vec3f::all(share * radiance);
+    }
+  });
+  return seen;
+}
+
 cv::Mat defocused(const cv::Mat& light, double variance_px2) {
   if (variance_px2 <= 0) return light;
   cv::Mat soft;
@@ -271,8 +286,9 @@ cv::Mat ImageModel::expose(const cv::Mat& scene_light, Random* noise, double t_s
   applyEffects(effects_, t_s, stray);
   ImageSoftness<double> softness;
   applyEffects(effects_, t_s, softness);
-  const cv::Mat light =
-      withStrayLight(defocused(whiteGrown(scene_light, edges.white_px), softness.lens_px2), stray.share);
+  const cv::Mat light = withStrayLight(
+      defocused(whiteGrown(covered(scene_light, effects_, t_s), edges.white_px), softness.lens_px2),
+      stray.share);
   const double amount = softness.sharpened_px2 / (Sharpening::kRadius_px * Sharpening::kRadius_px);
   const auto row_size = 3 * static_cast<std::size_t>(light.cols);
   const auto shot_variance = static_cast<float>(1 / sheet_.full_well_e),

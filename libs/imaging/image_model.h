@@ -103,6 +103,9 @@ cv::Mat whiteGrown(const cv::Mat& light, double by_px);
 /// Light of which so large a share is strewn evenly over the image. CV_32FC3.
 cv::Mat withStrayLight(const cv::Mat& light, double share);
 
+/// Light of which regions of the image are covered, see ViewCover. CV_32FC3.
+cv::Mat covered(const cv::Mat& light, const EffectParameters<double>& effects, double t_s);
+
 /// Light through a lens that is out of focus: blurred by a normal curve. CV_32FC3.
 cv::Mat defocused(const cv::Mat& light, double variance_px2);
 

@@ -23,7 +23,9 @@ struct PatchSurface {
   Surroundings<double> albedo_around = Surroundings<double>::Zero();
   double image_radius = 0;                               ///< see PixelResponse
   Vector2d image_tangent = Vector2d::Zero();             ///< likewise
+  Vector2d image_place = Vector2d::Zero();               ///< see ViewCover
   Eigen::Vector2d at_panel_m = Eigen::Vector2d::Zero();  ///< see SceneLight
+  int marker_id = -1;                                    ///< whose print it is; -1: of none
   double response_gamma = 1;               ///< by which its radiance was made of the image's numbers
   Vector3d image_mean = Vector3d::Zero();  ///< radiance of all the image, as the camera read it
 };
@@ -40,7 +42,6 @@ struct ImagePatch : PatchSurface {
   std::size_t image = 0, eye = 0, panel = 0;
   int place = 0;  ///< number of its place among all panels' places: the same in all images
   Surface surface = Surface::body;
-  int marker_id = -1;     ///< whose black or white it is; -1: of none
   double seen_share = 1;  ///< area of its place that it is of: of the most that any image shows
   Vector3d point_panel = Vector3d::Zero();  ///< its centre
   /// What varies over it has, to second order, the mean that it has over these.
@@ -102,6 +103,15 @@ PatchUnderLamps<T> underLamps(const PatchOnRobot<T>& patch, const std::vector<La
   return light;
 }
 
+/// A patch's albedo with what its marker is covered with.
+template <class T>
+Vector3<T> coveredAlbedo(const PatchSurface& patch, const EffectParameters<T>& effects, double t_s) {
+  MarkerCover<T> cover{patch.marker_id};
+  applyEffects(effects, t_s, cover);
+  const Vector3<T> print = patch.albedo.cast<T>();
+  return print + cover.share * (cover.albedo - print);
+}
+
 /// The light that comes to the camera from a patch z_m and range_m away, in a water as waterParameters();
 /// `under_lamps` counts as far as an effect has them shine.
 template <class T>
@@ -112,7 +122,7 @@ Vector3<T> predictPatchLight(const PatchSurface& patch, const T& z_m, const T& r
   const WaterColumn<T> column{water.template head<3>(), water.template segment<3>(3)};
   const Vector3<T> irradiance =
       shining.daylight * water.template tail<3>() + shining.lamps * under_lamps.irradiance;
-  const SceneRadiance<T> scene(irradiance.asDiagonal() * patch.albedo.cast<T>(),
+  const SceneRadiance<T> scene(irradiance.asDiagonal() * coveredAlbedo(patch, effects, t_s),
                                irradiance.asDiagonal() * patch.albedo_around.cast<T>());
   return predictLight<T>(scene, z_m, range_m, column, effects, t_s, sight) +
          shining.lamps * under_lamps.in_water;
@@ -129,10 +139,13 @@ Vector3<T> predictPatchReading(const Vector3<T>& light, const PatchSurface& patc
   applyEffects(effects, t_s, curve);
   StrayLight<T> stray;
   applyEffects(effects, t_s, stray);
+  ViewCover<T> cover{patch.image_place};
+  applyEffects(effects, t_s, cover);
   Vector3<T> reading;
-  for (int c = 0; c < 3; ++c)
-    reading[c] =
-        predictReading(T(light[c] + stray.share * (patch.image_mean[c] - light[c])), response, curve, c);
+  for (int c = 0; c < 3; ++c) {
+    const T let_in = light[c] + cover.share * (cover.radiance - light[c]);
+    reading[c] = predictReading(T(let_in + stray.share * (patch.image_mean[c] - let_in)), response, curve, c);
+  }
   if (patch.response_gamma != 1)
     for (int c = 0; c < 3; ++c) reading[c] = pow(reading[c], 1 / patch.response_gamma);
   return reading;

@@ -17,6 +17,10 @@ PanelMap truePanel(const PanelMap& nominal, const EffectParameters<double>& effe
   for (Marker& marker : panel.markers) {
     const auto there = markerPlacement(marker, effects, t_s);
     const auto corners = markerCorners_panel(marker, effects, t_s);
+    MarkerCover<double> cover{marker.id};
+    applyEffects(effects, t_s, cover);
+    marker.covered = cover.share;
+    marker.cover_albedo = cover.albedo;
     marker.size_m = there.size_m;
     marker.T_panel_marker = {there.R_panel_marker, there.position_panel};
     const auto square = marker.corners_panel();
@@ -25,6 +29,10 @@ PanelMap truePanel(const PanelMap& nominal, const EffectParameters<double>& effe
           there.R_panel_marker.transpose() * (corners[k] - square[k]);
   }
   return panel;
+}
+
+bool changesPanels(const EffectParameters<double>& effects) {
+  return movesPanels(effects) || anyActsAt<MarkerCover<double>>(effects);
 }
 
 bool movesPanels(const EffectParameters<double>& effects) {

@@ -27,10 +27,10 @@ std::optional<fs::path> givenCornersOf(const fs::path& rawlog) {
 }
 
 /// Remarks: also what of the recording is lost, now that it was read to its end.
-FoundMarkers findMarkers(const fs::path& rawlog, const std::vector<PanelMap>& panels,
+FoundMarkers findMarkers(const fs::path& rawlog, const Vehicle& vehicle, const std::vector<PanelMap>& panels,
                          std::vector<std::string>& remarks) {
   RecordingSource source(rawlog);
-  FoundMarkers found{imageEntries(source), {}};
+  FoundMarkers found{imageEntries(source, vehicle), {}};
   if (source.loss()) remarks.push_back("The recording is damaged: " + describe(*source.loss()));
   if (panels.empty()) return found;
   Detections& detections = found.detections;
@@ -121,7 +121,7 @@ BatchRecording readBatchRecording(const BatchRecordingOptions& options,
   recording.remarks = std::move(plausibility.remarks);
   recording.accepted_faults = std::move(plausibility.accepted);
   const auto start = startPose(options.start, options.rawlog, {});
-  recording.found = findMarkers(options.rawlog, panels, recording.remarks);
+  recording.found = findMarkers(options.rawlog, vehicle, panels, recording.remarks);
   BatchDataOptions beside;
   beside.tie_points = tiePointsOf(options.rawlog, recording.remarks);
   recording.input = batchInput(open, recording.found.detections, vehicle, panels, calibration, start, beside);

@@ -44,11 +44,15 @@ bool isImage(const Sample& sample) {
          std::holds_alternative<StereoSample>(sample.reading);
 }
 
-std::optional<ImageEntry> imageEntry(const Sample& sample, const fs::path& image_folder) {
-  const auto eye = [&](const std::string& file, const RecordedCamera& camera, const Pose& T_first_camera) {
-    return ImageEntry::Eye{{image_folder / file, camera.model}, T_first_camera};
-  };
+std::optional<ImageEntry> imageEntry(const Sample& sample, const fs::path& image_folder,
+                                     const Vehicle& vehicle) {
   const Instance instance = Instance::of(sample.label);
+  const auto& sheet = vehicle.sensors(instance).camera;
+  const auto eye = [&](const std::string& file, const RecordedCamera& camera, const Pose& T_first_camera) {
+    ImageEntry::Eye view{{image_folder / file, camera.model}, T_first_camera};
+    if (sheet) view.image.camera.bayer = sheet->model.bayer;
+    return view;
+  };
   if (const auto* image = std::get_if<ImageSample>(&sample.reading))
     return ImageEntry{
         sample.time, instance, image->T_robot_camera, {eye(image->file, image->intrinsics, {})}};
@@ -61,13 +65,13 @@ std::optional<ImageEntry> imageEntry(const Sample& sample, const fs::path& image
   return std::nullopt;
 }
 
-std::vector<ImageEntry> imageEntries(SampleSource& source) {
+std::vector<ImageEntry> imageEntries(SampleSource& source, const Vehicle& vehicle) {
   std::vector<ImageEntry> entries;
   LatestMotion motion;
   Progress progress("looking for images");
   while (const auto sample = source.next()) {
     motion.look(*sample);
-    if (auto entry = imageEntry(*sample, source.imageFolder())) {
+    if (auto entry = imageEntry(*sample, source.imageFolder(), vehicle)) {
       entry->velocity_robot = motion.velocity_robot;
       entry->angular_velocity_robot = motion.angular_velocity_robot;
       entries.push_back(std::move(*entry));

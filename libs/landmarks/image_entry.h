@@ -6,6 +6,7 @@
 
 #include "core/camera_model.h"
 #include "recording/sample_source.h"
+#include "sensors/vehicle.h"
 
 namespace fathom {
 
@@ -32,11 +33,13 @@ struct ImageEntry {
 /// Whether a sample is an image or a pair of them.
 bool isImage(const Sample& sample);
 
-/// Nothing where the sample is not an image. Mounting and intrinsics are the entry's own.
-std::optional<ImageEntry> imageEntry(const Sample& sample, const std::filesystem::path& image_folder);
+/// Nothing where the sample is not an image. Mounting and intrinsics are the entry's own, the Bayer pattern
+/// is the vehicle's.
+std::optional<ImageEntry> imageEntry(const Sample& sample, const std::filesystem::path& image_folder,
+                                     const Vehicle& vehicle);
 
 /// All of a source, in its order. Reads it to its end. Throws as SampleSource::next().
-std::vector<ImageEntry> imageEntries(SampleSource& source);
+std::vector<ImageEntry> imageEntries(SampleSource& source, const Vehicle& vehicle);
 
 /// Each file once, in their order.
 std::vector<CameraImage> imagesOf(const std::vector<ImageEntry>& entries);

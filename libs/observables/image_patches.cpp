@@ -152,6 +152,7 @@ ImagePatch patchOf(const Patch& plain, ImagePatch::Surface surface, const PosedI
   patch.pixel_spread = plain.pixel_covariance.diagonal().cwiseMax(0).cwiseSqrt();
   patch.image_radius = plain.image_radius;
   patch.image_tangent = plain.image_tangent;
+  patch.image_place = plain.pixel.array() / Vector2d(camera.width_px, camera.height_px).array();
   patch.response_gamma = sheet.response_gamma;
   patch.image_mean = plain.image_mean;
   patch.radiance = plain.radiance;

@@ -62,7 +62,8 @@ std::optional<EdgeView> viewOf(const Light& light, const cv::Rect& window, const
     cv::extractChannel(light.rendered(window), rendered, colour);
     cv::extractChannel(light.around(window), around, colour);
     const double sigma = radianceSigma(cv::mean(seen, mask)[0], sheet);
-    variance += sigma * sigma;
+    // Smoothed, noise of fewer pixels is as much larger.
+    variance += pixelsPerMeasured(sheet.model.bayer, colour) * sigma * sigma;
     view.seen = colours == 0 ? seen : cv::Mat(view.seen + seen);
     view.rendered = colours == 0 ? rendered : cv::Mat(view.rendered + rendered);
     view.around = colours == 0 ? around : cv::Mat(view.around + around);

@@ -110,7 +110,9 @@ Patch patchFrom(const Sums& sums, const CameraSheet& sheet, PatchSet& set) {
     saturated |= too_bright;
     dark |= too_dark;
     if (too_bright || too_dark) continue;
-    const Measured colour = measured(mean, own.variance(n), n, sheet);
+    // What is between measured pixels says nothing that they do not.
+    const double told_by = n / pixelsPerMeasured(sheet.model.bayer, c);
+    const Measured colour = measured(mean, own.variance(n), told_by, sheet);
     patch.radiance[c] = colour.radiance;
     patch.sigma[c] = colour.sigma;
   }

@@ -67,10 +67,11 @@ PosedImages posedImages(const std::vector<ImageEntry>& entries, const Detections
   return images;
 }
 
-PosedImages posedImages(const std::filesystem::path& rawlog, const std::vector<PanelMap>& panels,
-                        const DetectionSettings& settings, const EffectParameters<double>& effects) {
+PosedImages posedImages(const std::filesystem::path& rawlog, const Vehicle& vehicle,
+                        const std::vector<PanelMap>& panels, const DetectionSettings& settings,
+                        const EffectParameters<double>& effects) {
   RecordingSource source(rawlog);
-  const std::vector<ImageEntry> entries = imageEntries(source);
+  const std::vector<ImageEntry> entries = imageEntries(source, vehicle);
   if (entries.empty()) throw Error(rawlog.string(), "", "has no images");
   const Detections detections = detectImages(imagesOf(entries), settings, keepBeside(rawlog));
   const LandmarkCalibration calibration{effects, RawlogReader(rawlog).next().value().time};

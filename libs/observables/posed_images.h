@@ -56,8 +56,9 @@ PosedImages posedImages(const std::vector<ImageEntry>& entries, const Detections
 /// The same from a rawlog: finds the markers in its images (they are kept beside it, see keepBeside), and
 /// solves for the panels. Images in order of time, whatever the rawlog's. Throws Error where the rawlog
 /// cannot be read or has no images; Interrupted.
-PosedImages posedImages(const std::filesystem::path& rawlog, const std::vector<PanelMap>& panels,
-                        const DetectionSettings& settings, const EffectParameters<double>& effects = {});
+PosedImages posedImages(const std::filesystem::path& rawlog, const Vehicle& vehicle,
+                        const std::vector<PanelMap>& panels, const DetectionSettings& settings,
+                        const EffectParameters<double>& effects = {});
 
 /// Keeps those of so many moments, spread evenly over all that there are; both eyes of a pair. Returns how
 /// many moments there were.

@@ -22,6 +22,8 @@ struct Marker {
   MarkerLook look{};    ///< how it is printed
   /// By which its corners are off those of a square, in the order of kMarkerCorners; marker frame.
   Eigen::Matrix<double, 3, 4> off_square_m = Eigen::Matrix<double, 3, 4>::Zero();
+  double covered = 0;  ///< share of its area with something on it
+  Vector3d cover_albedo = Vector3d::Zero();
   Eigen::Vector2d panel_half_m = Eigen::Vector2d::Zero();  ///< PanelMap::half_extent_m of its panel
 
   /// In the order of kMarkerCorners; panel frame, m.

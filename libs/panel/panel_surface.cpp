@@ -8,12 +8,11 @@ namespace {
 /// A marker printed on nothing is lifted so much, lest it fight with the face for the pixels.
 constexpr double kInk_m = 0.0002;
 
-void addCell(const Vector3d& top_left, double side_m, float albedo, Surface& surface) {
+void addCell(const Vector3d& top_left, double side_m, const Eigen::Vector3f& albedo, Surface& surface) {
   const auto first = static_cast<std::uint32_t>(surface.vertices.size());
   for (const auto& [right, down] : {std::pair(0, 0), std::pair(0, 1), std::pair(1, 1), std::pair(1, 0)}) {
     const Vector3d corner = top_left + side_m * Vector3d(right, -down, 0);
-    surface.vertices.push_back(
-        {corner.cast<float>(), Eigen::Vector3f::UnitZ(), Eigen::Vector3f::Constant(albedo)});
+    surface.vertices.push_back({corner.cast<float>(), Eigen::Vector3f::UnitZ(), albedo});
   }
   surface.triangles.push_back({first, first + 1, first + 2});
   surface.triangles.push_back({first, first + 2, first + 3});
@@ -21,7 +20,8 @@ void addCell(const Vector3d& top_left, double side_m, float albedo, Surface& sur
 
 /// Marker frame. Every cell is a square of its own: joined to bars they would be fewer triangles, but
 /// slivers, whose corners a renderer loses, and with corners on each other's edges, which leak.
-Surface cellsOf(const MarkerPattern& pattern, double border_m, float white_albedo, float black_albedo) {
+Surface cellsOf(const MarkerPattern& pattern, double border_m, const Eigen::Vector3f& white_albedo,
+                const Eigen::Vector3f& black_albedo) {
   const double cell_m = border_m / pattern.border_cells, half_m = cell_m * pattern.cells / 2;
   Surface surface;
   for (int row = 0; row < pattern.cells; ++row)
@@ -29,6 +29,12 @@ Surface cellsOf(const MarkerPattern& pattern, double border_m, float white_albed
       addCell({column * cell_m - half_m, half_m - row * cell_m, 0}, cell_m,
               pattern.whiteAt(row, column) ? white_albedo : black_albedo, surface);
   return surface;
+}
+
+/// Of a print, with what covers it.
+Eigen::Vector3f seenAlbedo(double print, const Marker& marker) {
+  const Vector3d clean = Vector3d::Constant(print);
+  return (clean + marker.covered * (marker.cover_albedo - clean)).cast<float>();
 }
 
 }  // namespace
@@ -40,7 +46,7 @@ Surface surfaceOf(const PanelMap& map) {
     if (const auto face_z = faceHeight_m(map.body, T_panel_cells.position))
       T_panel_cells.position.z() = std::max(T_panel_cells.position.z(), *face_z + kInk_m);
     surface.add(cellsOf(markerPattern(marker.family, marker.id, marker.look), marker.size_m,
-                        static_cast<float>(map.white_albedo), static_cast<float>(map.black_albedo)),
+                        seenAlbedo(map.white_albedo, marker), seenAlbedo(map.black_albedo, marker)),
                 T_panel_cells);
   }
   for (const Handle& handle : map.handles) surface.add(surfaceOf(handle), handle.T_panel_handle());

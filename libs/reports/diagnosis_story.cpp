@@ -5,7 +5,7 @@
 
 #include "core/text.h"
 #include "effects/catalogue.h"
-#include "effects/sensor_kinds.h"
+#include "effects/parameter_words.h"
 
 namespace fathom {
 namespace {
@@ -46,8 +46,8 @@ std::vector<FoundParameter> parametersOf(const FoundEffect& effect, const Diagno
   for (const Parameter& p : info.parameters) {
     parameters.push_back({std::string(p.name), std::string(p.unit), valuesOf(effect, p, scalar, calibration),
                           sigmasOf(effect, scalar, p.size)});
-    if (p.kind == ParameterKind::sensor)
-      parameters.back().word = kSensorKinds.at(static_cast<std::size_t>(parameters.back().value[0]));
+    if (const auto words = wordsOf(p.kind); !words.empty())
+      parameters.back().word = words[static_cast<std::size_t>(parameters.back().value[0])];
     scalar += static_cast<std::size_t>(p.size);
   }
   if (info.derived != nullptr) {

@@ -60,8 +60,15 @@ Window readWindow(const YamlMap& y) {
 CameraPipeline readPipeline(const YamlMap& y) {
   const std::string text = y.text("pipeline");
   if (text == "linear") return CameraPipeline::linear;
+  if (text == "raw") return CameraPipeline::raw;
   if (text == "processed") return CameraPipeline::processed;
-  throw y.error("pipeline", "must be linear or processed");
+  throw y.error("pipeline", "must be linear, raw or processed");
+}
+
+BayerPattern readBayer(const YamlMap& y) {
+  const auto pattern = bayerNamed(y.text("bayer"));
+  if (!pattern) throw y.error("bayer", "must be rggb, grbg, gbrg or bggr");
+  return *pattern;
 }
 
 CameraSheet readCamera(const YamlMap& y) {
@@ -78,6 +85,7 @@ CameraSheet readCamera(const YamlMap& y) {
   if (s.gain != "fixed" && s.gain != "auto") throw y.error("gain", "must be fixed or auto");
   s.response_gamma = y.positive("response_gamma");
   if (y.has("pipeline")) s.pipeline = readPipeline(y);
+  if (s.pipeline == CameraPipeline::raw) s.model.bayer = readBayer(y);
   s.bits = y.integer("bits");
   if (s.bits < 1 || s.bits > 16) throw y.error("bits", "must be from 1 to 16");
   s.full_well_e = y.positive("full_well_e");

@@ -16,9 +16,10 @@ namespace fathom {
 
 class YamlMap;
 
-/// What a camera's images are: numbers that go with the light by the response stated; or processed by a curve
-/// that nobody states, with colours weighed anew for each image, sharpened, compressed.
-enum class CameraPipeline { linear, processed };
+/// What a camera's images are: numbers that go with the light by the response stated; the same as its sensor
+/// measures them, of one colour each (one channel, `bayer`: rggb, grbg, gbrg or bggr); or processed by a
+/// curve that nobody states, with colours weighed anew for each image, sharpened, compressed.
+enum class CameraPipeline { linear, raw, processed };
 
 struct CameraSheet {
   double rate_hz = 1;

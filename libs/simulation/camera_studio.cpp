@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "effects/drawn.h"
+#include "image_files/bayer.h"
 #include "imaging/exposure_time.h"
 #include "imaging/fingerprints.h"
 #include "imaging/image_model.h"
@@ -82,8 +83,8 @@ CameraStudio::CameraStudio(CameraWorld world, const CameraSheet& sheet, std::vec
       sheet_(sheet),
       lamps_(std::move(lamps)),
       effects_(withoutDraws(effects)),
-      panels_move_(movesPanels(effects)),
-      scene_changes_(panels_move_ || anyActsAt<FlatPort<double>>(effects) ||
+      panels_change_(changesPanels(effects)),
+      scene_changes_(panels_change_ || anyActsAt<FlatPort<double>>(effects) ||
                      anyActsAt<DomePort<double>>(effects) || anyActsAt<Shutter<double>>(effects)),
       threads_(std::make_unique<Threads>()) {}
 
@@ -113,9 +114,9 @@ cv::Mat CameraStudio::rays(const CameraModel& lens) const { return eyeOf(lens).m
 /// them.
 Surface CameraStudio::asSeen(const CameraShot& shot, const Surface& sea_floor_odom) const {
   std::vector<PanelMap> moved;
-  if (panels_move_)
+  if (panels_change_)
     for (const PanelMap& panel : world_.panels) moved.push_back(truePanel(panel, effects_, shot.t_s));
-  Surface scene = sceneOf(panels_move_ ? moved : world_.panels, sea_floor_odom);
+  Surface scene = sceneOf(panels_change_ ? moved : world_.panels, sea_floor_odom);
   return shot.camera.bends() ? apparentScene(scene, shot.T_odom_camera(), shot.camera.projector) : scene;
 }
 
@@ -292,7 +293,9 @@ cv::Mat CameraStudio::lightIn(const Environment& environment, const CameraShot& 
 }
 
 cv::Mat CameraStudio::exposeLight(const CameraShot& shot, const cv::Mat& light, Random* noise) const {
-  return eyeOf(shot.camera.lens).model.with(effectsOn(shot)).expose(light, noise, shot.t_s);
+  const cv::Mat image = eyeOf(shot.camera.lens).model.with(effectsOn(shot)).expose(light, noise, shot.t_s);
+  const BayerPattern bayer = sheet_.model.bayer;
+  return demosaiced(mosaic(image, bayer), bayer);
 }
 
 }  // namespace fathom

@@ -63,7 +63,8 @@ class CameraStudio {
   /// environment's daylight and through its water instead of the world's. Lamps shine as effects have them;
   /// nothing is smeared by motion.
   cv::Mat lightIn(const Environment& environment, const CameraShot& shot, const View& albedo) const;
-  /// The numbers that become of light, see ImageModel. Without `noise`: none.
+  /// The numbers that become of light, see ImageModel; of a camera that measures one colour a pixel as
+  /// readImage() gives them. Without `noise`: none.
   cv::Mat exposeLight(const CameraShot& shot, const cv::Mat& light, Random* noise) const;
   /// The image that becomes of a view.
   cv::Mat expose(const CameraShot& shot, const View& view, Random* noise) const {
@@ -95,7 +96,7 @@ class CameraStudio {
   CameraSheet sheet_;
   std::vector<LampSheet> lamps_;
   EffectParameters<double> effects_;
-  bool panels_move_, scene_changes_;
+  bool panels_change_, scene_changes_;
   std::unique_ptr<Threads> threads_;
 };
 

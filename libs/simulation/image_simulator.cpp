@@ -7,6 +7,7 @@
 #include "core/version.h"
 #include "effects/calibration.h"
 #include "effects/drawn.h"
+#include "image_files/bayer.h"
 #include "imaging/fingerprints.h"
 #include "render/scene.h"
 #include "sensors/channel_model.h"
@@ -108,7 +109,8 @@ void simulateImages(const SimulationOptions& options, const Trajectory& trajecto
   const auto make = [&](std::size_t number) {
     const auto files = imageFiles(sheet, options.image_format, number);
     for (std::size_t side = 0; side < files.size(); ++side)
-      if (!store.has(files[side])) store.write(files[side], dive.image(number, side));
+      if (!store.has(files[side]))
+        store.write(files[side], mosaic(dive.image(number, side), sheet.model.bayer));
   };
   forEachIndex(count, "rendering " + std::to_string(count) + " images", make,
                imagesAtOnce(sheet.model.width_px, sheet.model.height_px));

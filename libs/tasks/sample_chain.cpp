@@ -48,7 +48,7 @@ std::vector<std::string> SampleChain::findLandmarks(const RecordingHeader& heade
   }
   panels_ = readPanelMaps(*map);
   setup_.panels = priorsOf(panels_, options_.panel_unknown);
-  const std::vector<ImageEntry> entries = imageEntries(*openBare());
+  const std::vector<ImageEntry> entries = imageEntries(*openBare(), setup_.vehicle);
   if (entries.empty()) lacking.emplace_back("no landmarks: there are no images");
   const Detections detections = detectImages(
       imagesOf(entries), settingsFor(panels_, backendNamed(options_.backend)), keepBeside(options_.rawlog));

@@ -66,7 +66,7 @@ int bench(const fs::path& rawlog) {
                    KnownSeaFloor{-6, 3}};
   SilOptions options;
   options.detection = settingsFor(world.panels, Backend::apriltag);
-  PosedImages images = posedImages(rawlog, world.panels, options.detection);
+  PosedImages images = posedImages(rawlog, world.vehicle, world.panels, options.detection);
   if (images.posed.size() > kImages) images.posed.resize(kImages);
   const PairMaker maker(world, options.pairs, options.detection);
 

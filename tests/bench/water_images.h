@@ -19,7 +19,7 @@ struct WaterImages {
         simulateRecording(options, readTrajectory(kConfig / "trial_trajectory.yaml"),
                           {std::filesystem::temp_directory_path() / name, "bench", kConfig / "trial_rov.yaml",
                            kDexrovMap, "a bench", readEnvironment(kSilWater)});
-    images = posedImages(recording.rawlog, readPanelMaps(kDexrovMap), silDetection());
+    images = posedImages(recording.rawlog, {}, readPanelMaps(kDexrovMap), silDetection());
     world.vehicle = options.vehicle;
     for (std::size_t i = images.posed.size() - count; i < images.posed.size(); ++i) nearest.push_back(i);
   }

@@ -28,7 +28,7 @@ struct SampleRun {
     const auto panels = readPanelMaps(folder / "panel/panel.yaml");
     DetectionSettings settings = settingsFor(panels, Backend::apriltag);
     settings.expected_markers = 4;
-    const auto entries = imageEntries(*open());
+    const auto entries = imageEntries(*open(), {});
     const auto keep = std::filesystem::temp_directory_path() / "fathom-tests" / ("detections_" + name);
     std::filesystem::create_directories(keep.parent_path());
     const Detections detections = detectImages(imagesOf(entries), settings, keep);

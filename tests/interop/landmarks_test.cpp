@@ -57,7 +57,7 @@ Judged judge(const RecordingFiles& files) {
       truth[sample->time] = std::get<PoseSample>(sample->reading).T_odom_robot.mean;
   RecordingSource second(files.rawlog);
   const DetectionSettings settings = settingsFor(panels);
-  const auto entries = imageEntries(second);
+  const auto entries = imageEntries(second, {});
   const auto found = detectImages(imagesOf(entries), settings, keepBeside(files.rawlog));
   EXPECT_TRUE(found.unreadable.empty());
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "effects/image_regions.h"
 #include "imaging/exposure_time.h"
 #include "inputs/batch_recording.h"
 
@@ -24,6 +25,14 @@ bool isMade(std::string_view effect, std::string_view parameter) {
   return true;
 }
 
+/// The generator knows no names of regions.
+void addPlace(const ImageRegion& region, nlohmann::json& parameters) {
+  parameters["left"] = region.left;
+  parameters["right"] = region.right;
+  parameters["top"] = region.top;
+  parameters["bottom"] = region.bottom;
+}
+
 /// By the names that `fathom effects` documents; "marker_id", "time_s" among them.
 nlohmann::json parametersOf(const Hidden& hidden, double stated_exposure_s) {
   const EffectInfo& effect = allEffects()[hidden.candidate.effect];
@@ -34,6 +43,10 @@ nlohmann::json parametersOf(const Hidden& hidden, double stated_exposure_s) {
     for (int i = 0; i < parameter.size; ++i, ++scalar)
       values.push_back(asNamed(parameter, wholeOf(scalar, hidden.effects.values[scalar], stated_exposure_s)));
     if (parameter.kind == ParameterKind::marker_id) values = {static_cast<int>(values[0].get<double>())};
+    if (parameter.kind == ParameterKind::region) {
+      addPlace(kImageRegions.at(static_cast<std::size_t>(values[0].get<double>())), json);
+      continue;
+    }
     if (isMade(effect.id, parameter.name))
       json[std::string(parameter.name)] = parameter.size == 1 ? values[0] : values;
   }

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/files.h"
+#include "effects/parameter_words.h"
 #include "support/random_effects.h"
 #include "support/shared_data.h"
 
@@ -59,7 +60,7 @@ Error errorOf(const std::string& text) {
 
 /// So many zeros, but for the last, as a file has them; of a sensor, one that there is.
 std::string valueText(const Parameter& p, const std::string& last = "0") {
-  if (p.kind == ParameterKind::sensor) return "INS";
+  if (const auto words = wordsOf(p.kind); !words.empty()) return std::string(words[0]);
   if (p.at_zero > 0 && last == "0") return "1";  // it has no zero
   std::string text;
   for (int i = 1; i < p.size; ++i) text += "0, ";
@@ -84,7 +85,7 @@ TEST(CalibrationFile, BadCalibrationIsRefused) {
       EXPECT_EQ(errorOf("effects:" + entry(effect, name, "[0, 0, 0, 0]")).where, where);
       EXPECT_EQ(errorOf("effects:" + entry(effect, name, p.size == 1 ? "[0, 0, 0]" : "0")).where, where);
       if (p.at_zero > 0) EXPECT_EQ(errorOf("effects:" + entry(effect, name, "0")).where, where);
-      if (p.kind == ParameterKind::sensor) {
+      if (!wordsOf(p.kind).empty()) {
         EXPECT_EQ(errorOf("effects:" + entry(effect, name, "SONAR")).where, where);
         EXPECT_EQ(errorOf("effects:" + entry(effect, name, "1")).where, where);
         continue;

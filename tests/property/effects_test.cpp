@@ -73,6 +73,8 @@ void addPatches(const KinematicState<double>& where, const KinematicState<T>& st
       patch.albedo = Vector3d(albedo, 0.9 * albedo, 0.8 * albedo);
       patch.albedo_around << Vector3d(0.4, 0.3, 0.2), Vector3d(0.3, 0.3, 0.3), Vector3d(0.25, 0.3, 0.35);
       patch.image_radius = radius;
+      patch.marker_id = kMarkersThere[0];
+      patch.image_place = {0.5, 0.5};
       patch.image_mean = {0.2, 0.3, 0.25};
       patch.image_tangent = {0.6 * radius, -0.8 * radius};
       patch.point_panel = {radius, 0.2, 0.01};

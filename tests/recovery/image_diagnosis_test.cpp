@@ -134,7 +134,7 @@ INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenImageEffect,
                                          "motion-blur", "marine-snow", "dvl-latency", "flat-field",
                                          "response-curve", "veiling-glare", "defocus"));
 
-// Growth on two places of a panel: no effect is named for it, it is said where, and the other places' prints
+// Dirt on two places of a panel: no effect is named for it, it is said where, and the other places' prints
 // are as even as they were.
 TEST(ImageDiagnosis, WhatIsOnSinglePlacesIsSaidWithItsPlace) {
   if (test::kSanitized)

@@ -20,7 +20,7 @@ Alike alikeness(const RecordingFiles& recording, const EffectParameters<double>&
   KnownWorld world = test::silWorld();
   world.effects = known;
   const DetectionSettings detection = test::silDetection();
-  const PosedImages images = posedImages(recording.rawlog, world.panels, detection, known);
+  const PosedImages images = posedImages(recording.rawlog, {}, world.panels, detection, known);
   const PosedImages truth = test::atTruth(images, recording.rawlog);
   const PairMaker maker(world, {}, detection);
   const PairMeasurer measurer({"fsim"});

@@ -16,7 +16,8 @@ const char* const kWater = "water_moderate.yaml";
 WaterStudy studied(const RecordingFiles& recording, const EffectParameters<double>& known) {
   KnownWorld world = test::silWorld();
   world.effects = known;
-  const PosedImages images = posedImages(recording.rawlog, world.panels, test::silDetection(), world.effects);
+  const PosedImages images =
+      posedImages(recording.rawlog, {}, world.panels, test::silDetection(), world.effects);
   WaterStudyOptions options;
   options.choice.images = 12;
   options.choice.held_out = 4;

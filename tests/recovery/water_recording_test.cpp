@@ -12,7 +12,7 @@ namespace {
 TEST(WaterRecording, TellsItsWater) {
   const auto recording = test::simulateApproach(test::scratchFolder(), "water_moderate.yaml");
   const PosedImages images =
-      posedImages(recording.rawlog, readPanelMaps(test::kDexrovMap), test::silDetection());
+      posedImages(recording.rawlog, {}, readPanelMaps(test::kDexrovMap), test::silDetection());
   ASSERT_GT(images.posed.size(), 15U);
   const PairMaker maker(test::silWorld(), {}, test::silDetection());
   std::vector<std::size_t> all(images.posed.size());

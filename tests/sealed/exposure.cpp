@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kPixelScatter = 0.005;  // EMVA 1288: photo response non-uniformity of a good sensor
 constexpr double kBlotchSigma_px = 70;
+constexpr double kCoverEdge_px = 15;
 constexpr double kCornerRadius = 0.72;  // at which `corner_loss` is stated
 
 template <class Change>
@@ -83,6 +84,25 @@ void Exposure::passPort(cv::Mat3f& light) const {
   changeAll(light, [&](int row, int column, cv::Vec3f& pixel) {
     const double off_px2 = (Vector2d(column, row) - blotch_).squaredNorm();
     pixel *= static_cast<float>(1 - depth * std::exp(-off_px2 / (2 * kBlotchSigma_px * kBlotchSigma_px)));
+  });
+}
+
+/// Out of focus, and so with soft edges: a shadow that falls off as the error function does.
+void Exposure::coverView(cv::Mat3f& light, double stamp_s) const {
+  const double covered = sealed_.number("occlusion", "covered", stamp_s);
+  if (covered == 0) return;
+  const auto at = [&](const char* side) { return sealed_.number("occlusion", side, stamp_s); };
+  const auto within = [](double place_px, double from_px, double to_px) {
+    return 0.5 *
+           (std::erf((place_px - from_px) / kCoverEdge_px) - std::erf((place_px - to_px) / kCoverEdge_px));
+  };
+  const double left_px = at("left") * light.cols, right_px = at("right") * light.cols,
+               top_px = at("top") * light.rows, bottom_px = at("bottom") * light.rows;
+  const auto brightness = static_cast<float>(at("brightness"));
+  changeAll(light, [&](int row, int column, cv::Vec3f& pixel) {
+    const auto share = static_cast<float>(covered * within(column + 0.5, left_px, right_px) *
+                                          within(row + 0.5, top_px, bottom_px));
+    pixel = (1 - share) * pixel + cv::Vec3f::all(share * brightness);
   });
 }
 
@@ -195,6 +215,7 @@ cv::Mat3b Exposure::respond(const cv::Mat3f& light, double stamp_s) const {
 cv::Mat3b Exposure::expose(const cv::Mat3f& light, const SightLines& sight, double stamp_s, double log_gain,
                            Random& random) const {
   cv::Mat3f at_sensor = light.clone();
+  coverView(at_sensor, stamp_s);
   passPort(at_sensor);
   passLens(at_sensor, sight, stamp_s);
   spreadPoints(at_sensor, stamp_s);

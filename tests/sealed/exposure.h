@@ -22,6 +22,7 @@ class Exposure {
  private:
   void addFlatField();
   double ordinaryLogGain(double stamp_s) const;
+  void coverView(cv::Mat3f& light, double stamp_s) const;
   void passPort(cv::Mat3f& light) const;
   void passLens(cv::Mat3f& light, const SightLines& sight, double stamp_s) const;
   void spreadPoints(cv::Mat3f& light, double stamp_s) const;

@@ -41,7 +41,9 @@ void addPieces(const Triangle& t, std::vector<Triangle>& pieces) {
 
 Paint::Paint(const TruePanel& panel, const SealedCase& sealed)
     : albedo_field(
-          onPanel(ordinaryField(sealed, kOrdinary.albedo, kOrdinary.albedo_length_m, Stream::albedo))) {
+          onPanel(ordinaryField(sealed, kOrdinary.albedo, kOrdinary.albedo_length_m, Stream::albedo))),
+      sealed_(sealed) {
+  for (const Marker& marker : panel.map().markers) ids_.push_back(marker.id);
   Random random = stream(sealed.seed, Stream::print);
   for (const Marker& marker : panel.map().markers) {
     patterns.push_back(markerPattern(marker.family, marker.id));
@@ -68,14 +70,28 @@ void Paint::coverGrowth(const SealedCase& sealed) {
   for (std::size_t i = 0; i < patterns.size(); ++i) order.emplace_back(random.uniform(), i);
   std::sort(order.begin(), order.end());
   for (std::size_t k = 0; k < std::min(count, order.size()); ++k) grown.insert(order[k].second);
-  if (count > 0) growth_field = onPanel({kGrowthSpread, kGrowthPatch_m, random});
+  const bool fouled = std::any_of(sealed.effects.begin(), sealed.effects.end(),
+                                  [](const HiddenEffect& effect) { return effect.id == "biofouling"; });
+  if (count > 0 || fouled) growth_field = onPanel({kGrowthSpread, kGrowthPatch_m, random});
 }
 
-Array3d Paint::overgrown(std::size_t marker, const Vector3d& point_panel, const Array3d& print) const {
-  if (!grown.contains(marker)) return print;
+Paint::Film Paint::filmOn(std::size_t marker, double t_s) const {
+  if (grown.contains(marker)) return {kGrowthCover, kGrowthAlbedo};
+  if (!sealed_.find("biofouling", t_s)) return {};
+  if (std::lround(sealed_.number("biofouling", "marker_id", t_s)) != ids_[marker]) return {};
+  const Array3d albedo = sealed_.vector("biofouling", "growth_albedo", t_s).array();
+  return {sealed_.number("biofouling", "covered", t_s), albedo.isZero() ? kGrowthAlbedo : albedo};
+}
+
+Array3d Paint::overgrown(std::size_t marker, const Vector3d& point_panel, const Array3d& print,
+                         double t_s) const {
+  const Film film = filmOn(marker, t_s);
+  if (film.cover == 0) return print;
+  // Thicker here than there, by the same share of what there is of it.
+  const double uneven = growth_field.at(point_panel.x(), point_panel.y()) / kGrowthCover;
   const double cover =
-      std::clamp(kGrowthCover + growth_field.at(point_panel.x(), point_panel.y()), 0.3, 0.85);
-  return (1 - cover) * print + cover * kGrowthAlbedo;
+      std::clamp(film.cover * (1 + uneven), 0.5 * film.cover, std::min(1.0, 1.42 * film.cover));
+  return (1 - cover) * print + cover * film.albedo;
 }
 
 double Paint::evenness(const Vector3d& point_panel) const {
@@ -184,7 +200,8 @@ Sighted PaintedPanel::sighted(const TriangleTree::Hit& hit, const Vector3d& orig
   seen.normal_panel = normals_[hit.triangle];
   const Vector3d point_panel = origin + hit.along * direction;
   const int marker = faces_[hit.triangle].marker;
-  if (marker >= 0) seen.albedo = paint_.overgrown(static_cast<std::size_t>(marker), point_panel, seen.albedo);
+  if (marker >= 0)
+    seen.albedo = paint_.overgrown(static_cast<std::size_t>(marker), point_panel, seen.albedo, t_s_);
   seen.albedo *= paint_.evenness(point_panel);
   seen.illumination = panel_.illumination(point_panel, t_s_);
   return seen;

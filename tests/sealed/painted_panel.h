@@ -19,7 +19,7 @@ struct Paint {
   /// an ordinary one's as kOrdinary says.
   double evenness(const Vector3d& point_panel) const;
   /// The print's albedo below a film of growth, where the marker has one: it lets a part of the print show.
-  Array3d overgrown(std::size_t marker, const Vector3d& point_panel, const Array3d& print) const;
+  Array3d overgrown(std::size_t marker, const Vector3d& point_panel, const Array3d& print, double t_s) const;
 
   std::vector<MarkerPattern> patterns;  ///< in the map's order
   std::vector<double> strength;  ///< of each marker's white and black; a rich recording's differ by 0.3 %
@@ -32,6 +32,14 @@ struct Paint {
   std::set<std::size_t> grown;  ///< markers, by their place in the map
 
  private:
+  struct Film {
+    double cover = 0;
+    Array3d albedo = Array3d::Zero();
+  };
+  Film filmOn(std::size_t marker, double t_s) const;
+  const SealedCase& sealed_;
+  std::vector<int> ids_;
+
   void coverGrowth(const SealedCase& sealed);
 };
 

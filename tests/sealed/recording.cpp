@@ -94,10 +94,10 @@ void writeRawlog(const fs::path& file, const Vehicle& vehicle, std::vector<Sampl
 
 void requireMarker(const SealedCase& sealed, const PanelMap& map) {
   for (const HiddenEffect& effect : sealed.effects) {
-    if (effect.id != "marker-moved") continue;
+    if (!effect.parameters.contains("marker_id")) continue;
     const double id = effect.parameters.find("marker_id")->second.front();
     if (std::none_of(map.markers.begin(), map.markers.end(), [&](const Marker& m) { return m.id == id; }))
-      throw Error(sealed.name, "effects.marker-moved.marker_id", "no such marker on the panel");
+      throw Error(sealed.name, "effects." + effect.id + ".marker_id", "no such marker on the panel");
   }
 }
 

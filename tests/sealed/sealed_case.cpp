@@ -120,6 +120,19 @@ const std::vector<EffectKind>& effectKinds() {
         {"missing_4", 1, false, true}}},
       // Of the first three beams.
       {"beam-bias", false, {{"bias_m_s", 3}}},
+      // A film of algae: so much of a marker's area, unevenly, and its albedo.
+      {"biofouling",
+       true,
+       {{"marker_id", 1, true, true}, {"covered", 1, true, true}, {"growth_albedo", 3, false, true}}},
+      // Something out of focus right before a part of the view, from and to shares of width and height.
+      {"occlusion",
+       true,
+       {{"left", 1, true, true},
+        {"right", 1, true, true},
+        {"top", 1, true, true},
+        {"bottom", 1, true, true},
+        {"covered", 1, true, true},
+        {"brightness", 1, true, true}}},
       {"dome-port", false, {{"offset_m", 3}, {"radius_m", 1, false, true}, {"thickness_m", 1, false, true}}}};
   return kinds;
 }

@@ -8,6 +8,7 @@
 #include "diagnosis/budget_file.h"
 #include "diagnosis/noise.h"
 #include "effects/drawn.h"
+#include "effects/image_regions.h"
 #include "estimation/sparse.h"
 
 namespace fathom::test {
@@ -125,10 +126,13 @@ Eigen::MatrixXd Excitation::columns(const Candidate& candidate) const {
   Eigen::MatrixXd C = linear_.C(Eigen::all, of);
   for (std::size_t i = 0; i < linear_.rows.size(); ++i) {
     const RowInfo& row = linear_.rows[i];
-    const bool acts = candidate.active_s.contains(row.t_s) &&
-                      (!candidate.marker_id || *candidate.marker_id == row.marker_id) &&
-                      (!candidate.sensor || *candidate.sensor == sensorKindOf(row.channel)) &&
-                      (!candidate.time_s || row.t_s >= *candidate.time_s);
+    const bool acts =
+        candidate.active_s.contains(row.t_s) &&
+        (!candidate.marker_id || *candidate.marker_id == row.markerSeen()) &&
+        (!candidate.region ||
+         kImageRegions.at(static_cast<std::size_t>(*candidate.region)).contains(row.image_place)) &&
+        (!candidate.sensor || *candidate.sensor == sensorKindOf(row.channel)) &&
+        (!candidate.time_s || row.t_s >= *candidate.time_s);
     const auto at = static_cast<Eigen::Index>(i);
     if (!acts) C.row(at).setZero();
     if (const auto& peak = candidate.peak)

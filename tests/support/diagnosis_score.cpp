@@ -20,7 +20,7 @@ namespace {
 
 /// A moved panel's onset and a current's interval are its parameters, not its name.
 bool sameName(const Candidate& a, const Candidate& b) {
-  return a.effect == b.effect && a.marker_id == b.marker_id && a.sensor == b.sensor;
+  return a.effect == b.effect && a.marker_id == b.marker_id && a.sensor == b.sensor && a.region == b.region;
 }
 
 const Alternatives* setOf(const Diagnosis& diagnosis, const Candidate& stated) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "effects/image_regions.h"
 #include "effects/sensor_kinds.h"
 
 namespace fathom::test {
@@ -43,6 +44,8 @@ Hidden randomEffect(const EffectInfo& effect, const std::vector<int>& marker_ids
         value = std::log(duration_s * random.uniform(0.05, 0.15) / parameter.usual_width_s);
       if (parameter.kind == ParameterKind::marker_id)
         value = *(hidden.candidate.marker_id = marker_ids[random.bits() % marker_ids.size()]);
+      if (parameter.kind == ParameterKind::region)
+        value = *(hidden.candidate.region = static_cast<int>(random.bits() % kImageRegions.size()));
       if (parameter.kind == ParameterKind::sensor)
         value = *(hidden.candidate.sensor = kClocks[random.bits() % kClocks.size()]);
       if (parameter.kind == ParameterKind::time)
@@ -91,6 +94,11 @@ std::vector<Candidate> candidatesOf(const EffectInfo& effect, const std::vector<
   if (effect.has(ParameterKind::marker_id))
     for (const int id : marker_ids) {
       candidate.marker_id = id;
+      all.push_back(candidate);
+    }
+  else if (effect.has(ParameterKind::region))
+    for (std::size_t region = 0; region < kImageRegions.size(); ++region) {
+      candidate.region = static_cast<int>(region);
       all.push_back(candidate);
     }
   else if (effect.has(ParameterKind::sensor))

@@ -11,6 +11,7 @@ namespace fathom::test {
 
 inline constexpr double kNow_s = 20;
 inline constexpr int kMarkersThere[] = {3, 14};
+inline constexpr int kMiddleRegion = 4;
 
 /// One effect, its continuous parameters one prior sigma large, its marker one of kMarkersThere and its time
 /// past.
@@ -21,6 +22,7 @@ inline void switchOn(const EffectInfo& effect, EffectParameters<double>& paramet
     for (int k = 0; k < p.size; ++k)
       parameters.values[i++] = p.kind == ParameterKind::marker_id   ? kMarkersThere[0]
                                : p.kind == ParameterKind::sensor    ? 1
+                               : p.kind == ParameterKind::region    ? kMiddleRegion
                                : p.kind == ParameterKind::time      ? kNow_s / 2
                                : p.kind == ParameterKind::peak_time ? kNow_s - 5
                                                                     : p.prior_sigma;

@@ -41,8 +41,9 @@ struct Seen {
 Seen seenWith(const EffectParameters<double>& effects, double exposure_s = 0.004) {
   const auto recording = test::simulateForSil(test::scratchFolder(),
                                               {.images = 3, .effects = effects, .exposure_s = exposure_s});
-  const PosedImages images = test::atTruth(
-      posedImages(recording.rawlog, readPanelMaps(test::kDexrovMap), test::silDetection()), recording.rawlog);
+  const PosedImages images =
+      test::atTruth(posedImages(recording.rawlog, {}, readPanelMaps(test::kDexrovMap), test::silDetection()),
+                    recording.rawlog);
   KnownWorld world = test::silWorld();
   world.vehicle.camera->exposure_s = exposure_s;
   const CleanPairMaker maker(world);

@@ -41,7 +41,7 @@ class LandmarkSourceTest : public testing::Test {
   /// What the images tell, solved for first.
   LandmarkSource sourceOf(const std::vector<Sample>& samples) {
     test::ListSource images(samples);
-    sightings = std::make_shared<Sightings>(solveSightings(imageEntries(images), found, panels));
+    sightings = std::make_shared<Sightings>(solveSightings(imageEntries(images, {}), found, panels));
     return {std::make_unique<test::ListSource>(samples), sightings};
   }
   static std::vector<std::string> labelsOf(const std::vector<Sample>& samples) {

@@ -6,6 +6,7 @@
 #include "core/random.h"
 #include "effects/catalogue.h"
 #include "effects/drawn.h"
+#include "effects/image_regions.h"
 #include "estimation/nuisances.h"
 #include "estimation/selected_inverse.h"
 #include "support/batch_runs.h"
@@ -218,7 +219,8 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
   constexpr double kPeak_s = 3;
   for (std::size_t c = 0; c < linear.columns.size(); ++c) {
     const EffectColumn& column = linear.columns[c];
-    const bool of_marker = column.effect == kEffectIndex<MarkerMoved>;
+    const bool of_marker = allEffects()[column.effect].has(ParameterKind::marker_id);
+    const bool of_region = allEffects()[column.effect].has(ParameterKind::region);  // the first, neutral
     const bool of_sensor = allEffects()[column.effect].has(ParameterKind::sensor);  // the first, neutral
     const bool of_light = allEffects()[column.effect].text.channel == EffectChannel::image;
     const bool comes_and_goes = column.effect == kEffectIndex<TurbidityPlume>;
@@ -228,7 +230,7 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
     for (const int sign : {0, 1}) {
       BatchEstimate moved = linear_run.estimate;
       EffectParameters<double>& effects = moved.state.effects;
-      if (of_marker) *effects.of<MarkerMoved>() = marker_id;
+      if (of_marker) effects.values[kEffectOffsets[column.effect]] = marker_id;
       effects.on.set(column.effect);
       if (comes_and_goes) effects.values[kEffectOffsets[column.effect] + 1] = kPeak_s;
       const double step = sign == 0 ? -h : h;
@@ -244,7 +246,8 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
       const auto at = static_cast<Eigen::Index>(i);
       // Of one that comes and goes every row is taken for at the peak.
       if (comes_and_goes) expected[at] *= std::exp(-0.5 * std::pow((linear.rows[i].t_s - kPeak_s) / 10, 2));
-      if (of_marker && linear.rows[i].marker_id != marker_id) expected[at] = 0;
+      if (of_marker && linear.rows[i].markerSeen() != marker_id) expected[at] = 0;
+      if (of_region && !kImageRegions[0].contains(linear.rows[i].image_place)) expected[at] = 0;
       if (of_sensor && sensorKindOf(linear.rows[i].channel) != 0) expected[at] = 0;
       if (linear.rows[i].channel == kChannel<Prior>) found[at] = 0;  // its own prior, where estimated
       // Light tells of water and camera, not of where things are.
@@ -257,8 +260,9 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
   }
   // Without a peak it does not matter when it is, how wide and where; a lamp that is off scatters nothing;
   // through a port without thickness the camera is calibrated alike at any range; in the middle of a dome its
-  // radius and thickness do not matter; there is no compass.
-  EXPECT_EQ(columns_seen + 13 + parameterSize<HeadingDisturbance>(), linear.columns.size());
+  // radius and thickness do not matter; what covers nothing has no albedo and no brightness; there is no
+  // compass.
+  EXPECT_EQ(columns_seen + 17 + parameterSize<HeadingDisturbance>(), linear.columns.size());
 }
 
 TEST(Linearization, RowsSayWhatTheyAre) {

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 PosedImages posedIn(const RecordingFiles& recording) {
-  return posedImages(recording.rawlog, readPanelMaps(test::kDexrovMap), test::silDetection());
+  return posedImages(recording.rawlog, {}, readPanelMaps(test::kDexrovMap), test::silDetection());
 }
 
 PairOptions withoutNoise() {

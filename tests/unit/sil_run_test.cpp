@@ -20,7 +20,7 @@ SilResults runOn(const RecordingFiles& recording, const fs::path& out, SilOption
   options.detection = test::silDetection();
   const PairMaker maker(test::silWorld(), options.pairs, options.detection);
   const PosedImages images =
-      posedImages(recording.rawlog, readPanelMaps(test::kDexrovMap), options.detection);
+      posedImages(recording.rawlog, {}, readPanelMaps(test::kDexrovMap), options.detection);
   return runSil(images, maker, options, {recording.rawlog, out, "r", {}});
 }
 
@@ -170,7 +170,7 @@ TEST(SilRun, PosesOfOtherImagesAreReported) {
   PairOptions strict;
   strict.largest_offset_px = 2;
   const PairMaker maker(test::silWorld(), strict, options.detection);
-  PosedImages images = posedImages(recording.rawlog, readPanelMaps(test::kDexrovMap), options.detection);
+  PosedImages images = posedImages(recording.rawlog, {}, readPanelMaps(test::kDexrovMap), options.detection);
   ASSERT_EQ(images.posed.size(), 3U);
   std::swap(images.posed[0].T_odom_robot, images.posed[2].T_odom_robot);
   const SilResults results = runSil(images, maker, options, {recording.rawlog, folder / "out", "r", {}});
