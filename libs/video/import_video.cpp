@@ -195,6 +195,16 @@ class VideoImporter {
     ++taken_;
   }
 
+  std::string countDiffers(std::int64_t count) const {
+    const auto claimed = frames_.header().frames;
+    return print("video: %lld frames were decoded, its header says %lld", static_cast<long long>(count),
+                 static_cast<long long>(claimed)) +
+           (claimed > count && table_.names_frames ? ": where that is counted, not estimated from its "
+                                                     "length, frames are lost, and those behind them "
+                                                     "have the stamps of others"
+                                                   : "");
+  }
+
   std::vector<std::string> remarks() const {
     const VideoHeader& header = frames_.header();
     const auto count = frames_.frame() + 1;
@@ -203,8 +213,7 @@ class VideoImporter {
               "became images",
               header.codec.c_str(), header.width_px, header.height_px, header.rate_hz,
               static_cast<long long>(count), taken_)};
-    if (header.frames > 0 && header.frames != count)
-      lines.push_back(print("video: its header says %lld frames", static_cast<long long>(header.frames)));
+    if (header.frames > 0 && header.frames != count) lines.push_back(countDiffers(count));
     if (const auto without = count - std::ssize(table_.stamps); without > 0)
       lines.push_back(print("%s: %lld of the video's frames have no stamp and are left out",
                             table_.file.filename().string().c_str(), static_cast<long long>(without)));

@@ -32,6 +32,7 @@ class VideoFrames {
   const VideoHeader& header() const;
   /// Decodes the next frame; false behind the last. Throws Error, with the frame, at the first complaint of
   /// the decoder's: it hides damage by what it guesses. It works ahead, so damage may lie a few frames on.
+  /// A few bytes that only decode to another picture no decoder sees: most codecs have no checksums.
   bool next();
   /// Of the frame decoded last, from 0 on.
   std::int64_t frame() const;
