@@ -20,14 +20,14 @@ namespace fs = std::filesystem;
 using test::runFathom;
 using test::shellQuoted;
 
-constexpr int kFrames = 60;
+constexpr int kVideoFrames = 60;
 
 class ImportVideoCommand : public testing::Test {
  protected:
   ImportVideoCommand() {
-    test::writeVideo(folder_ / "dive.mp4", "avc1", kFrames);
+    test::writeVideo(folder_ / "dive.mp4", "avc1", kVideoFrames);
     test::writeSmallVehicle(folder_);
-    writeStamps(kFrames);
+    writeStamps(kVideoFrames);
   }
 
   /// Of 2023-11-14 22:13:20 UTC, which is test::kStart, and on; frame 30 is late by two intervals.
@@ -67,7 +67,7 @@ TEST_F(ImportVideoCommand, JoinsNavigationAndSaysWhatItFound) {
     EXPECT_NE(made.out.find(part), std::string::npos) << part << "\n" << made.out;
 
   const auto json = nlohmann::json::parse(readTextFile(folder_ / "out/dive_import.json"));
-  EXPECT_EQ(json.at("samples"), 300 + kFrames / 10);
+  EXPECT_EQ(json.at("samples"), 300 + kVideoFrames / 10);
   EXPECT_GE(json.at("remarks").size(), 5U);
   EXPECT_EQ(json.at("description"), "video dive.mp4 with navigation.rawlog");
   EXPECT_EQ(readTextFile(folder_ / "out/dive_vehicle.yaml"), readTextFile(folder_ / "vehicle.yaml"));
@@ -85,10 +85,10 @@ TEST_F(ImportVideoCommand, JoinsNavigationAndSaysWhatItFound) {
     EXPECT_NEAR(secondsBetween(test::kStart, sample->time), 0.04 * frame + (frame >= 30 ? 0.08 : 0), 1e-6);
     frame += 10;
   }
-  EXPECT_EQ(frame, kFrames);
+  EXPECT_EQ(frame, kVideoFrames);
   const auto info = runFathom("info --json " + in("out/dive.rawlog"));
   ASSERT_EQ(info.status, 0) << info.err;
-  EXPECT_EQ(nlohmann::json::parse(info.out).at("entries"), 301 + kFrames / 10);
+  EXPECT_EQ(nlohmann::json::parse(info.out).at("entries"), 301 + kVideoFrames / 10);
 
   const std::string rawlog = readTextFile(folder_ / "out/dive.rawlog");
   test::expectBadInput(runFathom(arguments(" --recording " + in("out/dive.rawlog"))),
@@ -104,13 +104,13 @@ TEST_F(ImportVideoCommand, WrongInputIsOneLineAndWritesNothing) {
   expect(" --every 0", "--every");
   expect(" --from 100", "--from");
   expect(" --recording /no/such.rawlog", "/no/such.rawlog");
-  writeStamps(kFrames + 1);
+  writeStamps(kVideoFrames + 1);
   expect("", "stamps.csv: line 62: is of frame 60, counted from 0; the video has only 60 frames");
   writeTextFile(folder_ / "stamps.csv", "1700000000\n1700000001\n1700000000.5\n");
   expect("", "stamps.csv: line 3: its stamp steps back by 0.5 s");
   writeTextFile(folder_ / "stamps.csv", "1700000000\n1700000001\n");
   expect("", "stamps.csv: line 2: is the last, of frame 1; the video goes on (60 frames by its header)");
-  writeStamps(kFrames);
+  writeStamps(kVideoFrames);
   fs::copy_file(test::kRov, folder_ / "vehicle.yaml", fs::copy_options::overwrite_existing);
   expect("", "dive.mp4: its frames are of 320 x 240 px, the camera of vehicle.yaml of 640 x 480");
   writeTextFile(folder_ / "vehicle.yaml", "gravity_m_s2: 9.80665\n");
@@ -124,7 +124,7 @@ TEST_F(ImportVideoCommand, WrongInputIsOneLineAndWritesNothing) {
 }
 
 TEST_F(ImportVideoCommand, InterruptedLeavesNoFile) {
-  constexpr int kMany = 1500;
+  constexpr int kMany = 1000;
   test::writeVideo(folder_ / "long.avi", "MJPG", kMany);
   std::string stamps;
   for (int k = 0; k < kMany; ++k) stamps += print("%.2f\n", 1'700'000'000 + 0.04 * k);

@@ -1,5 +1,6 @@
 #include "support/videos.h"
 
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
@@ -9,13 +10,19 @@ namespace fathom::test {
 
 cv::Mat videoFrame(int k) {
   constexpr int kSide_px = 40, kStep_px = 83;
+  std::array<double, kVideoWidth_px> across{};
+  for (int u = 0; u < kVideoWidth_px; ++u)
+    across[static_cast<std::size_t>(u)] = 40 * std::sin(0.02 * (u + 3 * k));
   cv::Mat frame(kVideoHeight_px, kVideoWidth_px, CV_8UC3);
-  for (int v = 0; v < frame.rows; ++v)
-    for (int u = 0; u < frame.cols; ++u) {
-      const double gray = 90 + 40 * std::sin(0.02 * (u + 3 * k)) + 30 * std::cos(0.03 * v);
-      frame.at<cv::Vec3b>(v, u) = {cv::saturate_cast<uchar>(gray), cv::saturate_cast<uchar>(0.8 * gray),
-                                   cv::saturate_cast<uchar>(200 - gray)};
+  for (int v = 0; v < frame.rows; ++v) {
+    const double down = 90 + 30 * std::cos(0.03 * v);
+    auto* row = frame.ptr<cv::Vec3b>(v);
+    for (const double wave : across) {
+      const double gray = down + wave;
+      *row++ = {cv::saturate_cast<uchar>(gray), cv::saturate_cast<uchar>(0.8 * gray),
+                cv::saturate_cast<uchar>(200 - gray)};
     }
+  }
   cv::rectangle(frame, {kStep_px * k % (kVideoWidth_px - kSide_px), 100, kSide_px, kSide_px},
                 cv::Scalar::all(255), cv::FILLED);
   return frame;

@@ -18,7 +18,7 @@ StampTable tableOf(const std::string& text) {
   return readFrameStamps(file);
 }
 
-std::string complaintOf(const std::string& text) {
+std::string stampComplaint(const std::string& text) {
   try {
     tableOf(text);
   } catch (const Error& e) {
@@ -27,8 +27,8 @@ std::string complaintOf(const std::string& text) {
   return "";
 }
 
-void expectComplaint(const std::string& text, const std::string& line, const std::string& why) {
-  const std::string complaint = complaintOf(text);
+void expectStampComplaint(const std::string& text, const std::string& line, const std::string& why) {
+  const std::string complaint = stampComplaint(text);
   EXPECT_NE(complaint.find("stamps.csv: " + line + ": "), std::string::npos) << text << complaint;
   EXPECT_NE(complaint.find(why), std::string::npos) << text << complaint;
 }
@@ -91,25 +91,25 @@ TEST(FrameStamps, ColumnsMayBeNamedOrNot) {
 }
 
 TEST(FrameStamps, WrongTablesAreOneLine) {
-  expectComplaint("", "line 1", "empty");
-  expectComplaint("stamp\n", "line 2", "no rows");
-  expectComplaint("1714979289\n1714979290\n1714979290\n", "line 3", "that of the row before again");
-  expectComplaint("stamp\n1714979289\n1714979290.5\n1714979290.25\n", "line 4", "steps back by 0.25 s");
-  expectComplaint("0,1714979289\n0,1714979290\n", "line 2", "not above");
-  expectComplaint("5,1714979289\n4,1714979290\n", "line 2", "not above");
-  expectComplaint("-1,1714979289\n", "line 1", "whole number");
-  expectComplaint("0.5,1714979289\n", "line 1", "whole number");
-  expectComplaint("0.04\n0.08\n", "line 1", "no Unix time from 1990 to 2100");
-  expectComplaint("stamp\nsoon\n", "line 2", "neither");
-  expectComplaint("stamp\n1714979289\nnan\n", "line 3", "neither");
-  expectComplaint("1714979289\n1714979290000\n", "line 2", "another form");
-  expectComplaint("1714979289\n2024-05-06T07:08:10Z\n", "line 2", "another form");
-  expectComplaint("2024-05-06T07:08:09Z\n1714979290\n", "line 2", "another form");
-  expectComplaint("2024-05-06T07:08:09Z\n2024-05-06T07:08:10\n", "line 2", "another form");
-  expectComplaint("1714979289\n\n", "line 2", "neither");
-  expectComplaint("0,1714979289\n1714979290\n", "line 2", "1 fields instead of 2");
-  expectComplaint("0,1714979289,1\n", "line 1", "must have a stamp");
-  expectComplaint("stamp,exposure\n1714979289,1\n", "line 1", "must have a stamp");
+  expectStampComplaint("", "line 1", "empty");
+  expectStampComplaint("stamp\n", "line 2", "no rows");
+  expectStampComplaint("1714979289\n1714979290\n1714979290\n", "line 3", "that of the row before again");
+  expectStampComplaint("stamp\n1714979289\n1714979290.5\n1714979290.25\n", "line 4", "steps back by 0.25 s");
+  expectStampComplaint("0,1714979289\n0,1714979290\n", "line 2", "not above");
+  expectStampComplaint("5,1714979289\n4,1714979290\n", "line 2", "not above");
+  expectStampComplaint("-1,1714979289\n", "line 1", "whole number");
+  expectStampComplaint("0.5,1714979289\n", "line 1", "whole number");
+  expectStampComplaint("0.04\n0.08\n", "line 1", "no Unix time from 1990 to 2100");
+  expectStampComplaint("stamp\nsoon\n", "line 2", "neither");
+  expectStampComplaint("stamp\n1714979289\nnan\n", "line 3", "neither");
+  expectStampComplaint("1714979289\n1714979290000\n", "line 2", "another form");
+  expectStampComplaint("1714979289\n2024-05-06T07:08:10Z\n", "line 2", "another form");
+  expectStampComplaint("2024-05-06T07:08:09Z\n1714979290\n", "line 2", "another form");
+  expectStampComplaint("2024-05-06T07:08:09Z\n2024-05-06T07:08:10\n", "line 2", "another form");
+  expectStampComplaint("1714979289\n\n", "line 2", "neither");
+  expectStampComplaint("0,1714979289\n1714979290\n", "line 2", "1 fields instead of 2");
+  expectStampComplaint("0,1714979289,1\n", "line 1", "must have a stamp");
+  expectStampComplaint("stamp,exposure\n1714979289,1\n", "line 1", "must have a stamp");
 }
 
 TEST(FrameStamps, IsoIsStrict) {

@@ -21,7 +21,7 @@ namespace fathom {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr int kFrames = 40;
+constexpr int kVideoFrames = 40;
 // A lossy codec leaves 33 dB or more of these frames at OpenCV's rates; of two different frames there are 25
 // at most (videos.h).
 constexpr double kSameFrame_db = 30;
@@ -53,7 +53,7 @@ class ImportVideo : public testing::Test {
     source_.video = folder_ / "dive.avi";
     source_.stamps = folder_ / "stamps.csv";
     source_.vehicle = test::writeSmallVehicle(folder_);
-    writeStamps(kFrames);
+    writeStamps(kVideoFrames);
   }
 
   void writeStamps(int rows) {
@@ -103,10 +103,10 @@ class ImportVideoOf : public ImportVideo,
 TEST_P(ImportVideoOf, EachFrameHasItsStamp) {
   const auto [codec, ending] = GetParam();
   source_.video = folder_ / (std::string("dive") + ending);
-  test::writeVideo(source_.video, codec, kFrames);
+  test::writeVideo(source_.video, codec, kVideoFrames);
   const Result result = imported();
-  ASSERT_EQ(result.samples.size(), static_cast<std::size_t>(kFrames));
-  for (int k = 0; k < kFrames; ++k) expectFrame(result.samples[static_cast<std::size_t>(k)], k);
+  ASSERT_EQ(result.samples.size(), static_cast<std::size_t>(kVideoFrames));
+  for (int k = 0; k < kVideoFrames; ++k) expectFrame(result.samples[static_cast<std::size_t>(k)], k);
   EXPECT_LT(cv::PSNR(test::videoFrame(7), test::videoFrame(8)), 25) << "frames are told apart";
 
   const Vehicle vehicle = readVehicle(source_.vehicle);
@@ -114,8 +114,8 @@ TEST_P(ImportVideoOf, EachFrameHasItsStamp) {
   EXPECT_EQ(image.intrinsics.model, vehicle.camera->model);
   EXPECT_EQ(image.T_robot_camera.position, vehicle.camera->T_robot_camera.position);
   EXPECT_EQ(result.recording.vehicle_yaml, readTextFile(source_.vehicle));
-  EXPECT_NE(result.remarks().find(
-                print("25 frames a second by its header; %d frames, of which %d", kFrames, kFrames)),
+  EXPECT_NE(result.remarks().find(print("25 frames a second by its header; %d frames, of which %d",
+                                        kVideoFrames, kVideoFrames)),
             std::string::npos)
       << result.remarks();
   EXPECT_NE(result.remarks().find("Unix time in seconds"), std::string::npos) << result.remarks();
@@ -128,13 +128,13 @@ INSTANTIATE_TEST_SUITE_P(Codecs, ImportVideoOf,
                          [](const auto& info) { return std::string(info.param.first); });
 
 TEST_F(ImportVideo, OnlyWhatIsAskedFor) {
-  test::writeVideo(source_.video, "MJPG", kFrames);
+  test::writeVideo(source_.video, "MJPG", kVideoFrames);
   source_.every = 7;
   source_.grey = true;
   source_.from_s = 0.19;
   source_.to_s = 1.01;
   std::vector<int> expected;  // by the definition of each option
-  for (int k = 0, wanted = 0; k < kFrames; ++k)
+  for (int k = 0, wanted = 0; k < kVideoFrames; ++k)
     if (stampOf(k) >= 0.19 && stampOf(k) <= 1.01 && wanted++ % 7 == 0) expected.push_back(k);
   ASSERT_GE(expected.size(), 3U);
   const Result result = imported();
@@ -158,10 +158,10 @@ TEST_F(ImportVideo, OnlyWhatIsAskedFor) {
 }
 
 TEST_F(ImportVideo, FramesWithoutRowAreLeftOut) {
-  test::writeVideo(source_.video, "MJPG", kFrames);
+  test::writeVideo(source_.video, "MJPG", kVideoFrames);
   std::string text = "frame,stamp\n";
   std::vector<int> with_row;
-  for (int k = 2; k < kFrames; k += 1 + k % 3) {
+  for (int k = 2; k < kVideoFrames; k += 1 + k % 3) {
     with_row.push_back(k);
     text += print("%d,%.7f\n", k, 1'700'000'000.0 + stampOf(k));
   }
@@ -170,7 +170,7 @@ TEST_F(ImportVideo, FramesWithoutRowAreLeftOut) {
   ASSERT_EQ(result.samples.size(), with_row.size());
   for (std::size_t i = 0; i < with_row.size(); ++i) expectFrame(result.samples[i], with_row[i]);
   EXPECT_NE(result.remarks().find(print("%zu of the video's frames have no stamp",
-                                        static_cast<std::size_t>(kFrames) - with_row.size())),
+                                        static_cast<std::size_t>(kVideoFrames) - with_row.size())),
             std::string::npos)
       << result.remarks();
   writeTextFile(source_.stamps, text + "40,1700000009\n");
@@ -179,12 +179,12 @@ TEST_F(ImportVideo, FramesWithoutRowAreLeftOut) {
 }
 
 TEST_F(ImportVideo, AsManyStampsAsFrames) {
-  test::writeVideo(source_.video, "MJPG", kFrames);
-  writeStamps(kFrames - 1);
+  test::writeVideo(source_.video, "MJPG", kVideoFrames);
+  writeStamps(kVideoFrames - 1);
   EXPECT_NE(complaint().find("stamps.csv: line 40: is the last, of frame 38; the video goes on"),
             std::string::npos)
       << complaint();
-  writeStamps(kFrames + 1);
+  writeStamps(kVideoFrames + 1);
   EXPECT_NE(complaint().find("stamps.csv: line 42: is of frame 40"), std::string::npos) << complaint();
 }
 
@@ -198,7 +198,7 @@ TEST_F(ImportVideo, AnotherSizeThanTheCamera) {
 
 // What was there before stays, also where the damage is behind many frames.
 TEST_F(ImportVideo, CutOrDamagedIsRefusedWithTheFrame) {
-  test::writeVideo(source_.video, "MJPG", kFrames);
+  test::writeVideo(source_.video, "MJPG", kVideoFrames);
   imported();
   const std::string whole = readTextFile(source_.video);
   std::string damaged = whole;
@@ -212,11 +212,11 @@ TEST_F(ImportVideo, CutOrDamagedIsRefusedWithTheFrame) {
     const std::string message = complaint();
     const auto where = message.find("dive.avi: frame ");
     ASSERT_NE(where, std::string::npos) << message;
-    EXPECT_NEAR(std::stoi(message.substr(where + 16)), at_share * kFrames, 6) << message;
+    EXPECT_NEAR(std::stoi(message.substr(where + 16)), at_share * kVideoFrames, 6) << message;
     EXPECT_NE(message.find("cut off"), std::string::npos) << message;
   }
   source_.video = folder_ / "dive.mp4";
-  test::writeVideo(source_.video, "avc1", kFrames);
+  test::writeVideo(source_.video, "avc1", kVideoFrames);
   const std::string mp4 = readTextFile(source_.video);
   writeTextFile(source_.video, mp4.substr(0, mp4.size() / 2));
   EXPECT_NE(complaint().find("dive.mp4: no video that can be decoded, or cut off"), std::string::npos);
@@ -227,7 +227,7 @@ TEST_F(ImportVideo, CutOrDamagedIsRefusedWithTheFrame) {
 }
 
 TEST_F(ImportVideo, ImagesOfAnEarlierImportAreRemoved) {
-  test::writeVideo(source_.video, "MJPG", kFrames);
+  test::writeVideo(source_.video, "MJPG", kVideoFrames);
   imported();
   writeTextFile(images_ / "mine.png", "mine");
   writeTextFile(images_ / "CAMERA_000003.png.part", "left by a run that was killed");
@@ -259,7 +259,7 @@ class JoinedVideo : public ImportVideo {
 };
 
 TEST_F(JoinedVideo, IsInOrderOfTimeAndNothingIsLost) {
-  test::writeVideo(source_.video, "MJPG", kFrames);
+  test::writeVideo(source_.video, "MJPG", kVideoFrames);
   join(navigation());
   source_.from_s = 0.5;
   const Result result = imported();
@@ -271,17 +271,17 @@ TEST_F(JoinedVideo, IsInOrderOfTimeAndNothingIsLost) {
   EXPECT_EQ(test::fingerprints(others), test::fingerprints(test::readRecording(source_.recording).samples));
   const auto frames = result.frames();
   int late = 0;
-  for (int k = 0; k < kFrames; ++k) late += stampOf(k) >= 0.5 ? 1 : 0;
+  for (int k = 0; k < kVideoFrames; ++k) late += stampOf(k) >= 0.5 ? 1 : 0;
   ASSERT_EQ(std::ssize(frames), late);
   for (std::size_t i = 0; i < frames.size(); ++i)
-    expectFrame(*frames[i], kFrames - late + static_cast<int>(i));
+    expectFrame(*frames[i], kVideoFrames - late + static_cast<int>(i));
   const RecordingHeader header = headerOf(source_, folder_ / "a/b");
   EXPECT_EQ(header.panel_map, "../../maps/panel.yaml");
   EXPECT_EQ(header.description, "video dive.avi with navigation.rawlog");
 }
 
 TEST_F(JoinedVideo, RecordingOfAnotherDiveIsRefused) {
-  test::writeVideo(source_.video, "MJPG", kFrames);
+  test::writeVideo(source_.video, "MJPG", kVideoFrames);
   join(navigation(3600));
   EXPECT_NE(complaint().find("navigation.rawlog: begins after the frames"), std::string::npos) << complaint();
   join(navigation(-3600));
@@ -289,7 +289,7 @@ TEST_F(JoinedVideo, RecordingOfAnotherDiveIsRefused) {
 }
 
 TEST_F(JoinedVideo, RecordingWithImagesIsRefused) {
-  test::writeVideo(source_.video, "MJPG", kFrames);
+  test::writeVideo(source_.video, "MJPG", kVideoFrames);
   std::vector<Sample> samples = navigation();
   Random random(1);
   samples[100] = test::randomSample(6, samples[100].time, random);
