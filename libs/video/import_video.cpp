@@ -1,7 +1,6 @@
 #include "video/import_video.h"
 
 #include <algorithm>
-#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
@@ -178,7 +177,9 @@ class VideoImporter {
     const auto claimed = static_cast<long long>(frames_.header().frames);
     if (claimed > stamp.frame)
       return {source_.video.string(), print("frame %lld", count),
-              print("cut off here or damaged before: its header says %lld frames", claimed)};
+              print("the video ends here, cut off or damaged: it has about %lld frames by its header, and %s "
+                    "has frame %lld",
+                    claimed, table_.file.filename().string().c_str(), static_cast<long long>(stamp.frame))};
     return table_.error(stamp, print("is of frame %lld, counted from 0; the video has only %lld frames",
                                      static_cast<long long>(stamp.frame), count));
   }
@@ -211,17 +212,17 @@ class VideoImporter {
     std::vector<std::string> lines{
         print("video: codec %s, %d x %d px, %.5g frames a second by its header; %lld frames, of which %zu "
               "became images",
-              header.codec.c_str(), header.width_px, header.height_px, header.rate_hz,
-              static_cast<long long>(count), taken_)};
+              header.codec.empty() ? "of no name" : header.codec.c_str(), header.width_px, header.height_px,
+              header.rate_hz, static_cast<long long>(count), taken_)};
     if (header.frames > 0 && header.frames != count) lines.push_back(countDiffers(count));
     if (const auto without = count - std::ssize(table_.stamps); without > 0)
       lines.push_back(print("%s: %lld of the video's frames have no stamp and are left out",
                             table_.file.filename().string().c_str(), static_cast<long long>(without)));
     if (header.rotation_deg != 0)
-      lines.push_back(
-          print("video: its header asks players to turn frames by %d degrees; they are left as stored, "
-                "which the camera's calibration must be for",
-                header.rotation_deg));
+      lines.push_back(print(
+          "video: its header asks players to turn frames (%d degrees, as OpenCV reads it); they are left "
+          "as stored, which the camera's calibration must be for",
+          header.rotation_deg));
     if (camera_.pipeline == CameraPipeline::linear)
       lines.push_back(
           source_.vehicle.filename().string() +

@@ -8,6 +8,7 @@ extern "C" {
 #include <cstdarg>
 #include <cstdio>
 #include <mutex>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/videoio.hpp>
 #include <utility>
 
@@ -18,12 +19,17 @@ extern "C" {
 namespace fathom {
 namespace {
 
-/// FFmpeg's complaints while it lives. OpenCV hands out damaged frames as if they were whole: nothing else
-/// tells of them. Decoders complain from their own threads.
+/// FFmpeg's complaints while it lives, in which OpenCV keeps quiet, too. OpenCV hands out damaged frames as
+/// if they were whole: nothing else tells of them. Decoders complain from their own threads.
 class DecoderLog {
  public:
-  DecoderLog() { listen(); }
-  ~DecoderLog() { av_log_set_callback(av_log_default_callback); }
+  DecoderLog() : level_before_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT)) {
+    listen();
+  }
+  ~DecoderLog() {
+    av_log_set_callback(av_log_default_callback);
+    cv::utils::logging::setLogLevel(level_before_);
+  }
   DecoderLog(const DecoderLog&) = delete;
   DecoderLog& operator=(const DecoderLog&) = delete;
 
@@ -50,15 +56,17 @@ class DecoderLog {
     if (first_.empty()) first_ = oneLine(text);
   }
 
+  cv::utils::logging::LogLevel level_before_;
   static inline std::mutex mutex_;
   static inline std::string first_;
 };
 
+/// Some containers have numbers in their place, or nothing.
 std::string fourCharacters(double code) {
-  const auto bits = static_cast<std::uint32_t>(code);
+  const auto bits = static_cast<std::uint32_t>(std::clamp(code, 0.0, 4294967295.0));
   std::string text;
   for (unsigned shift = 0; shift < 32; shift += 8) text += static_cast<char>(bits >> shift & 0xffU);
-  return printable(text);
+  return std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; }) ? text : "";
 }
 
 }  // namespace

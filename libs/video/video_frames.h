@@ -11,10 +11,10 @@ namespace fathom {
 /// What a video's header says.
 struct VideoHeader {
   int width_px = 0, height_px = 0;  ///< as stored
-  std::string codec;                ///< four characters: "avc1", "hvc1", "MJPG"
+  std::string codec;                ///< four characters: "avc1", "hvc1", "MJPG"; empty where it has none
   double rate_hz = 0;               ///< frames a second; 0 where it does not say
   std::int64_t frames = 0;  ///< of some containers an estimate by length and rate; 0 where it does not say
-  int rotation_deg = 0;     ///< by which a player turns the frames
+  int rotation_deg = 0;     ///< that players turn frames by; which way round depends on OpenCV's version
 };
 
 /// The frames of a video file that FFmpeg decodes (H.264, H.265, MPEG-4, Motion JPEG, …), one after another,

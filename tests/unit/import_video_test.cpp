@@ -125,7 +125,7 @@ TEST_P(ImportVideoOf, EachFrameHasItsStamp) {
 INSTANTIATE_TEST_SUITE_P(Codecs, ImportVideoOf,
                          testing::Values(std::pair("MJPG", ".avi"), std::pair("mp4v", ".mp4"),
                                          std::pair("avc1", ".mp4")),
-                         [](const auto& info) { return std::string(info.param.first); });
+                         [](const auto& codec) { return std::string(codec.param.first); });
 
 TEST_F(ImportVideo, OnlyWhatIsAskedFor) {
   test::writeVideo(source_.video, "MJPG", kVideoFrames);
@@ -186,6 +186,23 @@ TEST_F(ImportVideo, AsManyStampsAsFrames) {
       << complaint();
   writeStamps(kVideoFrames + 1);
   EXPECT_NE(complaint().find("stamps.csv: line 42: is of frame 40"), std::string::npos) << complaint();
+}
+
+// A track's header in MP4 has the matrix of its display (ISO 14496-12, 8.3.2): here a quarter of a turn.
+TEST_F(ImportVideo, RotationForPlayersIsNotApplied) {
+  source_.video = folder_ / "dive.mp4";
+  test::writeVideo(source_.video, "avc1", kVideoFrames);
+  std::string bytes = readTextFile(source_.video);
+  const auto header = bytes.find("tkhd");
+  ASSERT_NE(header, std::string::npos);
+  constexpr std::size_t kBeforeMatrix = 4 + 40;
+  const std::string one("\0\1\0\0", 4), minus_one("\xff\xff\0\0", 4), zero(4, '\0');
+  bytes.replace(header + kBeforeMatrix, 20, zero + one + zero + minus_one + zero);
+  writeTextFile(source_.video, bytes);
+  const Result result = imported();
+  ASSERT_EQ(result.samples.size(), static_cast<std::size_t>(kVideoFrames));
+  expectFrame(result.samples[5], 5);
+  EXPECT_NE(result.remarks().find("asks players to turn frames"), std::string::npos) << result.remarks();
 }
 
 TEST_F(ImportVideo, AnotherSizeThanTheCamera) {
