@@ -1,104 +1,23 @@
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "audit/audit.h"
-#include "audit/corrected_samples.h"
 #include "camera_tables/camera_alone.h"
 #include "commands.h"
 #include "common_options.h"
-#include "core/error.h"
 #include "core/files.h"
-#include "core/progress.h"
 #include "imaging/camera_files.h"
 #include "import_corners.h"
 #include "import_target.h"
 #include "import_tie_points.h"
-#include "recording/rawlog.h"
-#include "report/run_info.h"
+#include "import_video.h"
+#include "import_writer.h"
 #include "ros_bag/import_bag.h"
 #include "sea_trial/import_sea_trial.h"
 
 namespace fathom {
 namespace fs = std::filesystem;
 namespace {
-
-/// Writes samples as they come. The rawlog is opened at the first, whose time its first entry bears.
-class ImportWriter {
- public:
-  /// `vehicle`: by whose gravity and water entries are corrected.
-  ImportWriter(ImportTarget target, std::string description, const std::vector<std::string>& correct,
-               Vehicle vehicle)
-      : target_(std::move(target)),
-        description_(std::move(description)),
-        corrected_(correctionsNamed(correct), std::move(vehicle),
-                   [this](const Sample& sample) { writeCorrected(sample); }) {}
-
-  void write(Sample sample) {
-    if (interrupted()) throw Interrupted{};
-    corrected_.push(std::move(sample));
-  }
-
-  /// The companions first, the rawlog last: where it is, all is.
-  void finish(const ImportedRecording& imported, const RunContext& context) {
-    corrected_.flush();
-    if (!rawlog_) throw Error(target_.file(".rawlog").string(), "", "the source holds no sample");
-    writeTextFile(target_.file("_vehicle.yaml"), imported.vehicle_yaml);
-    if (!imported.reference.empty()) writeTum(target_.file("_reference.tum"), imported.reference);
-    findings_ = audit(streams_, readVehicle(target_.file("_vehicle.yaml")), target_.file("_Images"));
-    writeJson(target_.file("_import.json"), summary(imported, context));
-    rawlog_->finish();
-    report(imported);
-  }
-
- private:
-  void writeCorrected(const Sample& sample) {
-    streams_.add(sample);
-    if (!rawlog_) {
-      const RecordingHeader header{"", target_.file("_vehicle.yaml").filename().string(), description_};
-      rawlog_.emplace(target_.file(".rawlog"), header, sample.time);
-    }
-    rawlog_->write(sample);
-    ++samples_;
-  }
-
-  nlohmann::ordered_json summary(const ImportedRecording& imported, const RunContext& context) const {
-    nlohmann::ordered_json json;
-    json["run"] = toJson(RunInfo{.command_line = context.command_line});
-    json["description"] = description_;
-    json["samples"] = samples_;
-    json["reference_poses"] = imported.reference.size();
-    json["remarks"] = imported.remarks;
-    json["findings"] = nlohmann::ordered_json::array();
-    for (const Finding& f : findings_) json["findings"].push_back(toText(f));
-    json["conclusions"] = nlohmann::ordered_json::array();
-    for (const auto& conclusion : imported.conclusions)
-      json["conclusions"].push_back({{"what", conclusion.what},
-                                     {"concluded", conclusion.concluded},
-                                     {"runner_up", conclusion.runner_up},
-                                     {"residual_ratio", conclusion.residual_ratio},
-                                     {"evidence", conclusion.evidence}});
-    return json;
-  }
-
-  void report(const ImportedRecording& imported) const {
-    for (const auto& conclusion : imported.conclusions) std::cout << toText(conclusion) << "\n";
-    for (const std::string& remark : imported.remarks) std::cout << "remark: " << remark << "\n";
-    for (const Finding& f : findings_) std::cout << "remark: " << toText(f) << "\n";
-    std::cout << samples_ << " samples\n";
-    sayWritten(target_, {".rawlog", "_vehicle.yaml"});
-    if (!imported.reference.empty()) sayWritten(target_, {"_reference.tum"});
-    sayWritten(target_, {"_import.json"});
-  }
-
-  ImportTarget target_;
-  std::string description_;
-  CorrectedSamples corrected_;
-  Streams streams_;
-  std::vector<Finding> findings_;
-  std::optional<RawlogWriter> rawlog_;
-  std::size_t samples_ = 0;
-};
 
 struct CsvOptions {
   std::string folder;
@@ -108,18 +27,12 @@ struct CsvOptions {
   ImportTarget target;
 };
 
-void addCorrect(CLI::App& command, std::vector<std::string>& names) {
-  command
-      .add_option("--correct", names, "A fault of the streams to correct, as the remarks of an import say it")
-      ->type_name("NAME");
-}
-
 void importCsv(CsvOptions options, const RunContext& context) {
   if (options.target.name.empty()) options.target.name = "section" + std::to_string(options.section);
   options.trial.corrections = correctionsNamed(options.correct);
   const ImportedRecording imported =
       importSeaTrial(seaTrialFiles(options.folder, options.section), options.trial);
-  ImportWriter writer(options.target, imported.header.description, {}, {});
+  ImportWriter writer(options.target, imported.header, {}, {});
   for (const Sample& sample : imported.samples) writer.write(sample);
   writer.finish(imported, context);
 }
@@ -163,7 +76,7 @@ void importRosBag(BagCommandOptions options, const RunContext& context) {
   const TopicMap map = readTopicMap(options.topics);
   Vehicle vehicle;
   vehicle.gravity_m_s2 = map.gravity_m_s2;
-  ImportWriter writer(options.target, map.description, options.correct, vehicle);
+  ImportWriter writer(options.target, {"", "", map.description}, options.correct, vehicle);
   BagOptions bag_options;
   bag_options.image_folder = options.target.file("_Images");
   bag_options.strict = options.strict;
@@ -262,11 +175,13 @@ void addImport(const RunContext& context) {
       "Examples:\n"
       "  fathom import csv tables --section 1 --out out/trial\n"
       "  fathom import bag dive.bag --topics config/husky_topics.yaml --out out/dive\n"
-      "  fathom import corners corners.csv --camera camera.yaml --out out/tank");
+      "  fathom import corners corners.csv --camera camera.yaml --out out/tank\n"
+      "  fathom import video dive.mp4 --stamps frames.csv --vehicle rov.yaml --out out/dive");
   addCsv(*command, context);
   addBag(*command, context);
   addImportCorners(*command, context);
   addImportTiePoints(*command, context);
+  addImportVideo(*command, context);
   addCamera(*command);
 }
 

@@ -29,7 +29,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libblis-serial-dev, libceres-dev, libeigen3-dev, libmrpt-obs-dev, libmrpt-topography-dev, libtbb-dev, libyaml-cpp-dev, libzstd-dev, nlohmann-json3-dev, zlib1g-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS
-    "libapriltag-dev, libgeometry-msgs-dev, libnav-msgs-dev, libopencv-contrib-dev, libopencv-dev, libopenmesh-dev, libosmesa6-dev, librosbag-storage-dev, libsensor-msgs-dev, libtf2-msgs-dev")
+    "libapriltag-dev, libavutil-dev, libgeometry-msgs-dev, libnav-msgs-dev, libopencv-contrib-dev, libopencv-dev, libopenmesh-dev, libosmesa6-dev, librosbag-storage-dev, libsensor-msgs-dev, libtf2-msgs-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "underwater localization and its diagnosis, as libraries
 Headers, static libraries and the CMake package for programs of one's own:
 find_package(fathom COMPONENTS localization) and the like. Examples are in

@@ -109,6 +109,10 @@ std::string headerOf(Lines& lines, const std::filesystem::path& file) {
   return line;
 }
 
+Error wrongFieldCount(const Lines& lines, std::size_t fields, std::size_t columns) {
+  return lines.error("has " + std::to_string(fields) + " fields instead of " + std::to_string(columns));
+}
+
 /// Hands each row's fields, so many, to `take`. Throws Error: another number of them, or no row.
 template <class Take>
 void forEachRow(Lines& lines, std::size_t columns, const Take& take) {
@@ -116,9 +120,7 @@ void forEachRow(Lines& lines, std::size_t columns, const Take& take) {
   bool any = false;
   for (; lines.next(line); any = true) {
     const auto fields = splitAtCommas(line);
-    if (fields.size() != columns)
-      throw lines.error("has " + std::to_string(fields.size()) + " fields instead of " +
-                        std::to_string(columns));
+    if (fields.size() != columns) throw wrongFieldCount(lines, fields.size(), columns);
     take(fields);
   }
   if (!any) throw lines.error("has no rows");
@@ -176,6 +178,19 @@ TextTable readTable(const std::filesystem::path& file) {
     table.rows.emplace_back(fields.begin(), fields.end());
   });
   return table;
+}
+
+std::vector<std::vector<std::string>> readLines(const std::filesystem::path& file) {
+  Lines lines(file);
+  std::vector<std::vector<std::string>> all;
+  for (std::string line; lines.next(line);) {
+    const auto fields = splitAtCommas(line);
+    if (!all.empty() && fields.size() != all.front().size())
+      throw wrongFieldCount(lines, fields.size(), all.front().size());
+    all.emplace_back(fields.begin(), fields.end());
+  }
+  if (all.empty()) throw lines.error("the file is empty");
+  return all;
 }
 
 TextTable readTable(const std::filesystem::path& file, const std::vector<std::string>& columns) {

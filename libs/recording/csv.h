@@ -38,4 +38,9 @@ TextTable readTable(const std::filesystem::path& file);
 /// The same. Throws Error where the columns are not these, in this order.
 TextTable readTable(const std::filesystem::path& file, const std::vector<std::string>& columns);
 
+/// The lines of a table, gzip or plain, that need not begin with its columns' names; line k + 1 is at k.
+/// Throws Error with file and line: cannot be read, damaged gzip, empty, another number of fields than the
+/// first line.
+std::vector<std::vector<std::string>> readLines(const std::filesystem::path& file);
+
 }  // namespace fathom

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ std::string yamlPose(const Pose& pose);
 /// A vehicle file's camera as far as intrinsics and corners' sigma tell; the rest is generic. Without rate_hz
 /// and pose.
 std::string cameraLines(const CameraModel& camera, double corner_sigma_px = 0.15, int bits = 8);
+
+/// Takes the samples of an import as they come, in time order.
+using SampleSink = std::function<void(Sample&&)>;
 
 /// A foreign recording in this program's convention.
 struct ImportedRecording {

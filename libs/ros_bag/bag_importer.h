@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "recording/imported.h"
+#include "recording/reorder_buffer.h"
 #include "ros_bag/bag_message.h"
 #include "ros_bag/bag_options.h"
 #include "ros_bag/bag_vehicle.h"
 #include "ros_bag/mounting_checks.h"
-#include "ros_bag/reorder_buffer.h"
 #include "ros_bag/topic_clocks.h"
 #include "ros_bag/transform_tree.h"
 

@@ -1,9 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
-
-#include "recording/samples.h"
 
 namespace fathom {
 
@@ -17,7 +14,5 @@ struct BagOptions {
   /// A message that cannot be used is an error, else it is left out and counted.
   bool strict = false;
 };
-
-using SampleSink = std::function<void(Sample&&)>;
 
 }  // namespace fathom

@@ -34,6 +34,7 @@
 #include "support/shared_data.h"
 #include "support/shipped.h"
 #include "support/stopwatch.h"
+#include "video/frame_stamps.h"
 
 namespace fathom {
 namespace {
@@ -112,7 +113,8 @@ std::vector<Reader> readers() {
       {"board corners", {corpus("board.csv")}, reading([board](const fs::path& file) {
          return readBoardCorners(file, board, 0.1);
        })},
-      {"tie points", {corpus("points.csv")}, reading(readTiePoints)}};
+      {"tie points", {corpus("points.csv")}, reading(readTiePoints)},
+      {"frame stamps", {corpus("frame_stamps.csv"), corpus("iso_stamps.csv")}, reading(readFrameStamps)}};
 }
 
 /// Bytes may be anything in binary files, and lengths in them too.

@@ -6,10 +6,13 @@
 
 #include "core/files.h"
 #include "core/random.h"
+#include "core/text.h"
 #include "support/folder_contents.h"
 #include "support/run_program.h"
 #include "support/shared_data.h"
 #include "support/shipped.h"
+#include "support/small_vehicle.h"
+#include "support/videos.h"
 
 namespace fathom {
 namespace {
@@ -55,6 +58,21 @@ TEST(Killed, SimulateWithImagesMakesTheSameBytes) {
                                  test::kDexrovMap.string() + " --water " + test::kConfig.string() +
                                  "/water_clear.yaml --duration 3 --seed 3 --name dive --out OUT",
                              10, 1);
+}
+
+TEST(Killed, ImportVideoMakesTheSameBytes) {
+  const fs::path inputs = scratchFolder().parent_path() / "Killed.ImportVideo inputs";
+  fs::remove_all(inputs);
+  fs::create_directories(inputs);
+  constexpr int kFilmFrames = 40;
+  test::writeVideo(inputs / "dive.avi", "MJPG", kFilmFrames);
+  std::string stamps;
+  for (int k = 0; k < kFilmFrames; ++k) stamps += print("%.2f\n", 1'700'000'000.0 + 0.04 * k);
+  writeTextFile(inputs / "stamps.csv", stamps);
+  expectSameAfterBeingKilled("import video " + shellQuoted((inputs / "dive.avi").string()) + " --stamps " +
+                                 shellQuoted((inputs / "stamps.csv").string()) + " --vehicle " +
+                                 shellQuoted(test::writeSmallVehicle(inputs).string()) + " --out OUT",
+                             10, 0.3);
 }
 
 TEST(Killed, LocalizeMakesTheSameBytes) {

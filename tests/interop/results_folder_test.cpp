@@ -73,8 +73,8 @@ TEST(AnyPathToRead, IsReadAndSaid) {
 std::vector<WritingCommand> quickCommands() {
   std::vector<WritingCommand> commands;
   for (const char* name : {"simulate", "localize", "tasks", "smooth", "sil", "detect", "map", "importbag",
-                           "importcsv", "importcorners", "importtiepoints", "importcamera", "exportcsv",
-                           "exporttum", "exportkml", "exportcolmap", "man"})
+                           "importcsv", "importcorners", "importtiepoints", "importvideo", "importcamera",
+                           "exportcsv", "exporttum", "exportkml", "exportcolmap", "man"})
     commands.push_back(writingCommand(name));
   return commands;
 }
@@ -152,7 +152,8 @@ TEST_P(TwoAtOnce, AreAsOneOrOneIsRefused) {
 }
 INSTANTIATE_TEST_SUITE_P(Of, TwoAtOnce,
                          testing::Values(writingCommand("simulate"), writingCommand("localize"),
-                                         writingCommand("sil"), writingCommand("diagnose")),
+                                         writingCommand("sil"), writingCommand("diagnose"),
+                                         writingCommand("importvideo")),
                          nameOfCommand);
 
 // One recording's images never come into another's. On a busy machine one may end before the other begins:

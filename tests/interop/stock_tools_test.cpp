@@ -41,6 +41,7 @@ const StockInput kRawlogs[] = {
     {"importcsv", "section1.rawlog", "DVL, INS"},
     {"importcorners", "Ecken é.rawlog", "CAMERA"},
     {"importtiepoints", "Punkte ä.rawlog", "STEREO"},
+    {"importvideo", "Film ö.rawlog", "CAMERA"},
 };
 const StockInput kScenes[] = {{"map", "dexrov.3Dscene", ""}, {"tasks", "Fahrt ü 1_results.3Dscene", ""}};
 

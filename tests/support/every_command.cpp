@@ -42,6 +42,7 @@ void makeRest(const fs::path& folder) {
   writeSmallBoard(folder);
   writeSmallSeaTrial(folder);
   writeSmallTiePoints(folder);
+  writeSmallVideo(folder);
   fs::copy_file(kSource / "tests/fuzz/corpus/opencv.yaml", folder / "Eichung ä.yaml");
   writeNew(folder / "Störung.yaml",
            "faults:\n  - {name: drop, kind: drop, sensors: [DVL], vary: probability, strengths: [0.5]}\n");
@@ -112,6 +113,7 @@ std::vector<WritingCommand> writingCommands() {
        "import tie-points --left " + in("Kamera links.yaml") + " --right " + in("Kamera rechts.yaml") + " " +
            in("Punkte ä.csv"),
        ""},
+      {"importvideo", "import video " + in("Film ö.avi") + " --stamps " + in("Stempel ü.csv") + vehicle, ""},
       {"importcamera", "import camera " + in("Eichung ä.yaml"), ""},
       {"exportcsv", "export csv" + recording, ""},
       {"exporttum", "export tum" + recording, "Weg ü.tum"},

@@ -7,6 +7,7 @@
 #include "core/text.h"
 #include "support/bags.h"
 #include "support/panels.h"
+#include "support/videos.h"
 
 namespace fathom::test {
 namespace fs = std::filesystem;
@@ -129,6 +130,14 @@ void writeSmallTiePoints(const fs::path& folder) {
   writeNew(folder / "Punkte ä.csv", text);
   writeNew(folder / "Kamera links.yaml", cameraBeforeWindow(0));
   writeNew(folder / "Kamera rechts.yaml", cameraBeforeWindow(kRight_cm));
+}
+
+void writeSmallVideo(const fs::path& folder) {
+  constexpr int kFrames = 5;
+  writeVideo(folder / "Film ö.avi", "MJPG", kFrames);
+  std::string text = "stamp\n";
+  for (int k = 0; k < kFrames; ++k) text += print("2024-05-06T07:08:09.%02dZ\n", 4 * k);
+  writeNew(folder / "Stempel ü.csv", text);
 }
 
 }  // namespace fathom::test

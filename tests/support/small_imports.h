@@ -16,5 +16,7 @@ void writeSmallSeaTrial(const std::filesystem::path& folder);
 /// "Punkte ä.csv", six points in each of three frames, seen by cameras side by side, "Kamera links.yaml" and
 /// "Kamera rechts.yaml", each before its window.
 void writeSmallTiePoints(const std::filesystem::path& folder);
+/// "Film ö.avi", five frames of 320 x 240, and their stamps, "Stempel ü.csv".
+void writeSmallVideo(const std::filesystem::path& folder);
 
 }  // namespace fathom::test

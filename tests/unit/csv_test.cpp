@@ -72,6 +72,24 @@ TEST(Csv, ReadsGzipAndSaysWhereItIsCutOff) {
   }
 }
 
+TEST(Csv, LinesNeedNoHeader) {
+  const auto file = test::scratchFolder() / "lines.csv";
+  const auto complaint = [&] {
+    try {
+      readLines(file);
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  writeTextFile(file, "1, 2\r\nx,\n");
+  EXPECT_EQ(readLines(file), (std::vector<std::vector<std::string>>{{"1", " 2"}, {"x", ""}}));
+  writeTextFile(file, "1,2\n3\n");
+  EXPECT_NE(complaint().find("line 2: has 1 fields instead of 2"), std::string::npos) << complaint();
+  writeTextFile(file, "");
+  EXPECT_NE(complaint().find("line 1: the file is empty"), std::string::npos) << complaint();
+}
+
 TEST(Csv, RefusesMissingFileAndFolder) {
   const auto folder = test::scratchFolder();
   EXPECT_THROW(readCsv(folder / "none.csv", {"t"}), Error);
