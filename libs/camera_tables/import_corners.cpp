@@ -148,6 +148,7 @@ CameraModel readIntrinsics(const fs::path& file, const std::optional<std::array<
   camera.height_px = sideAround(camera.cy_px);
   root.read("width_px", camera.width_px);
   root.read("height_px", camera.height_px);
+  root.read("above_water", camera.above_water);
   if (size) std::tie(camera.width_px, camera.height_px) = std::tie((*size)[0], (*size)[1]);
   for (const int side_px : {camera.width_px, camera.height_px})
     if (!isImageSide(side_px))

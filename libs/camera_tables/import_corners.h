@@ -29,8 +29,9 @@ struct CornerImport {
 /// stands for what would be found in the images, and NAME_import.json. Throws Error, Interrupted.
 CornerImport importCorners(const CornerTable& source, const ImportTarget& target, const RunInfo& run);
 
-/// Intrinsics as such data sets publish them: fx_px, fy_px, cx_px, cy_px, distortion. Where no size stands
-/// there or in `size` (width, height), the principal point is taken for the image's middle. Throws Error.
+/// Intrinsics as such data sets publish them: fx_px, fy_px, cx_px, cy_px, distortion; `above_water: true` of
+/// a camera that looks down into water from the air. Where no size stands there or in `size` (width, height),
+/// the principal point is taken for the image's middle. Throws Error.
 CameraModel readIntrinsics(const std::filesystem::path& file, const std::optional<std::array<int, 2>>& size);
 
 }  // namespace fathom

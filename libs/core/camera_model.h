@@ -57,6 +57,7 @@ struct CameraModel {
   Window window{};
   double k4{}, k5{}, k6{};
   LensModel lens{};
+  bool above_water{};  ///< in air, above a flat surface of water; a pinhole sees straight through it too
 
   /// Ideal image coordinates (x/z, y/z) to distorted ones.
   template <class T>

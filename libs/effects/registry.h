@@ -30,6 +30,7 @@
 #include "effects/extra_effects.h"
 #include "effects/flat_field.h"
 #include "effects/flat_port_refraction.h"
+#include "effects/flat_water_surface.h"
 #include "effects/focal_scale.h"
 #include "effects/forward_scatter.h"
 #include "effects/gamma.h"
@@ -77,7 +78,7 @@ using Catalogue =
                TurbidityPlume, SlantRange, ForwardScatter, Vignetting, AutoExposure, Gamma, DarkOffset,
                MotionBlur, MarineSnow, HeadingDisturbance, ClockDrift, EdgeBias, PanelShape,
                IlluminationGradient, PressureLeverArm, FlatField, WhiteBalance, ResponseBend, VeilingGlare,
-               Defocus, Sharpening, BeamMissing, BeamBias, DecentredDome>;
+               Defocus, Sharpening, BeamMissing, BeamBias, DecentredDome, FlatWaterSurface>;
 
 /// The catalogue, and after it what the build was told to know besides.
 using AllEffects = decltype(std::tuple_cat(Catalogue{}, ExtraEffects{}));

@@ -42,7 +42,7 @@ struct RecordingHeader {
 
 /// A camera as rawlogs keep it: what this program computes with, and what it only passes on.
 struct RecordedCamera {
-  CameraModel model;            ///< its window is not kept
+  CameraModel model;            ///< its window, and whether it is above water, are not kept
   bool is_undistorted = false;  ///< said so; else its model's lens
   double focal_length_m = 0;
   std::string name = "camera1";
@@ -52,6 +52,7 @@ struct RecordedCamera {
 
 inline RecordedCamera recordedCamera(CameraModel model) {
   model.window = {};
+  model.above_water = false;
   return {model};
 }
 
