@@ -36,11 +36,11 @@ struct FlatWaterSurface {
   static constexpr std::array parameters{
       Parameter{.name = "water_m",
                 .unit = "m",
-                .prior_sigma = 1.0,
+                .prior_sigma = 0.5,
                 .limit = 100.0,
                 .positive = true,
                 .other_start = 0.3,
-                .usual = "of water over the first panel's origin, along the vertical: 0.1 to 3 m"},
+                .usual = "of water over the first panel's origin, along the vertical: 0.1 to 1.5 m"},
       Parameter{.name = "tilt_deg",
                 .unit = "deg",
                 .prior_sigma = 1.0,
