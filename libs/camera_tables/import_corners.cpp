@@ -114,7 +114,9 @@ void writeRawlog(const ImportTarget& target, const fs::path& table, const fs::pa
 }  // namespace
 
 CornerImport importCorners(const CornerTable& source, const ImportTarget& target, const RunInfo& run) {
-  const BoardCorners corners = readBoardCorners(source.table, source.board, source.sigma_px);
+  BoardCorners corners = readBoardCorners(source.table, source.board, source.sigma_px);
+  // Under water a board lies face up, where the table does not say how: odom's z axis is vertical.
+  if (source.camera.above_water && source.board) corners.boards.front().T_odom_panel = {};
   const auto by_file = byFile(source.table, corners);
   CornerImport result;
   result.images = by_file.size();

@@ -26,7 +26,9 @@ struct CornerImport {
 };
 
 /// Writes a recording with the squares drawn, a map of the boards, a vehicle file, the table of corners that
-/// stands for what would be found in the images, and NAME_import.json. Throws Error, Interrupted.
+/// stands for what would be found in the images, and NAME_import.json. Of a camera above water, a board whose
+/// corners the table numbers is taken to lie level, face up; a table with points has z up. Throws Error,
+/// Interrupted.
 CornerImport importCorners(const CornerTable& source, const ImportTarget& target, const RunInfo& run);
 
 /// Intrinsics as such data sets publish them: fx_px, fy_px, cx_px, cy_px, distortion; `above_water: true` of
