@@ -32,7 +32,7 @@ struct FlatWaterSurface {
       .told_apart =
           "Views aslant, from all sides: the bending goes with the angle to the vertical, that of a port "
           "with the angle to the camera's axis. Straight down over a level panel, water is a panel that is "
-          "nearer by a quarter of its depth, and what it does besides is at 30 deg 7 % of that, aside"};
+          "nearer by a quarter of its depth; at 30 deg off the vertical that depth seems 7 % less yet"};
   static constexpr std::array parameters{
       Parameter{.name = "water_m",
                 .unit = "m",
