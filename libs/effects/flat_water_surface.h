@@ -23,6 +23,7 @@ struct FlatWaterSurface {
           "a point at lateral distance r from the normal through the camera, d below the surface:\n"
           "r = distance_m tan(theta_air) + d tan(theta_water)\n"
           "distance_m: the camera's mean height over the surface\n"
+          "under 0.05 m of water, what is higher or lower than the origin counts as nearer to its height\n"
           "only of a camera whose section of the vehicle file says `above_water: true`",
       .source =
           "Agrawal et al. 2012 (two layers with one normal). Water is level: what tilts it is a map, or a "
