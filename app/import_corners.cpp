@@ -73,10 +73,13 @@ void addImportCorners(CLI::App& parent, const RunContext& context) {
   command->add_option("TABLE", options->table, "The corners")->required()->type_name(values::kCsv);
   command->add_option("--board", options->board, "The board's inner corners, COLUMNSxROWS");
   command->add_option("--square-m", options->square_m, "Side of a square of the board, m");
-  auto* camera = command
-                     ->add_option("--camera", options->camera,
-                                  "Intrinsics: fx_px, fy_px, cx_px, cy_px, distortion [k1, k2, p1, p2, k3]")
-                     ->type_name(values::kYaml);
+  auto* camera =
+      command
+          ->add_option(
+              "--camera", options->camera,
+              "Intrinsics: fx_px, fy_px, cx_px, cy_px, distortion [k1, k2, p1, p2, k3]; above_water: "
+              "true of a camera in air that looks down into water")
+          ->type_name(values::kYaml);
   command
       ->add_option("--calibrate", options->calibrate,
                    "Intrinsics from another table of the same board, such as one in air")

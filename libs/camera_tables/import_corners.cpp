@@ -114,7 +114,9 @@ void writeRawlog(const ImportTarget& target, const fs::path& table, const fs::pa
 }  // namespace
 
 CornerImport importCorners(const CornerTable& source, const ImportTarget& target, const RunInfo& run) {
-  const BoardCorners corners = readBoardCorners(source.table, source.board, source.sigma_px);
+  BoardCorners corners = readBoardCorners(source.table, source.board, source.sigma_px);
+  // Under water a board lies face up, where the table does not say how: odom's z axis is vertical.
+  if (source.camera.above_water && source.board) corners.boards.front().T_odom_panel = {};
   const auto by_file = byFile(source.table, corners);
   CornerImport result;
   result.images = by_file.size();
@@ -148,6 +150,7 @@ CameraModel readIntrinsics(const fs::path& file, const std::optional<std::array<
   camera.height_px = sideAround(camera.cy_px);
   root.read("width_px", camera.width_px);
   root.read("height_px", camera.height_px);
+  root.read("above_water", camera.above_water);
   if (size) std::tie(camera.width_px, camera.height_px) = std::tie((*size)[0], (*size)[1]);
   for (const int side_px : {camera.width_px, camera.height_px})
     if (!isImageSide(side_px))

@@ -26,11 +26,14 @@ struct CornerImport {
 };
 
 /// Writes a recording with the squares drawn, a map of the boards, a vehicle file, the table of corners that
-/// stands for what would be found in the images, and NAME_import.json. Throws Error, Interrupted.
+/// stands for what would be found in the images, and NAME_import.json. Of a camera above water, a board whose
+/// corners the table numbers is taken to lie level, face up; a table with points has z up. Throws Error,
+/// Interrupted.
 CornerImport importCorners(const CornerTable& source, const ImportTarget& target, const RunInfo& run);
 
-/// Intrinsics as such data sets publish them: fx_px, fy_px, cx_px, cy_px, distortion. Where no size stands
-/// there or in `size` (width, height), the principal point is taken for the image's middle. Throws Error.
+/// Intrinsics as such data sets publish them: fx_px, fy_px, cx_px, cy_px, distortion; `above_water: true` of
+/// a camera that looks down into water from the air. Where no size stands there or in `size` (width, height),
+/// the principal point is taken for the image's middle. Throws Error.
 CameraModel readIntrinsics(const std::filesystem::path& file, const std::optional<std::array<int, 2>>& size);
 
 }  // namespace fathom

@@ -62,6 +62,7 @@ struct CameraModel {
   double k4{}, k5{}, k6{};
   LensModel lens{};
   BayerPattern bayer{};
+  bool above_water{};  ///< in air, above a flat surface of water; a pinhole sees straight through it too
 
   /// Ideal image coordinates (x/z, y/z) to distorted ones.
   template <class T>

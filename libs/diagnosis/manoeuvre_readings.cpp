@@ -34,6 +34,7 @@ struct View {
   double t_s = 0;
   std::size_t image = 0;
   KinematicState<double> robot;
+  std::optional<Vector3d> first_panel_odom;
 
   Pose T_odom_robot() const { return {robot.R_odom_robot, robot.position_odom}; }
 };
@@ -42,7 +43,8 @@ struct View {
 class Eye {
  public:
   Eye(const View& view, const CameraModel& nominal, const Pose& T_robot_camera)
-      : camera_(trueCamera(nominal, T_robot_camera, view.robot, view.effects, view.t_s)),
+      : camera_(trueCamera(nominal, T_robot_camera, view.robot, view.effects, view.t_s, {},
+                           view.first_panel_odom)),
         T_odom_camera_(view.T_odom_robot() * camera_.T_robot_camera) {}
 
   const Pose& T_odom_camera() const { return T_odom_camera_; }
@@ -80,9 +82,9 @@ void addMarkers(const BatchData& recording, const View& view, BatchData& data) {
                          T_camera_marker.rotation.col(2).dot(T_camera_marker.position) < 0;
       if (!faces) continue;
       seen.marker = marker;
-      seen.detection.corners_px =
-          predictCorners<double>(view.robot, nominalPlacement<double>(T_odom_panel, seen.t_s), marker,
-                                 seen.camera, seen.T_robot_camera, view.effects, seen.t_s);
+      seen.detection.corners_px = predictCorners<double>(
+          view.robot, nominalPlacement<double>(T_odom_panel, seen.t_s, view.first_panel_odom), marker,
+          seen.camera, seen.T_robot_camera, view.effects, seen.t_s);
       if (std::all_of(seen.detection.corners_px.begin(), seen.detection.corners_px.end(),
                       [&](const Vector2d& c) { return seen.camera.contains(c); }))
         data.markers.push_back(seen);
@@ -175,6 +177,7 @@ BatchData readingsAlong(const BatchData& recording, const std::vector<double>& t
   const auto stride = static_cast<std::size_t>(std::lround(kImageInterval_s / data.knot_s));
   View view;
   view.effects = effects;
+  if (!data.panels.empty()) view.first_panel_odom = data.panels.front().T_odom_panel.position;
   for (std::size_t k = 0; k < times_s.size(); k += stride, ++view.image) {
     view.t_s = times_s[k];
     view.robot.position_odom = poses[k].position;

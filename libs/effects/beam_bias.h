@@ -36,7 +36,7 @@ struct BeamBias {
                 .usual = "of beams 1, 2, 3, the fourth being right, within 0.02; of beam 4 alone: b, -b, b"}};
   static constexpr DerivedParameter derived{.name = "beam", .unit = "", .size = 1};
   /// The one that is off most, once all four have so much of + - + - that they are off least together.
-  static Vector3d derive(const double* p, const Vector3d&) {
+  static Vector3d derive(const double* p, const DerivedFrom&) {
     const Eigen::Vector4d found(p[0], p[1], p[2], 0), unseen(1, -1, 1, -1);
     Eigen::Vector4d least = found;
     for (int k = 0; k < 3; ++k)

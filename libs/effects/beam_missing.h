@@ -39,7 +39,7 @@ struct BeamMissing {
                                          ofBeam("missing_4")};
   static constexpr DerivedParameter derived{.name = "beam", .unit = "", .size = 1};
   /// The one that lacks most.
-  static Vector3d derive(const double* p, const Vector3d&) {
+  static Vector3d derive(const double* p, const DerivedFrom&) {
     return Vector3d::Constant(1.0 + static_cast<double>(std::max_element(p, p + 4) - p));
   }
   template <class T>

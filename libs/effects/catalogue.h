@@ -22,8 +22,8 @@ struct EffectInfo {
   const DerivedParameter* derived = nullptr;  ///< null: there is none
   /// It acts on an instrument, of which a vehicle may have several, not on the world.
   bool is_of_instrument = true;
-  /// Its value by the effect's scalars and the water's attenuation; the first of derived->size count.
-  Vector3d (*derive)(const double* p, const Vector3d& attenuation_per_m) = nullptr;
+  /// Its value by the effect's scalars; the first of derived->size count.
+  Vector3d (*derive)(const double* p, const DerivedFrom& from) = nullptr;
 
   std::vector<std::string_view> confusedWith() const;
   /// Whether any of its parameters is of this kind.

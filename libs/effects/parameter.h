@@ -1,6 +1,9 @@
 #pragma once
 
+#include <limits>
 #include <string_view>
+
+#include "core/geometry.h"
 
 namespace fathom {
 
@@ -62,11 +65,19 @@ struct Parameter {
   double usual_width_s = 0;  ///< of a log_width
 };
 
-/// What people know an effect by, where that is its parameters and the water's: results have it, calibration
-/// files do not.
+/// What people know an effect by, where that is its parameters and what else was estimated: results have it,
+/// calibration files do not.
 struct DerivedParameter {
   std::string_view name{}, unit{};
   int size = 3;  ///< red, green, blue; or 1
+};
+
+/// What a derived parameter is made of besides the effect's own.
+struct DerivedFrom {
+  Vector3d attenuation_per_m = Vector3d::Zero();  ///< of the water: red, green, blue
+  /// Mean height of the first camera over where the map has the first panel's origin, along odom's z; NaN
+  /// where there is none.
+  double camera_over_panel_m = std::numeric_limits<double>::quiet_NaN();
 };
 
 }  // namespace fathom

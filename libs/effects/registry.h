@@ -31,6 +31,7 @@
 #include "effects/extra_effects.h"
 #include "effects/flat_field.h"
 #include "effects/flat_port_refraction.h"
+#include "effects/flat_water_surface.h"
 #include "effects/focal_scale.h"
 #include "effects/forward_scatter.h"
 #include "effects/gamma.h"
@@ -79,7 +80,8 @@ using Catalogue =
                TurbidityPlume, SlantRange, ForwardScatter, Vignetting, AutoExposure, Gamma, DarkOffset,
                MotionBlur, MarineSnow, HeadingDisturbance, ClockDrift, EdgeBias, PanelShape,
                IlluminationGradient, PressureLeverArm, FlatField, WhiteBalance, ResponseBend, VeilingGlare,
-               Defocus, Sharpening, BeamMissing, BeamBias, DecentredDome, Biofouling, Occlusion>;
+               Defocus, Sharpening, BeamMissing, BeamBias, DecentredDome, FlatWaterSurface, Biofouling,
+               Occlusion>;
 
 /// The catalogue, and after it what the build was told to know besides.
 using AllEffects = decltype(std::tuple_cat(Catalogue{}, ExtraEffects{}));

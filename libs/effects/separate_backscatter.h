@@ -30,8 +30,8 @@ struct SeparateBackscatter {
                 .usual = "red, green, blue: the veil's attenuation minus the scene's, within 0.3"}};
   static constexpr DerivedParameter derived{.name = "backscatter_attenuation_per_m", .unit = "1/m"};
   /// Red, green, blue.
-  static Vector3d derive(const double* p, const Vector3d& attenuation_per_m) {
-    return attenuation_per_m + Vector3d(p[0], p[1], p[2]);
+  static Vector3d derive(const double* p, const DerivedFrom& from) {
+    return from.attenuation_per_m + Vector3d(p[0], p[1], p[2]);
   }
   template <class T>
   static void apply(const T* p, Stage<T>& ray) {

@@ -31,7 +31,7 @@ struct SlantRange {
                 .positive = true,
                 .usual = "1 where light dies away along the line of sight, 0 along the axis"}};
   static constexpr DerivedParameter derived{.name = "attenuation_per_m", .unit = "1/m"};
-  static Vector3d derive(const double*, const Vector3d& attenuation_per_m) { return attenuation_per_m; }
+  static Vector3d derive(const double*, const DerivedFrom& from) { return from.attenuation_per_m; }
   template <class T>
   static void apply(const T* p, Stage<T>& ray) {
     const T stretch = 1.0 + p[0] * (ray.range_m / ray.z_m - 1.0);

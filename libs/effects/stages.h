@@ -96,6 +96,7 @@ struct PanelPlacement {
   double t_s = 0;  ///< context: since the recording's first entry
   Vector3<T> position_odom = Vector3<T>::Zero();
   Matrix3<T> R_odom_panel = Matrix3<T>::Identity();
+  Vector3d first_odom = Vector3d::Zero();  ///< context: where the map has the first panel's origin
 };
 
 /// What a marker's print is covered with: starts clean.
@@ -107,6 +108,9 @@ struct MarkerCover {
 };
 
 // FaceShape (core/face_shape.h): how its face differs from that of the map.
+
+/// Refractive index of sea water in green light (Quan & Fry 1995); fresh 1.334.
+inline constexpr double kWaterIndex = 1.34;
 
 /// A flat port before the camera: parallel layers of air and glass, and water behind. See
 /// imaging/flat_port.h.
@@ -132,6 +136,17 @@ struct DomePort {
   Vector3<T> centre_m = Vector3<T>::Zero();  ///< of its spheres, camera frame: the camera's own is zero
   T log_radius = T(0);                       ///< ln of the outer radius over kUsualDome_m
   T glass_m = T(0);                          ///< thickness
+};
+
+/// The water's flat surface under a camera that looks down through it from the air. See
+/// imaging/water_surface.h.
+template <class T>
+struct WaterSurface {
+  bool present = false;  ///< false: straight lines of sight
+  T water_m = T(0);      ///< above where the map has the first panel's origin, along odom's z
+  T tilt_x_rad = T(0);   ///< the surface's normal is Exp(tilt_x, tilt_y, 0) z, odom
+  T tilt_y_rad = T(0);
+  T log_index = T(0);  ///< ln of the water's refractive index over kWaterIndex
 };
 
 /// Pinhole and plumb-bob lens, as in CameraModel: starts as the nominal camera.
@@ -257,6 +272,8 @@ template <class T>
 inline constexpr bool kIsOfWorld<MarkerCover<T>> = true;
 template <class T>
 inline constexpr bool kIsOfWorld<FaceShape<T>> = true;
+template <class T>
+inline constexpr bool kIsOfWorld<WaterSurface<T>> = true;
 template <class T>
 inline constexpr bool kIsOfWorld<SceneLight<T>> = true;
 template <class T>

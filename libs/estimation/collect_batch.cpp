@@ -144,8 +144,10 @@ class Collector {
 
   CameraModel cameraOf(const ImageEntry::Eye& view, const Instance& instance, std::size_t eye) const {
     CameraModel camera = view.image.camera;
-    if (const auto& sheet = data_.vehicle.sensors(instance).camera)
+    if (const auto& sheet = data_.vehicle.sensors(instance).camera) {
       camera.window = eye == 0 ? sheet->model.window : sheet->right_window;
+      camera.above_water = sheet->model.above_water;
+    }
     return camera;
   }
 

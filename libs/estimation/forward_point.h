@@ -42,6 +42,7 @@ struct ForwardPoint {
   /// so much later. Nothing: they do not follow it.
   std::optional<double> knot_latency_s;
   Pose T_odom_panel, T_left_right;
+  Vector3d first_panel_odom = Vector3d::Zero();  ///< see PanelPlacement
   Vector9d water = Vector9d::Zero();
   Flaws flaws = Flaws::Zero();
   double sea_floor_z_m = 0.0;

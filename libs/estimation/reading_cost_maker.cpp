@@ -136,6 +136,7 @@ void ReadingCostMaker::followKnots(ReadingCost& cost) const {
 void ReadingCostMaker::setPlaces(const Subject& subject, ForwardPoint& point) const {
   const BatchState& reference = unknowns_.reference();
   if (subject.panel != kNone) point.T_odom_panel = reference.T_odom_panel[subject.panel];
+  if (!data_.panels.empty()) point.first_panel_odom = data_.panels.front().T_odom_panel.position;
   point.water = reference.water;
   point.flaws = reference.flaws;
   point.T_left_right = reference.T_left_right;

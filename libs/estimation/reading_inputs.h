@@ -70,7 +70,8 @@ ReadingInputs<T> inputsAt(const ForwardPoint& point, double t_s, const std::vect
   state = {lifted<T>(m.T_odom_robot.position), m.T_odom_robot.rotation.cast<T>(),
            lifted<T>(m.velocity_odom),         lifted<T>(m.rate_robot),
            lifted<T>(m.acceleration_odom),     lifted<T>(m.rate_derivative_robot)};
-  in.panel = {t_s, lifted<T>(point.T_odom_panel.position), point.T_odom_panel.rotation.cast<T>()};
+  in.panel = {t_s, lifted<T>(point.T_odom_panel.position), point.T_odom_panel.rotation.cast<T>(),
+              point.first_panel_odom};
   in.right_in_left = lifted<T>(point.T_left_right.position);
   in.R_left_right = point.T_left_right.rotation.cast<T>();
   in.water = point.water.cast<T>();

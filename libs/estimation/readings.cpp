@@ -29,6 +29,7 @@ struct MarkerReader {
   static std::vector<int> motion() { return triples({kPositionColumn, kOrientationColumn}); }
   BatchMarker seen;
   double t_s;
+  bool isAboveWater() const { return seen.camera.above_water; }
   template <class T>
   Eigen::Matrix<T, 8, 1> predict(const ReadingInputs<T>& in) const {
     const auto corners =
@@ -188,25 +189,33 @@ class ModelOf final : public ReadingModel {
     return columns;
   }
 
-  /// Those that its equations ask for, and latencies where they look at the motion.
+  /// Found once for all of a kind, which ask for the same but for cameras above water.
   bool dependsOn(std::size_t effect) const override {
-    static const std::bitset<kEffectCount> mask = [this] {
-      ForwardPoint point;
-      point.on.set();
-      point.T_odom_panel.position = {0, 0, 1};
-      auto in = inputsAt<double>(point, reader_.t_s, {}, 0);
-      std::bitset<kEffectCount> effects;
-      in.effects.asked = &effects;
-      reader_.predict(in);
-      if (kMayBeLate) effects |= fathom::effectsAt<double, ValidityOffset<double, Camera>>();
-      if constexpr (requires { typename Reader::LeftAside; })
-        effects &= ~fathom::effectsAt<double, typename Reader::LeftAside>();
-      return effects;
-    }();
+    if constexpr (requires { reader_.isAboveWater(); })
+      if (reader_.isAboveWater()) {
+        static const std::bitset<kEffectCount> above_water = effectsAskedFor();
+        return above_water[effect];
+      }
+    static const std::bitset<kEffectCount> mask = effectsAskedFor();
     return mask[effect];
   }
 
  private:
+  /// Those that its equations ask for, and latencies where they look at the motion.
+  std::bitset<kEffectCount> effectsAskedFor() const {
+    ForwardPoint point;
+    point.on.set();
+    point.T_odom_panel.position = {0, 0, 1};
+    auto in = inputsAt<double>(point, reader_.t_s, {}, 0);
+    std::bitset<kEffectCount> effects;
+    in.effects.asked = &effects;
+    reader_.predict(in);
+    if (kMayBeLate) effects |= fathom::effectsAt<double, ValidityOffset<double, Camera>>();
+    if constexpr (requires { typename Reader::LeftAside; })
+      effects &= ~fathom::effectsAt<double, typename Reader::LeftAside>();
+    return effects;
+  }
+
   /// Whether it looks at the motion at its own time.
   static constexpr bool kMayBeLate = Reader::kMayBeLate;
 

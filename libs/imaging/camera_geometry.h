@@ -13,6 +13,7 @@
 #include "effects/registry.h"
 #include "imaging/dome_port.h"
 #include "imaging/flat_port.h"
+#include "imaging/water_surface.h"
 #include "panel/panel_map.h"
 #include "sensors/inputs.h"
 
@@ -20,9 +21,9 @@
 /// nominal equation first, then the effects that are on. Simulator, filter, fits and diagnosis share it.
 namespace fathom {
 
-/// Maps points in the camera's frame to pixels, as the camera truly does: port, lens, row by row. P is the
-/// scalar of its own parameters; points may be of another one that P converts to, e.g. Jets in a pose beside
-/// plain parameters.
+/// Maps points in the camera's frame to pixels, as the camera truly does: water, port, lens, row by row. P is
+/// the scalar of its own parameters; points may be of another one that P converts to, e.g. Jets in a pose
+/// beside plain parameters.
 ///
 /// With a rolling shutter, points are those at the time of validity, which is the first row's, and the camera
 /// moves on at `velocity` and `angular_velocity` while the other rows are read.
@@ -32,6 +33,7 @@ struct CameraProjector {
   FlatPort<P>
       port;  ///< no camera has this and a dome: beside one, what it sees is taken to be before the other
   DomePort<P> dome;
+  SurfaceBelow<P> surface;  ///< before either, as far as light comes through it
   Shutter<P> shutter;
   double height_px = 1;                                     ///< rows that are read
   Vector3<P> velocity_camera = Vector3<P>::Zero();          ///< of the camera, over ground, m/s
@@ -47,7 +49,8 @@ struct CameraProjector {
     return pixelAt(ideal(point_camera));
   }
 
-  /// The line on which lies what is seen at a pixel, camera frame; all rows are read at once.
+  /// The line on which lies what is seen at a pixel, camera frame: below the water's surface, where it meets
+  /// one; all rows are read at once.
   SightLine<P> lineOfSight(const Vector2d& pixel) const;
 
   /// Pinhole and lens alone, in an image of the nominal camera's size.
@@ -92,6 +95,7 @@ struct CameraProjector {
                     valueOf(port.calibration_per_m),
                     valueOf(port.window_m)};
       plain.dome = detail::plain(dome);
+      plain.surface = surface.values();
       plain.shutter = {shutter.rolling, valueOf(shutter.readout_s)};
       plain.height_px = height_px;
       plain.velocity_camera = vector(velocity_camera);
@@ -129,10 +133,12 @@ struct CameraProjector {
             valueOf(l.k6),
             l.lens};
   }
+  /// Below this surface.
   template <class T>
-  Vector2<T> straight(const Vector3<T>& point_camera) const {
+  Vector2<T> straight(const Vector3<T>& point_camera, const SurfaceBelow<T>& below) const {
     Vector3<T> d = point_camera;
-    if (dome.present) d = point_camera.z() * apparentDirection(dome, d);
+    if (below.present) d = apparentPoint(below, d);
+    if (dome.present) d = d.z() * apparentDirection(dome, d);
     if (port.present) d = apparentDirection(port, d);
     return {d.x() / d.z(), d.y() / d.z()};
   }
@@ -143,22 +149,31 @@ struct CameraProjector {
     return {T(lens.fx_px) * d.x() + T(lens.cx_px), T(lens.fy_px) * d.y() + T(lens.cy_px)};
   }
 
-  /// The point in the camera's frame when row `row` was read.
   template <class T>
-  Vector3<T> atRow(const Vector3<T>& point_camera, const T& row) const {
+  SurfaceBelow<T> surfaceAs() const {
+    return surface.present ? surface.template cast<T>() : SurfaceBelow<T>{};
+  }
+
+  /// straight(), where point and surface are in the camera's frame when row `row` was read.
+  template <class T>
+  Vector2<T> atRow(const Vector3<T>& point_camera, const T& row) const {
     const T seconds = T(shutter.readout_s) * row / height_px;
     const Vector3<T> turned = angular_velocity_camera.template cast<T>() * seconds;
-    return expSO3<T>(turned).transpose() * (point_camera - velocity_camera.template cast<T>() * seconds);
+    const Vector3<T> way = velocity_camera.template cast<T>() * seconds;
+    const Matrix3<T> R_camera_then = expSO3<T>(turned);
+    const SurfaceBelow<T> below = surfaceAs<T>();
+    return straight(Vector3<T>(R_camera_then.transpose() * (point_camera - way)),
+                    below.present ? below.seenAfter(R_camera_then, way) : below);
   }
   template <class T>
   T rowSeen(const Vector3<T>& point_camera, const T& row) const {
-    return pixelAt(straight(atRow(point_camera, row))).y();
+    return pixelAt(atRow(point_camera, row)).y();
   }
 
   /// The same, at the row in which the point then is: row = rowSeen(row). Solved in double, then one Newton
   /// step in T. What is far out of the image gets a row not far from it.
   template <class T>
-  Vector3<T> atItsRow(const Vector3<T>& point_camera) const {
+  Vector2<T> atItsRow(const Vector3<T>& point_camera) const {
     const auto sought =
         values().rowOf({valueOf(point_camera.x()), valueOf(point_camera.y()), valueOf(point_camera.z())});
     if (!sought.slope) return atRow(point_camera, T(sought.row));
@@ -179,7 +194,7 @@ struct CameraProjector {
 template <class P>
 template <class T>
 Vector2<T> CameraProjector<P>::ideal(const Vector3<T>& point_camera) const {
-  return straight(shutter.rolling ? atItsRow(point_camera) : point_camera);
+  return shutter.rolling ? atItsRow(point_camera) : straight(point_camera, surfaceAs<T>());
 }
 
 template <class P>
@@ -193,9 +208,12 @@ SightLine<P> CameraProjector<P>::lineOfSight(const Vector2d& pixel) const {
   const Vector2<P> miss = pixelAt(Vector2<P>(root.cast<P>())) - pixel.cast<P>();
   const Vector2<P> ideal = root.cast<P>() - J.inverse().cast<P>() * miss;
   const Vector3<P> sight(ideal.x(), ideal.y(), P(1));
-  if (port.present) return lightBehind(port, sight);
-  if (dome.present) return lightBehind(dome, sight);
-  return {Vector3<P>::Zero(), sight.normalized()};
+  SightLine<P> line{Vector3<P>::Zero(), sight.normalized()};
+  if (port.present)
+    line = lightBehind(port, sight);
+  else if (dome.present)
+    line = lightBehind(dome, sight);
+  return surface.present ? lightBelow(surface, line) : line;
 }
 
 template <>
@@ -236,10 +254,27 @@ CameraProjector<T> movingWith(const KinematicState<T>& state, const Mounting<T, 
   return projector;
 }
 
-/// The panel as the map has it, for an image stamped t_s; for a fit to move.
+/// The water's surface as effects have it, below a camera there (CameraModel::above_water).
+/// `first_panel_odom`: see PanelPlacement.
 template <class T>
-PanelPlacement<T> nominalPlacement(const Pose& T_odom_panel, double t_s) {
-  return {t_s, T_odom_panel.position.cast<T>(), T_odom_panel.rotation.cast<T>()};
+SurfaceBelow<T> surfaceBelow(const KinematicState<T>& state, const Mounting<T, Camera>& mount,
+                             const EffectParameters<T>& effects, double t_s,
+                             const Vector3d& first_panel_odom) {
+  WaterSurface<T> surface;
+  applyEffects(effects, t_s, surface);
+  if (!surface.present) return {};
+  return seenFrom<T>(surface, Matrix3<T>(state.R_odom_robot * mount.R_robot_sensor),
+                     Vector3<T>(state.position_odom + state.R_odom_robot * mount.position_robot -
+                                first_panel_odom.cast<T>()));
+}
+
+/// The panel as the map has it, for an image stamped t_s; for a fit to move. `first_panel_odom`: see
+/// PanelPlacement; nothing: it is the first one.
+template <class T>
+PanelPlacement<T> nominalPlacement(const Pose& T_odom_panel, double t_s,
+                                   const std::optional<Vector3d>& first_panel_odom = {}) {
+  return {t_s, T_odom_panel.position.cast<T>(), T_odom_panel.rotation.cast<T>(),
+          first_panel_odom.value_or(T_odom_panel.position)};
 }
 
 /// A marker as it truly is on its panel.
@@ -278,7 +313,8 @@ std::array<Vector2<T>, 4> predictCorners(const KinematicState<T>& state, PanelPl
                                          const Pose& T_robot_camera, const EffectParameters<T>& effects,
                                          double t_s, const Pose& T_left_right = {}) {
   const auto mount = cameraMounting(T_robot_camera, effects, t_s, T_left_right);
-  const auto projector = movingWith(state, mount, cameraProjector(camera, effects, t_s));
+  auto projector = movingWith(state, mount, cameraProjector(camera, effects, t_s));
+  if (camera.above_water) projector.surface = surfaceBelow(state, mount, effects, t_s, panel.first_odom);
   applyEffects(effects, t_s, panel);
   const Matrix3<T> R_camera_odom = (state.R_odom_robot * mount.R_robot_sensor).transpose();
   const Vector3<T> camera_odom = state.position_odom + state.R_odom_robot * mount.position_robot;

@@ -37,6 +37,7 @@ std::string fingerprintOf(const CameraSheet& sheet) {
   fingerprint.add(fingerprintOf(sheet.model));
   for (const double number : {sheet.response_gamma, 1.0 * sheet.bits, sheet.full_well_e, sheet.read_noise_e})
     fingerprint.add(number);
+  if (sheet.model.above_water) fingerprint.add("above water");
   return fingerprint.hex();
 }
 

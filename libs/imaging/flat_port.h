@@ -21,8 +21,7 @@
 /// ratios of indices alone, so the slab is one more layer, 1.34 times as dense as what is nominal.
 namespace fathom {
 
-inline constexpr double kGlassIndex = 1.5;   ///< acrylic 1.49, float glass 1.52
-inline constexpr double kWaterIndex = 1.34;  ///< sea water in green light (Quan & Fry 1995); fresh 1.334
+inline constexpr double kGlassIndex = 1.5;                       ///< acrylic 1.49, float glass 1.52
 inline constexpr double kSlabIndex = kWaterIndex * kWaterIndex;  ///< where what lies beyond it is kWaterIndex
 
 namespace detail {

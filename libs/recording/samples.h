@@ -42,7 +42,8 @@ struct RecordingHeader {
 
 /// A camera as rawlogs keep it: what this program computes with, and what it only passes on.
 struct RecordedCamera {
-  CameraModel model;            ///< its window and its Bayer pattern are not kept
+  /// Its window, its Bayer pattern, and whether it is above water, are not kept.
+  CameraModel model;
   bool is_undistorted = false;  ///< said so; else its model's lens
   double focal_length_m = 0;
   std::string name = "camera1";
@@ -53,6 +54,7 @@ struct RecordedCamera {
 inline RecordedCamera recordedCamera(CameraModel model) {
   model.window = {};
   model.bayer = {};
+  model.above_water = false;
   return {model};
 }
 

@@ -76,7 +76,7 @@ Json interactionsJson(const std::vector<InteractionTest>& tests) {
 Json effectJson(const FoundEffect& effect, const DiagnosisStory& story) {
   Json json{{"id", idOf(effect.candidate)}, {"name", nameOf(effect.candidate)}};
   for (const char* key : {"parameters", "sigma", "unit"}) json[key] = Json::object();
-  for (const FoundParameter& parameter : parametersOf(effect, story.diagnosis)) {
+  for (const FoundParameter& parameter : parametersOf(effect, story)) {
     json["parameters"][parameter.name] =
         parameter.word.empty() ? numbersJson(parameter.value) : Json(parameter.word);
     json["unit"][parameter.name] = parameter.unit;

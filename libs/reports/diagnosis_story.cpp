@@ -35,10 +35,23 @@ std::vector<double> valuesOf(const FoundEffect& effect, const Parameter& paramet
   return values;
 }
 
+DerivedFrom derivedFrom(const DiagnosisStory& story) {
+  const BatchEstimate& estimate = story.diagnosis.after;
+  const BatchData& data = story.read.input.data;
+  DerivedFrom from{estimate.state.water.head<3>()};
+  if (!data.vehicle.camera || data.panels.empty() || estimate.path.empty()) return from;
+  double sum_m = 0;
+  for (const PathPose& pose : estimate.path)
+    sum_m += (pose.T_odom_robot.pose * data.vehicle.camera->T_robot_camera.position).z();
+  from.camera_over_panel_m =
+      sum_m / static_cast<double>(estimate.path.size()) - data.panels.front().T_odom_panel.position.z();
+  return from;
+}
+
 }  // namespace
 
-std::vector<FoundParameter> parametersOf(const FoundEffect& effect, const Diagnosis& diagnosis) {
-  const BatchState& state = diagnosis.after.state;
+std::vector<FoundParameter> parametersOf(const FoundEffect& effect, const DiagnosisStory& story) {
+  const BatchState& state = story.diagnosis.after.state;
   const EffectParameters<double>& calibration = state.effects;
   const EffectInfo& info = allEffects()[effect.candidate.effect];
   std::vector<FoundParameter> parameters;
@@ -51,7 +64,7 @@ std::vector<FoundParameter> parametersOf(const FoundEffect& effect, const Diagno
     scalar += static_cast<std::size_t>(p.size);
   }
   if (info.derived != nullptr) {
-    const Vector3d value = info.derive(calibration.values.data() + info.first_scalar, state.water.head<3>());
+    const Vector3d value = info.derive(calibration.values.data() + info.first_scalar, derivedFrom(story));
     parameters.push_back({std::string(info.derived->name),
                           std::string(info.derived->unit),
                           {value.begin(), value.begin() + info.derived->size},
@@ -114,7 +127,7 @@ Table effectTable(const DiagnosisStory& story) {
               {}};
   for (const FoundEffect& effect : story.diagnosis.effects) {
     bool first = true;
-    for (const FoundParameter& parameter : parametersOf(effect, story.diagnosis)) {
+    for (const FoundParameter& parameter : parametersOf(effect, story)) {
       table.rows.push_back({first ? nameOf(effect.candidate) : "", parameter.name, textOf(parameter)});
       if (first)
         table.rows.back().insert(

@@ -45,8 +45,8 @@ struct FoundParameter {
   std::vector<double> sigma;  ///< as many; empty where it was chosen, not estimated
   std::string word{};         ///< what the value stands for, where that is not a number: a sensor
 };
-/// All that the effect has, by the names in the registry, derived ones with the water of the final estimate.
-std::vector<FoundParameter> parametersOf(const FoundEffect& effect, const Diagnosis& diagnosis);
+/// All that the effect has, by the names in the registry, derived ones with what the final estimate has.
+std::vector<FoundParameter> parametersOf(const FoundEffect& effect, const DiagnosisStory& story);
 /// "0.0153 ± 0.0004 m": digits as sigma deserves them; lists in brackets.
 std::string textOf(const FoundParameter& parameter);
 

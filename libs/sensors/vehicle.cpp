@@ -93,6 +93,7 @@ CameraSheet readCamera(const YamlMap& y) {
   s.corner_sigma_px = y.positive("corner_sigma_px");
   s.T_robot_camera = y.pose("pose");
   if (y.has("window")) s.model.window = readWindow(y.map("window"));
+  y.read("above_water", s.model.above_water);
   if (!y.has("right_pose")) return s;
   s.T_left_right = y.pose("right_pose");
   if (y.has("right_window")) s.right_window = readWindow(y.map("right_window"));

@@ -39,6 +39,9 @@ struct CameraSheet {
   /// Optional key `right_pose_sigma: {position_m, angle_deg}`, each axis: how well a pair's mounting is
   /// known.
   double right_position_sigma_m = 0.001, right_angle_sigma_rad = radians(0.1);
+  /// Optional key `above_water: true`, which is model.above_water: the camera (of a pair, both) is in air and
+  /// looks down through the water's surface. Without it the effect flat-water-surface does nothing.
+  ///
   /// Optional key `right_window`, as `window` of the left one, which is model.window: {distance_m, tilt_deg,
   /// tilt_y_deg}.
   Window right_window;

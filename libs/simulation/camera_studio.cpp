@@ -59,6 +59,7 @@ CameraShot later(const CameraShot& shot, double seconds) {
                             moving.velocity_camera * seconds};
   CameraShot moved = shot;
   moved.T_odom_robot = shot.T_odom_camera() * T_camera_later * shot.camera.T_robot_camera.inverse();
+  moved.camera.projector.surface = moving.surface.seenAfter(T_camera_later.rotation, T_camera_later.position);
   return moved;
 }
 
@@ -85,7 +86,8 @@ CameraStudio::CameraStudio(CameraWorld world, const CameraSheet& sheet, std::vec
       effects_(withoutDraws(effects)),
       panels_change_(changesPanels(effects)),
       scene_changes_(panels_change_ || anyActsAt<FlatPort<double>>(effects) ||
-                     anyActsAt<DomePort<double>>(effects) || anyActsAt<Shutter<double>>(effects)),
+                     anyActsAt<DomePort<double>>(effects) || anyActsAt<WaterSurface<double>>(effects) ||
+                     anyActsAt<Shutter<double>>(effects)),
       threads_(std::make_unique<Threads>()) {}
 
 CameraStudio::~CameraStudio() = default;

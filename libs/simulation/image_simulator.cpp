@@ -1,6 +1,7 @@
 #include "simulation/image_simulator.h"
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 #include "core/for_each.h"
@@ -30,6 +31,7 @@ struct Dive {
   const Trajectory& trajectory;
   const CameraSheet& sheet;
   const CameraStudio& studio;
+  std::optional<Vector3d> first_panel_odom;
 
   double stamp_s(std::size_t image) const { return secondsBetween(options.start, imageTime(options, image)); }
 
@@ -43,7 +45,7 @@ struct Dive {
     const double t_s = stamp_s(number);
     const KinematicState<double> state = motion(number);
     const TrueCamera camera = trueCamera(sheet.model, sheet.T_robot_camera, state, options.effects, t_s,
-                                         side == 0 ? Pose{} : *sheet.T_left_right);
+                                         side == 0 ? Pose{} : *sheet.T_left_right, first_panel_odom);
     Random noise = Random::stream(options.seed, noiseStream(number, side));
     return studio.image({{state.R_odom_robot, state.position_odom},
                          camera,
@@ -103,7 +105,8 @@ void simulateImages(const SimulationOptions& options, const Trajectory& trajecto
   if (!options.vehicle.camera) throw std::invalid_argument("simulateImages needs a camera");
   const CameraSheet& sheet = *options.vehicle.camera;
   const CameraStudio studio(world, sheet, options.vehicle.lamps, options.effects);
-  const Dive dive{options, trajectory, sheet, studio};
+  Dive dive{options, trajectory, sheet, studio, {}};
+  if (!world.panels.empty()) dive.first_panel_odom = world.panels.front().T_odom_panel.position;
   const std::size_t count = imageCount(options, trajectory);
   const ImageStore store(folder, inputsOf(dive, world, count), options.image_format);
   const auto make = [&](std::size_t number) {

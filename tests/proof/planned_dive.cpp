@@ -93,7 +93,7 @@ BatchInput sealedInput(const nlohmann::json& generator_case, const Programs& pro
 const std::vector<EffectInfo>& effectsOfGenerator() {
   static const std::vector<EffectInfo> known = [] {
     const std::set<std::string_view> unknown{"clock-drift", "edge-bias", "panel-shape",
-                                             "illumination-gradient"};
+                                             "illumination-gradient", "flat-water-surface"};
     std::vector<EffectInfo> effects = allEffects();
     std::erase_if(effects, [&](const EffectInfo& effect) { return unknown.contains(effect.id); });
     return effects;

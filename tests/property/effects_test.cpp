@@ -52,7 +52,29 @@ void addPixels(const KinematicState<double>& where, const KinematicState<T>& sta
   }
 }
 
-/// Bright and dark on that panel, in the middle of the image and in a corner.
+/// The same two of a panel that lies in water, aslant below a camera in air.
+template <class T, class Add>
+void addPixelsBelowWater(const KinematicState<double>& where, const KinematicState<T>& state,
+                         const EffectParameters<T>& effects, double t_s, const Add& add) {
+  const Pose T_odom_robot{where.R_odom_robot, where.position_odom};
+  const Pose T_odom_camera{rotationFromYawPitchRoll(0.5, 0.1, radians(160)), where.position_odom};
+  const Pose T_odom_panel{rotationFromYawPitchRoll(0.2, 0.05, 0.03),
+                          where.position_odom + Vector3d(1, -0.6, -6)};  // deeper than the water may be
+  CameraModel camera{.k1 = -0.04, .k2 = -0.02, .p1 = 1e-3, .p2 = -1e-3, .k3 = 1e-3};
+  camera.above_water = true;
+  for (const int id : kMarkersThere) {
+    Marker marker{"tag36h11", id, 0.1, {}};
+    // Below the surface, however little water there is.
+    marker.T_panel_marker = {rotationFromYawPitchRoll(0.03 * id, 0, 0), {0.05 * id - 0.4, 0.1, -0.15}};
+    marker.panel_half_m = {1.2, 0.8};
+    for (const Vector2<T>& pixel :
+         predictDetectedCorners(state, nominalPlacement<T>(T_odom_panel, t_s), marker, camera,
+                                T_odom_robot.inverse() * T_odom_camera, {}, effects, t_s))
+      add(pixel);
+  }
+}
+
+/// Bright and dark on the panel before the camera, in the middle of the image and in a corner.
 template <class T, class Add>
 void addPatches(const KinematicState<double>& where, const KinematicState<T>& state,
                 const EffectParameters<T>& effects, double t_s, const Add& add) {
@@ -131,6 +153,7 @@ std::vector<T> predictions(const KinematicState<double>& where, const KinematicS
   });
   const auto seen = validAt(validityOffset<Camera>(effects, t_s));
   addPixels(where, seen, effects, t_s, add);
+  addPixelsBelowWater(where, seen, effects, t_s, add);
   addPatches(where, seen, effects, t_s, add);
   addEdges(where, seen, effects, t_s, add);
   addSpecks(effects, t_s, add);

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "effects/registry.h"
+#include "support/panels.h"
 #include "support/shipped.h"
 
 namespace fathom {
@@ -77,6 +78,48 @@ TEST(CameraStudio, TheStatedExposureSmearsAsTheEffectDoes) {
   const Sideways moving(kWay_px / kExposure_s);
   EXPECT_EQ(cv::norm(moving.imageAsStated(kExposure_s), moving.image(kExposure_s)), 0);
   EXPECT_GT(cv::norm(moving.imageAsStated(kExposure_s), moving.image(0)), 1);
+}
+
+// A board that lies under water is rendered where the forward model has the corners of its face, seen from
+// the air: five pixels to the inside it is there, five to the outside it is not (of its sides two show).
+TEST(CameraStudio, WhatLiesUnderWaterIsWhereItIsSeenFromTheAir) {
+  PanelMap board = test::BoardFiles{}.read();  // 1.0 m by 0.6 m
+  board.T_odom_panel = {};
+  board.markers.clear();
+  board.handles.clear();
+  CameraSheet sheet;
+  CameraModel& lens = sheet.model;
+  lens.width_px = 320, lens.height_px = 240;
+  lens.fx_px = lens.fy_px = 277;
+  lens.cx_px = 160, lens.cy_px = 120;
+  lens.above_water = true;
+  KinematicState<double> robot;  // which is the camera
+  robot.R_odom_robot =
+      Vector3d(1, -1, -1).asDiagonal() * expSO3<double>(Vector3d(radians(-20), radians(8), 0));
+  robot.position_odom = -1.9 * robot.R_odom_robot.col(2);
+  EffectParameters<double> water;
+  water.add<FlatWaterSurface>({1.0, 0, 0, 0});
+  const Vector3d at_origin = Vector3d::Zero();
+  const TrueCamera camera = trueCamera(lens, {}, robot, water, 0, {}, at_origin);
+  const CameraShot shot{{robot.R_odom_robot, robot.position_odom}, camera, 0};
+  const CameraStudio studio({{board}, {}, {}}, sheet, {}, water);
+  const cv::Mat mask = studio.panelMask(shot, studio.renderAlbedo(shot));
+  const auto pixelOf = [&](double x_m, double y_m) {
+    return camera.projector.project(Vector3d(shot.T_odom_camera().inverse() * Vector3d(x_m, y_m, 0)));
+  };
+  const Vector2d middle = pixelOf(0, 0);
+  const auto isThere = [&](const Vector2d& pixel) {
+    return mask.at<std::uint8_t>(static_cast<int>(std::lround(pixel.y())),
+                                 static_cast<int>(std::lround(pixel.x()))) > 0;
+  };
+  for (const double x_m : {-0.5, 0.5})
+    for (const double y_m : {-0.3, 0.3}) {
+      const Vector2d corner = pixelOf(x_m, y_m), outward = (corner - middle).normalized();
+      EXPECT_TRUE(isThere(corner - 5 * outward)) << x_m << " " << y_m;
+      EXPECT_FALSE(isThere(corner + 5 * outward)) << x_m << " " << y_m;
+      const Vector2d straight = lens.project<double>(shot.T_odom_camera().inverse() * Vector3d(x_m, y_m, 0));
+      EXPECT_GT((corner - straight).norm(), 7) << "water that nobody sees";
+    }
 }
 
 TEST(CameraStudio, WhatStandsStillIsSharp) {
