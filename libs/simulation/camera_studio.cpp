@@ -13,9 +13,11 @@
 #include <utility>
 
 #include "effects/drawn.h"
+#include "image_files/jpeg.h"
 #include "imaging/exposure_time.h"
 #include "imaging/fingerprints.h"
 #include "imaging/image_model.h"
+#include "imaging/image_texture.h"
 #include "imaging/lamp_glow.h"
 #include "imaging/marine_snow.h"
 #include "imaging/marker_blur.h"
@@ -292,7 +294,10 @@ cv::Mat CameraStudio::lightIn(const Environment& environment, const CameraShot& 
 }
 
 cv::Mat CameraStudio::exposeLight(const CameraShot& shot, const cv::Mat& light, Random* noise) const {
-  return eyeOf(shot.camera.lens).model.with(effectsOn(shot)).expose(light, noise, shot.t_s);
+  const cv::Mat image = eyeOf(shot.camera.lens).model.with(effectsOn(shot)).expose(light, noise, shot.t_s);
+  ImageCoding<double> coding;
+  applyEffects(effectsOn(shot), shot.t_s, coding);
+  return image.depth() == CV_8U ? throughJpeg(image, codingQuality(coding)) : image;
 }
 
 }  // namespace fathom

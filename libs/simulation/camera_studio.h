@@ -63,7 +63,8 @@ class CameraStudio {
   /// environment's daylight and through its water instead of the world's. Lamps shine as effects have them;
   /// nothing is smeared by motion.
   cv::Mat lightIn(const Environment& environment, const CameraShot& shot, const View& albedo) const;
-  /// The numbers that become of light, see ImageModel. Without `noise`: none.
+  /// The numbers that become of light, see ImageModel; where they have eight bits, through the compression
+  /// that is on. Without `noise`: none.
   cv::Mat exposeLight(const CameraShot& shot, const cv::Mat& light, Random* noise) const;
   /// The image that becomes of a view.
   cv::Mat expose(const CameraShot& shot, const View& view, Random* noise) const {

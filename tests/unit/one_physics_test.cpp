@@ -189,7 +189,7 @@ const std::map<std::string, Asker> kAskers{
      {"the filter compares with them, and starts by them", {"modelOf", "Attitude::orientation"}}},
     {"estimation",
      {"the batch compares with them",
-      {"modelOf", "predictDetectedCorners", "predictPatch", "predictBlur", "predictSpecks"}}},
+      {"modelOf", "predictDetectedCorners", "predictPatch", "predictBlur", "predictSpecks", "predictTexture"}}},
     {"environment",
      {"the water's fit, and what its advice is made of",
       {"predictLight", "predictPatchLight", "predictPatchReading", "predictReading"}}},
