@@ -23,13 +23,14 @@ struct Demosaicing {
           "period of two pixels; Gunturk et al. 2005 (bilinear interpolation)",
       .confused_with = {"defocus", "image-compression"},
       .told_apart =
-          "Noise of plain surfaces: with two variances, one on each colour of a chessboard of pixels, however "
+          "Noise of plain surfaces: with two variances, one on each colour of a chessboard of pixels, "
+          "however "
           "soft edges are; compression removes it again, and leaves blocks"};
   static constexpr std::array parameters{
       Parameter{.name = "interpolated",
                 .unit = "1",
                 .prior_sigma = 0.5,
-                .limit = 1,
+                .limit = 1.5,
                 .positive = true,
                 .usual = "1 of an ordinary camera that interpolates bilinearly; 0.5 to 1 of others"}};
   template <class T>

@@ -79,8 +79,7 @@ using Catalogue =
                TurbidityPlume, SlantRange, ForwardScatter, Vignetting, AutoExposure, Gamma, DarkOffset,
                MotionBlur, MarineSnow, HeadingDisturbance, ClockDrift, EdgeBias, PanelShape,
                IlluminationGradient, PressureLeverArm, FlatField, WhiteBalance, ResponseBend, VeilingGlare,
-               Defocus, Sharpening, BeamMissing, BeamBias, DecentredDome, Demosaicing,
-               ImageCompression>;
+               Defocus, Sharpening, BeamMissing, BeamBias, DecentredDome, Demosaicing, ImageCompression>;
 
 /// The catalogue, and after it what the build was told to know besides.
 using AllEffects = decltype(std::tuple_cat(Catalogue{}, ExtraEffects{}));

@@ -222,9 +222,9 @@ struct ColourInterpolation {
 /// How images were coded before they were recorded. See imaging/image_texture.h.
 template <class T>
 struct ImageCoding : ColourInterpolation<T> {
-  /// Of a block's mean brightness times 8, to which it was rounded, in an image's numbers of eight bits,
-  /// squared; all that is rounded beside it goes with it. 0: not compressed.
-  T quantum_dn2 = T(0);
+  /// To multiples of which a block's mean brightness times 8 was rounded, in an image's numbers of eight
+  /// bits; all that is rounded beside it goes with it. 0: not compressed.
+  T quantum_dn = T(0);
 };
 
 /// How much softer the lens makes the image than the vehicle file's does, and how much harder the camera's

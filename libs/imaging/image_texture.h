@@ -27,8 +27,8 @@ namespace fathom {
 /// Red, green and blue in an image's brightness (ITU-R BT.601, as JPEG has it).
 inline constexpr std::array kLumaWeights{0.299, 0.587, 0.114};
 /// Of the brightness's noise variance over that of three colours that are alike.
-inline constexpr double kLumaShare = kLumaWeights[0] * kLumaWeights[0] + kLumaWeights[1] * kLumaWeights[1] +
-                                     kLumaWeights[2] * kLumaWeights[2];
+inline constexpr double kLumaShare =
+    kLumaWeights[0] * kLumaWeights[0] + kLumaWeights[1] * kLumaWeights[1] + kLumaWeights[2] * kLumaWeights[2];
 /// What rounding adds, DN²: to each colour's variance, to a second difference's, to a step's of brightness.
 inline constexpr double kRounding_dn2 = 1.0 / 12;
 inline constexpr double kRoundedCurve_dn2 = 20 * kRounding_dn2;
@@ -51,8 +51,8 @@ struct ImageTexture {
   std::vector<NoiseLevel> noise;
 };
 
-/// Variances of second differences of white noise of variance one, measured and interpolated green: neighbours
-/// of a measured pixel share it, and at an interpolated one the four measured neighbours cancel.
+/// Variances of second differences of white noise of variance one, measured and interpolated green:
+/// neighbours of a measured pixel share it, and at an interpolated one the four measured neighbours cancel.
 template <class T>
 struct CurveVariances {
   T measured, interpolated;
@@ -126,10 +126,10 @@ struct BlockTransform {
   using Axis = Eigen::Array<double, kSide, 1>;
   using Table = Eigen::Array<double, kSide, kSide>;
 
-  Axis at_border;    ///< of each frequency, its wave at the block's first pixel; at the last one: + - + - …
-  Axis of_step;      ///< mean square of its steps within the block
-  Axis of_slope;     ///< what a slope of one a pixel has of it, the other axis being even: of odd ones
-  Table steps;       ///< of the luminance table that JPEG suggests, over its first entry
+  Axis at_border;  ///< of each frequency, its wave at the block's first pixel; at the last one: + - + - …
+  Axis of_step;    ///< mean square of its steps within the block
+  Axis of_slope;   ///< what a slope of one a pixel has of it, the other axis being even: of odd ones
+  Table steps;     ///< of the luminance table that JPEG suggests, over its first entry
 
   static const BlockTransform& instance();
 
@@ -148,13 +148,12 @@ struct BlockSteps {
 /// Before it there are white noise and slopes, which are taken as normal. Coefficients of noise stay
 /// uncorrelated; those of a slope are alike in neighbouring blocks, and what of it is rounded away within
 /// blocks is left for their borders. Neighbouring blocks' means lie anywhere between two multiples. Behind it
-/// numbers are rounded again, brightness and colours, which leaves alone what has no noise any more; across
-/// borders half of that, since means of blocks often are whole numbers. (Against images that were coded so,
-/// with noise of 0.4 to 2 DN and slopes of 0.02 to 0.06 DN a pixel, that is right to about 3 points of quality
-/// from 95 to 60, and to 5 where noise is 0.4 DN.)
+/// numbers are rounded again, brightness and colours, which leaves alone what has no noise any more. Means of
+/// blocks are multiples of an eighth of the first step: what rounding adds to steps between them is that of
+/// normal ones while that is small, and nothing from 1 DN on (a curve that was fitted).
 template <class T>
 BlockSteps<T> roundedSteps(const T& noise_dn2, double slope_dn2, const T& quantum_dn2) {
-  using std::erf, std::sqrt;
+  using std::erf, std::exp, std::sqrt;
   constexpr int kSide = BlockTransform::kSide;
   const BlockTransform& block = BlockTransform::instance();
   constexpr double kMeanSlope = 64;  // of a block's first coefficient, from block to block
@@ -182,43 +181,51 @@ BlockSteps<T> roundedSteps(const T& noise_dn2, double slope_dn2, const T& quantu
   across /= static_cast<double>(kSide);
   within /= static_cast<double>(kSide);
   const T busy = 1.0 - is_plain;
-  const T behind = busy < 1e-9 ? T(0.0) : T(busy * (roundedDifference(T(within / busy), T(1.0)) - within / busy));
+  const T behind =
+      busy < 1e-9 ? T(0.0) : T(busy * (roundedDifference(T(within / busy), T(1.0)) - within / busy));
   const T at_border = roundedDifference(across, T(1.0)) - across;
-  return {across + 0.5 * (behind + at_border) + is_plain * (kLumaShare * kRounding_dn2), within + behind};
+  const T fine_means = exp(-quantum_dn2 * quantum_dn2 / (36.0 * 36.0));
+  return {across + behind + (at_border - behind) * fine_means + is_plain * (kLumaShare * kRounding_dn2),
+          within + behind};
 }
 
-/// What the ratios' logarithms should be. Less than nothing of a step counts as the opposite of as much.
+/// What the ratios' logarithms should be.
+///
+/// A table's steps are whole numbers, 1 at least, so that qualities of more than 97 hardly differ; and steps
+/// that went on to nothing would first add noise, of fine waves more than of others, which is less at borders
+/// than within. So from a first step of kFinest_dn downwards the blocks' logarithm falls in proportion
+/// instead, by which a fit finds its way from nothing.
 template <class T>
 Eigen::Matrix<T, 2, 1> textureOf(const std::vector<NoiseLevel>& noise, const ImageCoding<T>& coding) {
-  using std::log;
-  const bool is_less = coding.quantum_dn2 < 0.0;
-  const T quantum_dn2 = is_less ? T(-coding.quantum_dn2) : coding.quantum_dn2;
+  using std::log, std::sqrt;
+  constexpr double kFinest_dn = 0.96;
+  const T square = coding.quantum_dn * coding.quantum_dn;
+  const T quantum_dn2 = sqrt(square * square + std::pow(kFinest_dn, 4));
   const CurveVariances<T> curves(coding.interpolated);
   T measured(2 * kRoundedCurve_dn2), interpolated(2 * kRoundedCurve_dn2);
   BlockSteps<T> steps{T(kRoundedStep_dn2), T(kRoundedStep_dn2)};
   for (const NoiseLevel& level : noise) {
     // Numbers are rounded before they are coded: each colour, and brightness.
-    const T luma_dn2 =
-        level.luma_dn2 * lumaLeftOf(coding.interpolated) + (1.0 + kLumaShare) * kRounding_dn2;
+    const T luma_dn2 = level.luma_dn2 * lumaLeftOf(coding.interpolated) + (1.0 + kLumaShare) * kRounding_dn2;
     const BlockSteps<T> own = roundedSteps(luma_dn2, level.slope_dn2, quantum_dn2);
     steps.across += level.share * own.across;
     steps.within += level.share * own.within;
     // A chessboard is of the finest waves, which are the first to be rounded away.
     const double finest = BlockTransform::instance().steps.bottomRightCorner<4, 4>().mean();
-    const T gain = RoundedNormal<T>(luma_dn2, T(quantum_dn2 * (finest * finest))).gain;
+    const T gain = RoundedNormal<T>(luma_dn2, T(square * (finest * finest))).gain;
     const T mean = 0.5 * (curves.measured + curves.interpolated),
             apart = 0.5 * gain * gain * (curves.measured - curves.interpolated);
     measured += level.share * level.green_dn2 * (mean + apart);
     interpolated += level.share * level.green_dn2 * (mean - apart);
   }
   const T blocks = log(steps.across / steps.within);
-  return {log(measured / interpolated), is_less ? T(-blocks) : blocks};
+  return {log(measured / interpolated), blocks * coding.quantum_dn / sqrt(quantum_dn2)};
 }
 
 /// The same of the effects that are on, in an image stamped t_s.
 template <class T>
-Eigen::Matrix<T, 2, 1> predictTexture(const std::vector<NoiseLevel>& noise, const EffectParameters<T>& effects,
-                                      double t_s) {
+Eigen::Matrix<T, 2, 1> predictTexture(const std::vector<NoiseLevel>& noise,
+                                      const EffectParameters<T>& effects, double t_s) {
   ImageCoding<T> coding;
   applyEffects(effects, t_s, coding);
   return textureOf(noise, coding);
