@@ -72,7 +72,7 @@ Vector3<T> predictBlur(const KinematicState<T>& state, const PanelPlacement<T>& 
   ImageSoftness<T> softness;
   applyEffects(effects, t_s, softness);
   const T to_all_sides_px2 = lens_px2 + softness.lens_px2 + kInterpolated_px2 * softness.interpolated -
-                           sharpeningSeen_px2(softness.sharpened_px2);
+                             sharpeningSeen_px2(softness.sharpened_px2);
   const T variance_px2 = exposure.squared_s2 / 12.0 * velocity_px_s.squaredNorm();
   const T q = variance_px2 / (variance_px2 + kEdgeSmoothing_px * kEdgeSmoothing_px);
   const T wider = 1.0 + 0.15 * q + 0.2 * q * q * q;

@@ -23,7 +23,7 @@ struct ImagePatches {
   /// By image. Which pixels measure green is the same in all: their chessboard counts as on the pixels whose
   /// coordinates add up to an odd number, unless all images together say clearly that it is on the others.
   std::vector<ImageTexture> textures;
-  Environment start;                ///< the base model's water fitted to them, lamps off
+  Environment start;  ///< the base model's water fitted to them, lamps off
   std::vector<RejectedImage> rejected;
 };
 

@@ -71,13 +71,16 @@ class TextureMeasurement {
   TextureMeasurement(const cv::Mat& image, const cv::Mat& mask, const cv::Mat& labels,
                      const CameraSheet& sheet)
       : image_(image), mask_(mask), labels_(labels), sheet_(sheet) {
-    forEachPixel([&](const cv::Point& pixel, const Key& key) { addPixel(pixel, squares_[key]); });
+    forEachPixel([&](const Key& key) { return &squares_[key]; },
+                 [&](const cv::Point& pixel, TextureSquare& square) { addPixel(pixel, square); });
     std::erase_if(squares_, [](const auto& entry) { return !entry.second.isWellExposed(); });
     for (auto& [key, square] : squares_) setNoise(square);
-    forEachPixel([&](const cv::Point& pixel, const Key& key) {
-      if (const auto found = squares_.find(key); found != squares_.end())
-        addDifferences(pixel, found->second);
-    });
+    forEachPixel(
+        [&](const Key& key) {
+          const auto found = squares_.find(key);
+          return found == squares_.end() ? nullptr : &found->second;
+        },
+        [&](const cv::Point& pixel, TextureSquare& square) { addDifferences(pixel, square); });
   }
 
   std::optional<ImageTexture> texture() const {
@@ -104,14 +107,19 @@ class TextureMeasurement {
     return counts(b) && labels_.at<int>(a) == labels_.at<int>(b);
   }
 
-  /// Those that count, with their squares.
-  template <class F>
-  void forEachPixel(const F& f) const {
+  /// Those that count and have a square, with it. Neighbours mostly have the same.
+  template <class SquareOf, class F>
+  void forEachPixel(const SquareOf& squareOf, const F& f) const {
+    Key last(-1, -1, -1);
+    TextureSquare* square = nullptr;
     for (int v = 0; v < image_.rows; ++v)
       for (int u = 0; u < image_.cols; ++u) {
         const cv::Point pixel(u, v);
-        if (counts(pixel))
-          f(pixel, Key(v / kTextureSquare_px, u / kTextureSquare_px, labels_.at<int>(pixel)));
+        if (!counts(pixel)) continue;
+        const Key key(v / kTextureSquare_px, u / kTextureSquare_px, labels_.at<int>(pixel));
+        if (key != last) square = squareOf(key);
+        last = key;
+        if (square != nullptr) f(pixel, *square);
       }
   }
 

@@ -113,7 +113,8 @@ auto channelsOf(std::tuple<Instruments...>*) -> decltype(std::tuple_cat(typename
 /// Of all instruments, in order.
 using InstrumentChannels = decltype(detail::channelsOf(static_cast<AllInstruments*>(nullptr)));
 using AllChannels = decltype(std::tuple_cat(
-    InstrumentChannels{}, std::tuple<Landmark, Markers, EpipolarResidual, Pixels, Edges, Specks, Texture, Prior>{}));
+    InstrumentChannels{},
+    std::tuple<Landmark, Markers, EpipolarResidual, Pixels, Edges, Specks, Texture, Prior>{}));
 
 inline constexpr std::size_t kChannelCount = std::tuple_size_v<AllChannels>;
 inline constexpr std::size_t kInstrumentChannelCount = std::tuple_size_v<InstrumentChannels>;

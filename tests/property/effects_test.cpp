@@ -12,6 +12,7 @@
 #include "effects/catalogue.h"
 #include "imaging/detected_corners.h"
 #include "imaging/image_patch.h"
+#include "imaging/image_texture.h"
 #include "imaging/marine_snow.h"
 #include "imaging/marker_blur.h"
 #include "sensors/channel_model.h"

@@ -263,7 +263,8 @@ std::vector<ImageTexture> BatchRun::textures() const {
     seen.sigma = {0.015, 0.03};
     seen.noise = {{0.4, 0.25, 0.11, 1e-4}, {0.6, 0.7, 0.3, 1e-3}};
     const Vector3d error = noise ? random.normal3() : Vector3d(Vector3d::Zero());
-    seen.log_ratio = predictTexture(seen.noise, effects, patch.t_s) + seen.sigma.cwiseProduct(error.head<2>());
+    seen.log_ratio =
+        predictTexture(seen.noise, effects, patch.t_s) + seen.sigma.cwiseProduct(error.head<2>());
     textures.push_back(seen);
   }
   return textures;

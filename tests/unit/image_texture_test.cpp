@@ -10,11 +10,12 @@
 
 #include "core/random.h"
 #include "effects/image_compression.h"
+#include "imaging/image_model.h"
 
 namespace fathom {
 namespace {
 
-const cv::Size kSize(640, 480);
+const cv::Size kTextureSize_px(640, 480);
 
 /// The default sheet's camera before plain surfaces: readings before they are rounded, blue green red.
 struct PlainScene {
@@ -25,10 +26,10 @@ struct PlainScene {
 
   cv::Mat readings(std::uint64_t seed) const {
     Random random(seed);
-    cv::Mat image(kSize, CV_64FC3), errors(kSize, CV_64FC3);
+    cv::Mat image(kTextureSize_px, CV_64FC3), errors(kTextureSize_px, CV_64FC3);
     const double phase = random.uniform(0, 8);
-    for (int v = 0; v < kSize.height; ++v)
-      for (int u = 0; u < kSize.width; ++u) {
+    for (int v = 0; v < kTextureSize_px.height; ++v)
+      for (int u = 0; u < kTextureSize_px.width; ++u) {
         const double bright =
             bright_dn + phase + 20 * std::sin(u * slope_dn / 20) + 20 * std::sin(v * slope_dn / 20);
         image.at<cv::Vec3d>(v, u) = {0.9 * bright, bright, 0.8 * bright};
@@ -46,7 +47,7 @@ struct PlainScene {
   }
 };
 
-cv::Mat rounded(const cv::Mat& readings) {
+cv::Mat inNumbers(const cv::Mat& readings) {
   cv::Mat image;
   readings.convertTo(image, CV_8U);
   return image;
@@ -55,7 +56,8 @@ cv::Mat rounded(const cv::Mat& readings) {
 /// Of some images, all of whose pixels are of one surface.
 std::vector<ImageTexture> texturesOf(const PlainScene& scene,
                                      const std::function<cv::Mat(const cv::Mat&)>& camera, int images = 12) {
-  const cv::Mat mask(kSize, CV_8UC1, cv::Scalar(255)), labels(kSize, CV_32SC1, cv::Scalar(3));
+  const cv::Mat mask(kTextureSize_px, CV_8UC1, cv::Scalar(255)),
+      labels(kTextureSize_px, CV_32SC1, cv::Scalar(3));
   std::vector<ImageTexture> textures;
   for (int i = 0; i < images; ++i)
     textures.push_back(
@@ -64,7 +66,7 @@ std::vector<ImageTexture> texturesOf(const PlainScene& scene,
   return textures;
 }
 
-Eigen::Vector2d meanOf(const std::vector<ImageTexture>& textures) {
+Eigen::Vector2d meanTexture(const std::vector<ImageTexture>& textures) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const ImageTexture& texture : textures)
     mean += texture.log_ratio / static_cast<double>(textures.size());
@@ -81,7 +83,7 @@ class NoiseAlikeEverywhere : public testing::TestWithParam<NoiseCase> {};
 // scatter as they say. Of 12 images a mean square is within a factor of 2.5 in 99.9 % of cases; where noise
 // is correlated sigmas hold all the same, since they are from squares.
 TEST_P(NoiseAlikeEverywhere, ShowsNeither) {
-  const auto textures = texturesOf(GetParam().scene, rounded);
+  const auto textures = texturesOf(GetParam().scene, inNumbers);
   Eigen::Vector2d sum = Eigen::Vector2d::Zero(), squares = Eigen::Vector2d::Zero();
   const double count = static_cast<double>(textures.size());
   for (const ImageTexture& texture : textures) {
@@ -127,8 +129,8 @@ cv::Mat mosaicked(const cv::Mat& readings, double share, int green_at) {
 }
 
 /// The value from 0 to `most` of which the forward model has what was read, which rises with it.
-double found(const std::vector<ImageTexture>& textures, int ratio, double most,
-             const std::function<ImageCoding<double>(double)>& coding) {
+double valueFound(const std::vector<ImageTexture>& textures, int ratio, double most,
+                  const std::function<ImageCoding<double>(double)>& coding) {
   double low = 0, high = most;
   for (int halving = 0; halving < 30; ++halving) {
     const double middle = 0.5 * (low + high);
@@ -155,20 +157,34 @@ ImageCoding<double> compressedBy(double table_scale) {
 TEST(ImageTexture, AChessboardTellsHowMuchIsInterpolated) {
   for (const double share : {0.25, 0.5, 1.0}) {
     const auto textures = texturesOf(
-        {}, [&](const cv::Mat& readings) { return rounded(mosaicked(readings, share, 1)); }, 4);
-    EXPECT_NEAR(found(textures, 0, 1, interpolatedBy), share, share < 1 ? 0.02 : 0.05);
+        {}, [&](const cv::Mat& readings) { return inNumbers(mosaicked(readings, share, 1)); }, 4);
+    EXPECT_NEAR(valueFound(textures, 0, 1, interpolatedBy), share, share < 1 ? 0.02 : 0.05);
     // No blocks, though noise is not white any more.
-    EXPECT_LT(std::abs(meanOf(textures)[1]), 0.01) << share;
+    EXPECT_LT(std::abs(meanTexture(textures)[1]), 0.01) << share;
   }
+}
+
+// The simulator's camera interpolates as the one above, but for the image's rim; float's digits.
+TEST(ImageTexture, SimulatedColoursAreInterpolatedAlike) {
+  const cv::Mat readings = PlainScene{}.readings(2);
+  cv::Mat rgb, simulated, difference;
+  readings.convertTo(rgb, CV_32F, 1.0 / 255);
+  cv::cvtColor(rgb, rgb, cv::COLOR_BGR2RGB);
+  cv::cvtColor(interpolatedColours(rgb, 0.7), simulated, cv::COLOR_RGB2BGR);
+  simulated.convertTo(simulated, CV_64F, 255);
+  cv::absdiff(simulated, mosaicked(readings, 0.7, 1), difference);
+  const cv::Rect inner(1, 1, kTextureSize_px.width - 2, kTextureSize_px.height - 2);
+  EXPECT_LT(cv::norm(difference(inner), cv::NORM_INF), 1e-4);
+  EXPECT_EQ(cv::norm(interpolatedColours(rgb, 0), rgb, cv::NORM_INF), 0);
 }
 
 // A camera whose green pixels are the others.
 TEST(ImageTexture, TheOtherChessboardIsFoundFromAllImagesTogether) {
   auto textures = texturesOf(
-      {}, [&](const cv::Mat& readings) { return rounded(mosaicked(readings, 1, 0)); }, 3);
-  EXPECT_LT(meanOf(textures)[0], -0.5);
+      {}, [&](const cv::Mat& readings) { return inNumbers(mosaicked(readings, 1, 0)); }, 3);
+  EXPECT_LT(meanTexture(textures)[0], -0.5);
   setChessboard(textures);
-  EXPECT_NEAR(found(textures, 0, 1, interpolatedBy), 1, 0.05);
+  EXPECT_NEAR(valueFound(textures, 0, 1, interpolatedBy), 1, 0.05);
 }
 
 // Where there is none, no sign is preferred.
@@ -177,16 +193,16 @@ TEST(ImageTexture, WithoutAChessboardNothingIsTurned) {
   Random random(4);
   for (int round = 0; round < 200; ++round) {
     for (ImageTexture& texture : textures) texture.log_ratio[0] = random.normal();
-    const Eigen::Vector2d before = meanOf(textures);
+    const Eigen::Vector2d before = meanTexture(textures);
     setChessboard(textures);
-    EXPECT_EQ(meanOf(textures), before);
+    EXPECT_EQ(meanTexture(textures), before);
   }
 }
 
 /// As OpenCV writes it and reads it again.
 cv::Mat throughOpenCv(const cv::Mat& readings, int quality) {
   std::vector<unsigned char> bytes;
-  cv::imencode(".jpg", rounded(readings), bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  cv::imencode(".jpg", inNumbers(readings), bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
   return cv::imdecode(bytes, cv::IMREAD_COLOR);
 }
 
@@ -196,48 +212,52 @@ TEST(ImageTexture, BlocksTellTheQuality) {
     for (const int quality : {97, 95, 90, 85, 75, 60}) {
       const auto textures = texturesOf(
           scene, [&](const cv::Mat& readings) { return throughOpenCv(readings, quality); }, 3);
-      const double scale = found(textures, 1, 2, compressedBy);
+      const double scale = valueFound(textures, 1, 2, compressedBy);
       EXPECT_NEAR(ImageCompression::qualityOf(scale), quality, 5)
-          << scene.bright_dn << " " << scene.slope_dn << " " << meanOf(textures).transpose();
+          << scene.bright_dn << " " << scene.slope_dn << " " << meanTexture(textures).transpose();
     }
 }
 
 // Coefficients of the finest waves are rounded to nothing: what is left is less than a tenth.
 TEST(ImageTexture, CompressionHidesTheChessboard) {
   const auto plain = texturesOf(
-      {}, [&](const cv::Mat& readings) { return rounded(mosaicked(readings, 1, 1)); }, 3);
+      {}, [&](const cv::Mat& readings) { return inNumbers(mosaicked(readings, 1, 1)); }, 3);
   const auto textures = texturesOf(
       {}, [&](const cv::Mat& readings) { return throughOpenCv(mosaicked(readings, 1, 1), 90); }, 3);
-  EXPECT_LT(std::abs(meanOf(textures)[0]), 0.1 * meanOf(plain)[0]);
+  EXPECT_LT(std::abs(meanTexture(textures)[0]), 0.1 * meanTexture(plain)[0]);
   ImageCoding<double> both = compressedBy(0.2);
   both.interpolated = 1;
-  EXPECT_LT(textureOf(textures[0].noise, both)[0], 0.1 * meanOf(plain)[0]);
+  EXPECT_LT(textureOf(textures[0].noise, both)[0], 0.1 * meanTexture(plain)[0]);
 }
 
 // Some flakes and hot pixels are too far off to be noise.
 TEST(ImageTexture, SpecksDoNotCount) {
   const auto spotted = [](const cv::Mat& readings) {
-    cv::Mat image = rounded(readings);
+    cv::Mat image = inNumbers(readings);
     Random random(9);
     for (int i = 0; i < 300; ++i)
       image.at<cv::Vec3b>(static_cast<int>(random.uniform(0, 480)),
                           static_cast<int>(random.uniform(0, 640))) = cv::Vec3b::all(200);
     return image;
   };
-  EXPECT_LT((meanOf(texturesOf({}, spotted, 3)) - meanOf(texturesOf({}, rounded, 3))).cwiseAbs().maxCoeff(),
+  EXPECT_LT((meanTexture(texturesOf({}, spotted, 3)) - meanTexture(texturesOf({}, inNumbers, 3)))
+                .cwiseAbs()
+                .maxCoeff(),
             0.01);
 }
 
 TEST(ImageTexture, IsNotMeasuredWhereThereIsTooLittle) {
-  const cv::Mat image = rounded(PlainScene().readings(1)), labels(kSize, CV_32SC1, cv::Scalar(0));
-  cv::Mat mask(kSize, CV_8UC1, cv::Scalar(0));
+  const cv::Mat image = inNumbers(PlainScene().readings(1)), labels(kTextureSize_px, CV_32SC1, cv::Scalar(0));
+  cv::Mat mask(kTextureSize_px, CV_8UC1, cv::Scalar(0));
   mask({100, 100, 60, 60}) = 255;
   EXPECT_FALSE(measureTexture(image, mask, labels, CameraSheet()));
   mask = 255;
   EXPECT_FALSE(measureTexture(image, mask, labels - 1, CameraSheet()));
-  EXPECT_FALSE(measureTexture(cv::Mat(kSize, CV_8UC3, cv::Scalar::all(254)), mask, labels, CameraSheet()));
+  EXPECT_FALSE(
+      measureTexture(cv::Mat(kTextureSize_px, CV_8UC3, cv::Scalar::all(254)), mask, labels, CameraSheet()));
   // An image without any noise has a reading whose sigma is not nothing.
-  const auto even = measureTexture(cv::Mat(kSize, CV_8UC3, cv::Scalar::all(90)), mask, labels, CameraSheet());
+  const auto even =
+      measureTexture(cv::Mat(kTextureSize_px, CV_8UC3, cv::Scalar::all(90)), mask, labels, CameraSheet());
   ASSERT_TRUE(even);
   EXPECT_EQ(even->log_ratio.norm(), 0);
   EXPECT_GT(even->sigma.minCoeff(), 1e-3);
@@ -247,8 +267,11 @@ TEST(ImageTexture, IsNotMeasuredWhereThereIsTooLittle) {
 
 TEST(ImageTexture, WithoutCodingThereIsNone) {
   for (const double slope_dn2 : {0.0, 1e-3, 0.1})
-    for (const double noise_dn2 : {0.01, 0.5, 10.0})
+    for (const double noise_dn2 : {0.01, 0.5, 10.0}) {
       EXPECT_LT(textureOf<double>({{1, noise_dn2, noise_dn2, slope_dn2}}, {}).norm(), 1e-12);
+      const auto steps = roundedSteps<double>(noise_dn2, slope_dn2, 0);
+      EXPECT_NEAR(steps.across, steps.within, 1e-9 * steps.within);
+    }
 }
 
 // Against draws: 200 000 of them know a variance to 0.3 %.
