@@ -32,7 +32,7 @@ struct ImageCompression {
   static constexpr std::array parameters{
       Parameter{.name = "table_scale",
                 .unit = "1",
-                .prior_sigma = 0.3,
+                .prior_sigma = 0.2,
                 .limit = 10,
                 .positive = true,
                 .usual = "0.1 to 0.5, which are qualities of 95 to 75; images of 8 bits"}};

@@ -182,7 +182,7 @@ BlockSteps<T> roundedSteps(const T& noise_dn2, double slope_dn2, const T& quantu
   within /= static_cast<double>(kSide);
   const T busy = 1.0 - is_plain;
   const T behind =
-      busy < 1e-9 ? T(0.0) : T(busy * (roundedDifference(T(within / busy), T(1.0)) - within / busy));
+      busy < 1e-13 ? T(0.0) : T(busy * (roundedDifference(T(within / busy), T(1.0)) - within / busy));
   const T at_border = roundedDifference(across, T(1.0)) - across;
   const T fine_means = exp(-quantum_dn2 * quantum_dn2 / (36.0 * 36.0));
   return {across + behind + (at_border - behind) * fine_means + is_plain * (kLumaShare * kRounding_dn2),
@@ -194,13 +194,14 @@ BlockSteps<T> roundedSteps(const T& noise_dn2, double slope_dn2, const T& quantu
 /// A table's steps are whole numbers, 1 at least, so that qualities of more than 97 hardly differ; and steps
 /// that went on to nothing would first add noise, of fine waves more than of others, which is less at borders
 /// than within. So from a first step of kFinest_dn downwards the blocks' logarithm falls in proportion
-/// instead, by which a fit finds its way from nothing.
+/// instead, by which a fit finds its way from nothing; and the chessboard comes back.
 template <class T>
 Eigen::Matrix<T, 2, 1> textureOf(const std::vector<NoiseLevel>& noise, const ImageCoding<T>& coding) {
   using std::log, std::sqrt;
   constexpr double kFinest_dn = 0.96;
   const T square = coding.quantum_dn * coding.quantum_dn;
   const T quantum_dn2 = sqrt(square * square + std::pow(kFinest_dn, 4));
+  const T coded = coding.quantum_dn / sqrt(quantum_dn2);  // 0: not at all, 1: as roundedSteps() has it
   const CurveVariances<T> curves(coding.interpolated);
   T measured(2 * kRoundedCurve_dn2), interpolated(2 * kRoundedCurve_dn2);
   BlockSteps<T> steps{T(kRoundedStep_dn2), T(kRoundedStep_dn2)};
@@ -212,14 +213,14 @@ Eigen::Matrix<T, 2, 1> textureOf(const std::vector<NoiseLevel>& noise, const Ima
     steps.within += level.share * own.within;
     // A chessboard is of the finest waves, which are the first to be rounded away.
     const double finest = BlockTransform::instance().steps.bottomRightCorner<4, 4>().mean();
-    const T gain = RoundedNormal<T>(luma_dn2, T(square * (finest * finest))).gain;
+    const T gain = RoundedNormal<T>(luma_dn2, T(quantum_dn2 * (finest * finest))).gain;
+    const T left = 1.0 - coded * coded * (1.0 - gain * gain);
     const T mean = 0.5 * (curves.measured + curves.interpolated),
-            apart = 0.5 * gain * gain * (curves.measured - curves.interpolated);
+            apart = 0.5 * left * (curves.measured - curves.interpolated);
     measured += level.share * level.green_dn2 * (mean + apart);
     interpolated += level.share * level.green_dn2 * (mean - apart);
   }
-  const T blocks = log(steps.across / steps.within);
-  return {log(measured / interpolated), blocks * coding.quantum_dn / sqrt(quantum_dn2)};
+  return {log(measured / interpolated), log(steps.across / steps.within) * coded};
 }
 
 /// The same of the effects that are on, in an image stamped t_s.
