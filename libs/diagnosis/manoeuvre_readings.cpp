@@ -154,11 +154,15 @@ void addLight(const BatchData& recording, const LightPlaces& places, const View&
   }
   for (MarkerBlur blur : places.blurs)
     if (moveTo(view, camera, data.panels[blur.panel].T_odom_panel, blur)) data.blurs.push_back(blur);
-  if (recording.specks.empty() || data.patches.size() == before) return;
-  ImageSpecks specks = recording.specks.front();
-  specks.t_s = view.t_s;
-  specks.image = view.image;
-  data.specks.push_back(specks);
+  if (data.patches.size() == before) return;
+  const auto addOneOf = [&](const auto& of_images, auto& all) {
+    if (of_images.empty()) return;
+    all.push_back(of_images.front());
+    all.back().t_s = view.t_s;
+    all.back().image = view.image;
+  };
+  addOneOf(recording.specks, data.specks);
+  addOneOf(recording.textures, data.textures);
 }
 
 }  // namespace

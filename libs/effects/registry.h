@@ -21,6 +21,7 @@
 #include "effects/clock_drift.h"
 #include "effects/dark_offset.h"
 #include "effects/defocus.h"
+#include "effects/demosaicing.h"
 #include "effects/dome_port.h"
 #include "effects/dvl_latency.h"
 #include "effects/dvl_lever_arm.h"
@@ -39,6 +40,7 @@
 #include "effects/gyro_scale.h"
 #include "effects/heading_disturbance.h"
 #include "effects/illumination_gradient.h"
+#include "effects/image_compression.h"
 #include "effects/ins_latency.h"
 #include "effects/ins_misalignment.h"
 #include "effects/lamp.h"
@@ -81,7 +83,7 @@ using Catalogue =
                MotionBlur, MarineSnow, HeadingDisturbance, ClockDrift, EdgeBias, PanelShape,
                IlluminationGradient, PressureLeverArm, FlatField, WhiteBalance, ResponseBend, VeilingGlare,
                Defocus, Sharpening, BeamMissing, BeamBias, DecentredDome, FlatWaterSurface, Biofouling,
-               Occlusion>;
+               Occlusion, Demosaicing, ImageCompression>;
 
 /// The catalogue, and after it what the build was told to know besides.
 using AllEffects = decltype(std::tuple_cat(Catalogue{}, ExtraEffects{}));

@@ -243,10 +243,25 @@ struct ResponseCurve {
   Vector3<T> bend = Vector3<T>::Zero();
 };
 
+/// Of what the camera hands out, the share in which a pixel has the two colours that it does not measure
+/// from its neighbours (bilinear, Bayer pattern): 0 as if it measured all three, 1 as a usual camera's.
+template <class T>
+struct ColourInterpolation {
+  T interpolated = T(0);
+};
+
+/// How images were coded before they were recorded. See imaging/image_texture.h.
+template <class T>
+struct ImageCoding : ColourInterpolation<T> {
+  /// To multiples of which a block's mean brightness times 8 was rounded, in an image's numbers of eight
+  /// bits; all that is rounded beside it goes with it. 0: not compressed.
+  T quantum_dn = T(0);
+};
+
 /// How much softer the lens makes the image than the vehicle file's does, and how much harder the camera's
 /// processing makes it again: the second moment of what each spreads a point to, alike to all sides.
 template <class T>
-struct ImageSoftness {
+struct ImageSoftness : ColourInterpolation<T> {
   T lens_px2 = T(0);
   T sharpened_px2 =
       T(0);  ///< less than there is of both; what is darker around a bright line counts negative

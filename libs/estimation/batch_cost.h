@@ -31,6 +31,7 @@ struct RowSource {
   std::ptrdiff_t patch = -1;
   std::ptrdiff_t blur = -1;
   std::ptrdiff_t specks = -1;
+  std::ptrdiff_t texture = -1;
   Instance instance{};  ///< of the instrument
 };
 

@@ -10,6 +10,7 @@
 #include "fiducials/detection.h"
 #include "imaging/detected_corners.h"
 #include "imaging/image_patch.h"
+#include "imaging/image_texture.h"
 #include "imaging/marine_snow.h"
 #include "imaging/marker_blur.h"
 #include "imaging/water.h"
@@ -75,6 +76,7 @@ struct BatchData {
   std::vector<ImagePatch> patches;
   std::vector<MarkerBlur> blurs;
   std::vector<ImageSpecks> specks;
+  std::vector<ImageTexture> textures;
   Environment water;  ///< that its fit starts from; its lamps are off
 
   /// How many readings are not there, by the reason: not-a-number, impossible, duplicate, no such marker …

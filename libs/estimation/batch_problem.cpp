@@ -38,6 +38,7 @@ BatchProblem::BatchProblem(const BatchData& data, const ProblemOptions& options,
   addPatches();
   addBlurs();
   addSpecks();
+  addTextures();
   addMotionPriors();
   addDriftPriors();
   addPriorsOfConstants();
@@ -164,6 +165,15 @@ void BatchProblem::addSpecks() {
     RowSource source{kChannel<Specks>, seen.t_s};
     source.specks = static_cast<std::ptrdiff_t>(i);
     add(specksModel(seen), source, {}, seen.counted.matrix(), whitener(Eigen::VectorXd(seen.sigma)));
+  }
+}
+
+void BatchProblem::addTextures() {
+  for (std::size_t i = 0; i < data_.textures.size(); ++i) {
+    const ImageTexture& seen = data_.textures[i];
+    RowSource source{kChannel<Texture>, seen.t_s};
+    source.texture = static_cast<std::ptrdiff_t>(i);
+    add(textureModel(seen), source, {}, seen.log_ratio, whitener(Eigen::VectorXd(seen.sigma)));
   }
 }
 

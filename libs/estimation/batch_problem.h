@@ -54,6 +54,7 @@ class BatchProblem {
   void addPatches();
   void addBlurs();
   void addSpecks();
+  void addTextures();
   void addMotionPriors();
   void addDriftPriors();
   void addPriorsOfConstants();

@@ -86,6 +86,8 @@ RowInfo commonInfo(const BatchData& data, const BatchProblem& problem, const Row
   const MarkerBlur* blur = source.blur < 0 ? nullptr : &data.blurs[static_cast<std::size_t>(source.blur)];
   if (source.specks >= 0)
     info.image = static_cast<std::ptrdiff_t>(data.specks[static_cast<std::size_t>(source.specks)].image);
+  if (source.texture >= 0)
+    info.image = static_cast<std::ptrdiff_t>(data.textures[static_cast<std::size_t>(source.texture)].image);
   if (data.vehicle.camera) info.focal_px = data.vehicle.camera->model.fx_px;
   const bool is_of_image = seen != nullptr || patch != nullptr || blur != nullptr;
   if (!is_of_image && !problem.reference().path.isSpline()) return info;

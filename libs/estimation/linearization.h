@@ -13,7 +13,7 @@ namespace fathom {
 struct RowInfo {
   Channel channel = kChannel<Prior>;
   int component = 0;  ///< axis x y z; colour red green blue; of a marker x0 y0 x1 y1 …; of edges the variance
-                      ///< xx xy yy; of specks their class; of a prior, its row
+                      ///< xx xy yy; of specks their class; of texture its ratio; of a prior, its row
   Instance instance{};          ///< of the instrument
   double t_s = 0;               ///< stamp
   std::size_t reading = 0;      ///< rows of one reading have this in common

@@ -96,6 +96,17 @@ struct SpecksReader {
   }
 };
 
+struct TextureReader {
+  static constexpr bool kMayBeLate = false;
+  static std::vector<int> motion() { return {}; }
+  ImageTexture seen;
+  double t_s;
+  template <class T>
+  Eigen::Matrix<T, 2, 1> predict(const ReadingInputs<T>& in) const {
+    return predictTexture(seen.noise, in.effects, t_s);
+  }
+};
+
 struct AccelerationReader {
   static constexpr bool kMayBeLate = false;
   static std::vector<int> motion() {
@@ -339,6 +350,9 @@ std::unique_ptr<ReadingModel> blurModel(const MarkerBlur& reading) {
 }
 std::unique_ptr<ReadingModel> specksModel(const ImageSpecks& reading) {
   return model(SpecksReader{reading, reading.t_s});
+}
+std::unique_ptr<ReadingModel> textureModel(const ImageTexture& reading) {
+  return model(TextureReader{reading, reading.t_s});
 }
 std::unique_ptr<ReadingModel> accelerationModel(double t_s) { return model(AccelerationReader{t_s}); }
 std::unique_ptr<ReadingModel> poseModel(const Pose& T_odom_robot, double t_s) {

@@ -40,6 +40,8 @@ std::unique_ptr<ReadingModel> patchModel(const ImagePatch& reading, const Vehicl
 std::unique_ptr<ReadingModel> blurModel(const MarkerBlur& reading);
 /// Numbers of specks, by class.
 std::unique_ptr<ReadingModel> specksModel(const ImageSpecks& reading);
+/// Logarithms of the ratios of variances of an image's noise.
+std::unique_ptr<ReadingModel> textureModel(const ImageTexture& reading);
 /// Acceleration in odom and angular acceleration, both in robot axes: what a vehicle does little of.
 std::unique_ptr<ReadingModel> accelerationModel(double t_s);
 /// Position, and the rotation vector from a reference attitude in odom axes, of which z is the heading.

@@ -201,6 +201,28 @@ cv::Mat defocused(const cv::Mat& light, double variance_px2) {
   return soft;
 }
 
+cv::Mat interpolatedColours(const cv::Mat& readings, double share) {
+  require(readings, CV_32FC3, readings.size());
+  const cv::Matx33f cross(0, 0.25F, 0, 0.25F, 1, 0.25F, 0, 0.25F, 0),
+      square(0.25F, 0.5F, 0.25F, 0.5F, 1, 0.5F, 0.25F, 0.5F, 0.25F);
+  cv::Mat mixed = readings.clone();
+  for (int c = 0; c < 3; ++c) {
+    cv::Mat measured, full;
+    cv::extractChannel(readings, measured, c);
+    for (int v = 0; v < measured.rows; ++v)
+      for (int u = 0; u < measured.cols; ++u) {
+        const int odd = v % 2 + u % 2;  // 0 red, 1 green, 2 blue
+        if (odd != c) measured.at<float>(v, u) = 0;
+      }
+    // Mirrored about its outermost pixel, the pattern goes on.
+    cv::filter2D(measured, full, CV_32F, c == 1 ? cross : square, {-1, -1}, 0, cv::BORDER_REFLECT_101);
+    cv::extractChannel(readings, measured, c);
+    cv::addWeighted(measured, 1 - share, full, share, 0, full);
+    cv::insertChannel(full, mixed, c);
+  }
+  return mixed;
+}
+
 cv::Mat sharpened(const cv::Mat& readings, double amount) {
   cv::Mat soft, sharp;
   cv::GaussianBlur(readings, soft, {}, Sharpening::kRadius_px, 0, cv::BORDER_REPLICATE);
@@ -306,8 +328,9 @@ cv::Mat ImageModel::expose(const cv::Mat& scene_light, Random* noise, double t_s
     else
       writeNumbers(reading, row_size, full_scale, result.ptr<std::uint8_t>(v));
   };
-  cv::Mat readings;  // where they are still to be sharpened
-  if (amount > 0) readings.create(light.size(), CV_32FC3);
+  const bool is_processed = amount > 0 || softness.interpolated > 0;
+  cv::Mat readings;  // where colours are still to be interpolated, or they are to be sharpened
+  if (is_processed) readings.create(light.size(), CV_32FC3);
   const auto exposeRow = [&](int v, const std::vector<float>& normal) {
     std::vector<float> reading(row_size);
     RowResponse along{std::vector<float>(row_size, 1.0F), std::vector<float>(row_size, 0.0F)};
@@ -322,7 +345,7 @@ cv::Mat ImageModel::expose(const cv::Mat& scene_light, Random* noise, double t_s
       for (std::size_t i = 0; i < row_size; ++i)
         reading[i] =
             std::clamp(curved(reading[i], curve, static_cast<int>(i % 3)) + along.offset[i], 0.0F, 1.0F);
-    if (amount > 0)
+    if (is_processed)
       std::copy(reading.begin(), reading.end(), readings.ptr<float>(v));
     else
       writeRow(v, reading.data());
@@ -337,8 +360,9 @@ cv::Mat ImageModel::expose(const cv::Mat& scene_light, Random* noise, double t_s
         NormalTable::instance().fill(normal[static_cast<std::size_t>(k)], *noise);
     parallelFor(rows, [&](int k) { exposeRow(first + k, normal[static_cast<std::size_t>(k)]); });
   }
-  if (amount > 0) {
-    readings = sharpened(readings, amount);
+  if (is_processed) {
+    if (softness.interpolated > 0) readings = interpolatedColours(readings, softness.interpolated);
+    if (amount > 0) readings = sharpened(readings, amount);
     parallelFor(readings.rows, [&](int v) { writeRow(v, readings.ptr<float>(v)); });
   }
   return result;

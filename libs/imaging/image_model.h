@@ -109,6 +109,11 @@ cv::Mat covered(const cv::Mat& light, const EffectParameters<double>& effects, d
 /// Light through a lens that is out of focus: blurred by a normal curve. CV_32FC3.
 cv::Mat defocused(const cv::Mat& light, double variance_px2);
 
+/// Readings (CV_32FC3, red green blue) of which so large a share is what a Bayer pattern's neighbours have:
+/// of rows and columns from 0, red where both are even, blue where both are odd, green elsewhere; what a
+/// pixel does not measure is the mean of the two or four nearest that do.
+cv::Mat interpolatedColours(const cv::Mat& readings, double share);
+
 /// Readings (CV_32F, 0 to 1, any number of colours) after unsharp masking, see Sharpening; clipped.
 cv::Mat sharpened(const cv::Mat& readings, double amount);
 
@@ -153,11 +158,11 @@ class ImageModel {
   /// The same in place: `light` comes as the radiance.
   void throughWater(cv::Mat& light, const cv::Mat& range_m, double t_s = 0) const;
 
-  /// The sensor: edges where it has them, shot and read noise, clipping, response, rounding to the sheet's
-  /// bits. Blue, green, red, as cv::imwrite() wants it; CV_8UC3, or CV_16UC3 where there are more than 8
-  /// bits. Poisson's law is taken as a normal one of the same variance: good where electrons are many, and
-  /// read noise hides the rest. The normal numbers come from a table of 65536 and so end at 4.3 sigma.
-  /// Without `noise`: none.
+  /// The sensor: edges where it has them, shot and read noise, clipping, response, interpolation of colours,
+  /// rounding to the sheet's bits. Blue, green, red, as cv::imwrite() wants it; CV_8UC3, or CV_16UC3 where
+  /// there are more than 8 bits. Poisson's law is taken as a normal one of the same variance: good where
+  /// electrons are many, and read noise hides the rest. The normal numbers come from a table of 65536 and so
+  /// end at 4.3 sigma. Without `noise`: none.
   cv::Mat expose(const cv::Mat& light, Random* noise, double t_s = 0) const;
 
  private:

@@ -20,6 +20,10 @@ T sharpeningSeen_px2(const T& sharpened_px2) {
   return T(0.77 * sharpened_px2 / (1.0 + 0.46 * sharpened_px2));
 }
 
+/// By how much a colour of a Bayer pattern that is interpolated bilinearly softens edges, mean over the
+/// pattern's four pixels: green 1/4 px², red and blue 1/2 px², as an image's brightness has them.
+inline constexpr double kInterpolated_px2 = 0.587 / 4 + (0.299 + 0.114) / 2;
+
 /// Of one marker in one image: a normal blur's covariance, as xx, xy, yy.
 struct MarkerBlur {
   double t_s = 0;  ///< the image's stamp, since the recording's first entry
@@ -67,7 +71,8 @@ Vector3<T> predictBlur(const KinematicState<T>& state, const PanelPlacement<T>& 
   const ExposureTime<T> exposure = exposureTime(effects, t_s, marker.exposure_s);
   ImageSoftness<T> softness;
   applyEffects(effects, t_s, softness);
-  const T to_all_sides_px2 = lens_px2 + softness.lens_px2 - sharpeningSeen_px2(softness.sharpened_px2);
+  const T to_all_sides_px2 = lens_px2 + softness.lens_px2 + kInterpolated_px2 * softness.interpolated -
+                             sharpeningSeen_px2(softness.sharpened_px2);
   const T variance_px2 = exposure.squared_s2 / 12.0 * velocity_px_s.squaredNorm();
   const T q = variance_px2 / (variance_px2 + kEdgeSmoothing_px * kEdgeSmoothing_px);
   const T wider = 1.0 + 0.15 * q + 0.2 * q * q * q;

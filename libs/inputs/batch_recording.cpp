@@ -85,6 +85,7 @@ void addPatches(const EffectParameters<double>& effects, const BatchRecordingOpt
   data.patches = std::move(patches.patches);
   data.blurs = std::move(patches.blurs);
   data.specks = std::move(patches.specks);
+  data.textures = std::move(patches.textures);
   data.water = patches.start;
 }
 

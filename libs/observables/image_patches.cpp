@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/parallel.h"
+#include "observables/image_texture.h"
 #include "observables/marker_edges.h"
 #include "observables/open_water.h"
 #include "observables/specks.h"
@@ -194,6 +195,17 @@ std::vector<ImageSpecks> withSigmas(const std::vector<PosedImage>& posed,
   return specks;
 }
 
+std::optional<ImageTexture> textureIn(const CleanPair& pair, const PosedImage& posed, const cv::Mat& labels,
+                                      const PatchOptions& options, const CameraSheet& sheet, Time time_zero) {
+  auto texture =
+      measureTexture(pair.recorded, flatInterior(pair.clean, pair.panel_mask, options), labels, sheet);
+  if (!texture) return std::nullopt;
+  texture->t_s = secondsBetween(time_zero, posed.time);
+  texture->image = posed.entry;
+  texture->eye = posed.eye;
+  return texture;
+}
+
 /// Near the rim of an image, and from afar, less of a place is seen.
 void setSeenShares(std::vector<ImagePatch>& patches, const std::vector<double>& areas) {
   std::map<int, double> most;  // by place
@@ -216,6 +228,7 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const CleanPairM
   std::iota(all.begin(), all.end(), 0);
   std::vector<std::vector<MarkerBlur>> blurs(posed.size());
   std::vector<std::optional<SpeckCount>> specks(posed.size());
+  std::vector<std::optional<ImageTexture>> textures(posed.size());
   std::vector<std::vector<Patch>> beside(posed.size());
   const auto look = [&](std::size_t i, const CleanPair& pair, const cv::Mat& labels,
                         const PatchOptions& options) {
@@ -225,6 +238,7 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const CleanPairM
     sheet.bits = 8;
     sheet.model = posed[i].camera.lens;
     specks[i] = specksIn(pair, rays, labels, options, sheet, posed[i].camera.lens);
+    textures[i] = textureIn(pair, posed[i], labels, options, sheet, time_zero);
     if (open_water)
       beside[i] = openWaterOf(pair, rays, posed[i].T_odom_camera().rotation, sheet, options.margin_px);
   };
@@ -233,6 +247,9 @@ ImagePatches imagePatches(const std::vector<PosedImage>& posed, const CleanPairM
   ImagePatches result;
   for (const auto& of_image : blurs)
     result.blurs.insert(result.blurs.end(), of_image.begin(), of_image.end());
+  for (const auto& of_image : textures)
+    if (of_image) result.textures.push_back(*of_image);
+  setChessboard(result.textures);
   result.rejected = synchronized.rejected;
   std::vector<double> areas;
   const auto add = [&](const Patch& patch, ImagePatch::Surface surface, const PosedImage& seen) {

@@ -12,8 +12,8 @@
 /// diagnosed and told in results.
 namespace fathom {
 
-// Of images. Their predictions are in camera_geometry.h, image_patch.h, marker_blur.h, marine_snow.h,
-// two_views.h.
+// Of images. Their predictions are in camera_geometry.h, image_patch.h, image_texture.h, marker_blur.h,
+// marine_snow.h, two_views.h.
 
 /// A pose from markers, as the filter takes it.
 struct Landmark {
@@ -88,6 +88,18 @@ struct Specks {
                                        .has_outliers = true,
                                        .is_filtered = false};
 };
+/// What interpolated colours and compression leave in the noise of images: logarithms of ratios of variances.
+struct Texture {
+  static constexpr ChannelText channel{.id = "texture",
+                                       .label = "CAMERA",
+                                       .unit = "1",
+                                       .metric = "texture_rms",
+                                       .material = 0.03,  // 3 % of a variance
+                                       .components = {"chessboard", "blocks", ""},
+                                       .component_count = 2,
+                                       .has_outliers = true,
+                                       .is_filtered = false};
+};
 /// What is assumed beforehand.
 struct Prior {
   static constexpr ChannelText channel{.id = "prior", .label = "prior", .unit = "1", .is_filtered = false};
@@ -101,7 +113,8 @@ auto channelsOf(std::tuple<Instruments...>*) -> decltype(std::tuple_cat(typename
 /// Of all instruments, in order.
 using InstrumentChannels = decltype(detail::channelsOf(static_cast<AllInstruments*>(nullptr)));
 using AllChannels = decltype(std::tuple_cat(
-    InstrumentChannels{}, std::tuple<Landmark, Markers, EpipolarResidual, Pixels, Edges, Specks, Prior>{}));
+    InstrumentChannels{},
+    std::tuple<Landmark, Markers, EpipolarResidual, Pixels, Edges, Specks, Texture, Prior>{}));
 
 inline constexpr std::size_t kChannelCount = std::tuple_size_v<AllChannels>;
 inline constexpr std::size_t kInstrumentChannelCount = std::tuple_size_v<InstrumentChannels>;

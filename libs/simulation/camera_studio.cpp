@@ -14,9 +14,11 @@
 
 #include "effects/drawn.h"
 #include "image_files/bayer.h"
+#include "image_files/jpeg.h"
 #include "imaging/exposure_time.h"
 #include "imaging/fingerprints.h"
 #include "imaging/image_model.h"
+#include "imaging/image_texture.h"
 #include "imaging/lamp_glow.h"
 #include "imaging/marine_snow.h"
 #include "imaging/marker_blur.h"
@@ -297,7 +299,10 @@ cv::Mat CameraStudio::lightIn(const Environment& environment, const CameraShot& 
 cv::Mat CameraStudio::exposeLight(const CameraShot& shot, const cv::Mat& light, Random* noise) const {
   const cv::Mat image = eyeOf(shot.camera.lens).model.with(effectsOn(shot)).expose(light, noise, shot.t_s);
   const BayerPattern bayer = sheet_.model.bayer;
-  return demosaiced(mosaic(image, bayer), bayer);
+  const cv::Mat read = demosaiced(mosaic(image, bayer), bayer);
+  ImageCoding<double> coding;
+  applyEffects(effectsOn(shot), shot.t_s, coding);
+  return read.depth() == CV_8U ? throughJpeg(read, codingQuality(coding)) : read;
 }
 
 }  // namespace fathom

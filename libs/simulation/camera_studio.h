@@ -64,7 +64,8 @@ class CameraStudio {
   /// nothing is smeared by motion.
   cv::Mat lightIn(const Environment& environment, const CameraShot& shot, const View& albedo) const;
   /// The numbers that become of light, see ImageModel; of a camera that measures one colour a pixel as
-  /// readImage() gives them. Without `noise`: none.
+  /// readImage() gives them; where they have eight bits, through the compression that is on. Without
+  /// `noise`: none.
   cv::Mat exposeLight(const CameraShot& shot, const cv::Mat& light, Random* noise) const;
   /// The image that becomes of a view.
   cv::Mat expose(const CameraShot& shot, const View& view, Random* noise) const {

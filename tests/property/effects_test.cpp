@@ -12,6 +12,7 @@
 #include "effects/catalogue.h"
 #include "imaging/detected_corners.h"
 #include "imaging/image_patch.h"
+#include "imaging/image_texture.h"
 #include "imaging/marine_snow.h"
 #include "imaging/marker_blur.h"
 #include "sensors/channel_model.h"
@@ -128,6 +129,12 @@ void addSpecks(const EffectParameters<T>& effects, double t_s, const Add& add) {
   add(predictSpecks(volumes, effects, t_s));
 }
 
+/// The noise of surfaces, dark and bright.
+template <class T, class Add>
+void addTexture(const EffectParameters<T>& effects, double t_s, const Add& add) {
+  add(predictTexture({{0.4, 0.3, 0.15, 1e-4}, {0.6, 1.2, 0.5, 1e-3}}, effects, t_s));
+}
+
 /// Everything the forward model predicts of an entry stamped t_s, as one vector. The panel is before the
 /// camera when the vehicle is at `where`.
 template <class T>
@@ -157,6 +164,7 @@ std::vector<T> predictions(const KinematicState<double>& where, const KinematicS
   addPatches(where, seen, effects, t_s, add);
   addEdges(where, seen, effects, t_s, add);
   addSpecks(effects, t_s, add);
+  addTexture(effects, t_s, add);
   return all;
 }
 std::vector<double> predictions(const KinematicState<double>& state, const EffectParameters<double>& effects,

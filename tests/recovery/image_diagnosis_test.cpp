@@ -217,6 +217,35 @@ TEST(ImageDiagnosis, ASharpenedImageIsSaid) {
   EXPECT_NE(diagnosis.why.find("sharpening"), std::string::npos) << diagnosis.why;
 }
 
+/// What changes no patch: it is told by the noise of plain surfaces.
+template <class Effect>
+void expectToldByNoise(double amount) {
+  if (test::kSanitized)
+    GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
+  test::DiagnosisRun hidden = test::plainNull(test::lightDive(), 1);
+  hidden.run.effects.add<Effect>({amount});
+  const Diagnosis diagnosis = diagnose(hidden.input());
+  ASSERT_EQ(diagnosis.effects.size(), 1U) << diagnosis.why;
+  EXPECT_EQ(nameOf(diagnosis.effects[0].candidate), Effect::id);
+  const EffectEstimate& found = diagnosis.effects[0].estimates.at(0);
+  EXPECT_NEAR(found.value, amount, 3 * found.sigma);
+  EXPECT_LT(found.sigma, 0.1);
+}
+TEST(ImageDiagnosis, InterpolatedColoursAreTold) { expectToldByNoise<Demosaicing>(0.7); }
+TEST(ImageDiagnosis, CompressionIsTold) { expectToldByNoise<ImageCompression>(0.3); }
+
+// An ordinary camera does both, and more: no mismatch.
+TEST(ImageDiagnosis, AProcessedCameraMayDoBoth) {
+  if (test::kSanitized)
+    GTEST_SKIP() << "a minute under sanitizers: the test of the water takes the same way through the model";
+  test::DiagnosisRun ordinary = test::plainNull(test::lightDive(), 1);
+  ordinary.run.vehicle.camera->pipeline = CameraPipeline::processed;
+  ordinary.run.effects.add<Demosaicing>({1.0});
+  ordinary.run.effects.add<ImageCompression>({0.3});
+  const Diagnosis diagnosis = diagnose(ordinary.input());
+  EXPECT_TRUE(diagnosis.effects.empty()) << diagnosis.why;
+}
+
 /// What is drawn anew for each image: by how much it scatters, over some two dozen of them.
 class HiddenDrawnEffect : public testing::TestWithParam<const char*> {};
 TEST_P(HiddenDrawnEffect, IsNamed) {

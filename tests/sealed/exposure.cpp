@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
+#include <vector>
 
 #include "ordinary.h"
 
@@ -172,6 +175,49 @@ void Exposure::countElectrons(cv::Mat3f& light, Random& random) const {
   });
 }
 
+/// Behind a mosaic of filters, red green over green blue, a pixel measures one colour; each other one is the
+/// mean of the nearest pixels that measure it, beside it or, where there is none, at its corners.
+void Exposure::mosaic(cv::Mat3f& light, double stamp_s) const {
+  const auto share = static_cast<float>(sealed_.number("demosaicing", "interpolated", stamp_s));
+  if (share == 0) return;
+  const cv::Mat3f full = light.clone();
+  const auto measures = [](int row, int column) { return (row & 1) + (column & 1); };  // 0 red, 2 blue
+  const auto meanBeside = [&](int row, int column, int c, bool at_corners) {
+    float sum = 0;
+    int count = 0;
+    for (int down = -1; down <= 1; ++down)
+      for (int right = -1; right <= 1; ++right) {
+        const int r = row + down, k = column + right;
+        const bool is_corner = down != 0 && right != 0;
+        const bool is_inside = r >= 0 && k >= 0 && r < full.rows && k < full.cols;
+        if (!is_inside || is_corner != at_corners || measures(r, k) != c) continue;
+        sum += full(r, k)[c];
+        ++count;
+      }
+    return count > 0 ? std::optional(sum / static_cast<float>(count)) : std::nullopt;
+  };
+  changeAll(light, [&](int row, int column, cv::Vec3f& pixel) {
+    for (int c = 0; c < 3; ++c) {
+      if (measures(row, column) == c) continue;
+      auto other = meanBeside(row, column, c, false);
+      if (!other) other = meanBeside(row, column, c, true);
+      pixel[c] += share * (*other - pixel[c]);
+    }
+  });
+}
+
+/// Written and read as JPEG. libjpeg scales the standard's tables by 200 - 2 quality percent, of qualities
+/// below 50 by 5000 / quality.
+cv::Mat3b Exposure::compressed(const cv::Mat3b& image, double stamp_s) const {
+  const double percent = 100 * sealed_.number("image-compression", "table_scale", stamp_s);
+  if (percent == 0) return image;
+  const double quality = percent > 100 ? 5000 / percent : (200 - percent) / 2;
+  std::vector<unsigned char> bytes;
+  cv::imencode(".jpg", image, bytes,
+               {cv::IMWRITE_JPEG_QUALITY, static_cast<int>(std::clamp(std::lround(quality), 1L, 100L))});
+  return cv::imdecode(bytes, cv::IMREAD_COLOR);
+}
+
 /// Unsharp masking of readings, with the binomial of four steps each way for the blurred copy: its variance
 /// is 1 px^2.
 cv::Mat3d Exposure::sharpened(const cv::Mat3d& readings, double stamp_s) const {
@@ -224,7 +270,8 @@ cv::Mat3b Exposure::expose(const cv::Mat3f& light, const SightLines& sight, doub
   at_sensor *=
       std::exp(log_gain * sealed_.number("auto-exposure", "log_gain_sd", stamp_s) + ordinaryLogGain(stamp_s));
   countElectrons(at_sensor, random);
-  return respond(at_sensor, stamp_s);
+  mosaic(at_sensor, stamp_s);
+  return compressed(respond(at_sensor, stamp_s), stamp_s);
 }
 
 }  // namespace fathom::sealed

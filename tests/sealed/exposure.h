@@ -29,6 +29,8 @@ class Exposure {
   void strewLight(cv::Mat3f& light, double stamp_s) const;
   void weighColours(cv::Mat3f& light, const SightLines& sight, double stamp_s) const;
   void countElectrons(cv::Mat3f& light, Random& random) const;
+  void mosaic(cv::Mat3f& light, double stamp_s) const;
+  cv::Mat3b compressed(const cv::Mat3b& image, double stamp_s) const;
   cv::Mat3d sharpened(const cv::Mat3d& readings, double stamp_s) const;
   cv::Mat3b respond(const cv::Mat3f& light, double stamp_s) const;
 

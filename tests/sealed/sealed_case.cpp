@@ -111,6 +111,10 @@ const std::vector<EffectKind>& effectKinds() {
       // Standard deviation, to either side, of the disc to which a point is spread.
       {"defocus", true, {{"blur_px", 1, true, true}}},
       {"sharpening", true, {{"amount", 1, true, true}}},
+      // Share in which a pixel has its other two colours from its neighbours.
+      {"demosaicing", true, {{"interpolated", 1, true, true}}},
+      // Times the tables that the JPEG standard suggests.
+      {"image-compression", true, {{"table_scale", 1, true, true}}},
       // Share of its speed that a beam does not tell.
       {"beam-missing",
        false,

@@ -253,6 +253,23 @@ std::vector<ImageSpecks> BatchRun::specks() const {
   return specks;
 }
 
+// Of some ten thousand pixels of them, dark and bright.
+std::vector<ImageTexture> BatchRun::textures() const {
+  Random random = Random::stream(seed, 82);
+  std::vector<ImageTexture> textures;
+  for (const ImagePatch& patch : patchesOfMarkers()) {
+    if (!textures.empty() && textures.back().image == patch.image) continue;
+    ImageTexture seen{.t_s = patch.t_s, .image = patch.image};
+    seen.sigma = {0.015, 0.03};
+    seen.noise = {{0.4, 0.25, 0.11, 1e-4}, {0.6, 0.7, 0.3, 1e-3}};
+    const Vector3d error = noise ? random.normal3() : Vector3d(Vector3d::Zero());
+    seen.log_ratio =
+        predictTexture(seen.noise, effects, patch.t_s) + seen.sigma.cwiseProduct(error.head<2>());
+    textures.push_back(seen);
+  }
+  return textures;
+}
+
 BatchInput BatchRun::input(const std::vector<Sample>& all,
                            const EffectParameters<double>& calibration) const {
   BatchInput input =
@@ -262,6 +279,7 @@ BatchInput BatchRun::input(const std::vector<Sample>& all,
   input.data.patches = patches();
   input.data.blurs = blurs();
   input.data.specks = specks();
+  input.data.textures = textures();
   input.data.water = environmentOf(1.02 * coastalWater());  // the fit starts a little off
   return input;
 }

@@ -28,8 +28,8 @@ struct BatchRun {
   double corner_sigma_px = 0.15;
   std::uint64_t seed = 1;
   PanelMap panel;       ///< as the map has it
-  bool pixels = false;  ///< black, white and edges of each marker, open water and specks, straight from the
-                        ///< forward models
+  bool pixels = false;  ///< black, white and edges of each marker, open water, specks and texture, straight
+                        ///< from the forward models
 
   // What no effect describes.
   std::optional<PanelMap> true_panel;  ///< where it is not as the map has it
@@ -45,6 +45,7 @@ struct BatchRun {
   std::vector<ImagePatch> patches() const;
   std::vector<MarkerBlur> blurs() const;
   std::vector<ImageSpecks> specks() const;
+  std::vector<ImageTexture> textures() const;
   BatchInput input(const EffectParameters<double>& calibration = {}) const {
     return input(samples(), calibration);
   }

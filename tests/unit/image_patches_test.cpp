@@ -1,5 +1,5 @@
-// Patches, edges and specks of images: with every effect on light, what they should read is what the image
-// has.
+// Patches, edges, specks and noise of images: with every effect on light, what they should read is what the
+// image has.
 #include "observables/image_patches.h"
 
 #include <gtest/gtest.h>
@@ -10,6 +10,7 @@
 #include "environment/water_fit.h"
 #include "imaging/exposure_time.h"
 #include "imaging/image_patch.h"
+#include "imaging/image_texture.h"
 #include "imaging/marine_snow.h"
 #include "imaging/marker_blur.h"
 #include "support/shared_data.h"
@@ -33,6 +34,7 @@ struct Seen {
   std::vector<ImagePatch> patches;
   std::vector<MarkerBlur> blurs;
   std::vector<ImageSpecks> specks;
+  std::vector<ImageTexture> textures;
   std::vector<PosedImage> posed;
 };
 
@@ -49,7 +51,8 @@ Seen seenWith(const EffectParameters<double>& effects, double exposure_s = 0.004
   const CleanPairMaker maker(world);
   const Time time_zero = RawlogReader(recording.rawlog).next()->time;
   ImagePatches found = imagePatches(images.posed, maker, time_zero, startWater);
-  return {std::move(found.patches), std::move(found.blurs), std::move(found.specks), images.posed};
+  return {std::move(found.patches), std::move(found.blurs), std::move(found.specks),
+          std::move(found.textures), images.posed};
 }
 
 KinematicState<double> stateOf(const PosedImage& posed) {
@@ -126,7 +129,7 @@ TEST(ImagePatches, SpreadInTheImageAsOnThePanel) {
   EXPECT_GT(of_panel, 30U);
 }
 
-/// By the stage that an effect acts at it is seen in edges, as specks, or else in patches.
+/// By the stage that an effect acts at it is seen in edges, as specks, in noise, or else in patches.
 template <class Stage>
 bool actsAt(std::size_t effect) {
   EffectParameters<double> alone;
@@ -136,7 +139,10 @@ bool actsAt(std::size_t effect) {
 bool smears(std::size_t effect) { return actsAt<ExposureTime<double>>(effect); }
 bool showsInEdges(std::size_t effect) { return smears(effect) || actsAt<ImageSoftness<double>>(effect); }
 bool showsAsSpecks(std::size_t effect) { return actsAt<SuspendedParticles<double>>(effect); }
-bool showsInPatches(std::size_t effect) { return !showsInEdges(effect) && !showsAsSpecks(effect); }
+bool showsInNoise(std::size_t effect) { return actsAt<ImageCoding<double>>(effect); }
+bool showsInPatches(std::size_t effect) {
+  return !showsInEdges(effect) && !showsAsSpecks(effect) && !showsInNoise(effect);
+}
 
 std::vector<std::size_t> lightEffects() {
   std::vector<std::size_t> effects;
@@ -179,7 +185,9 @@ TEST_P(EdgesWithEffect, AreAsSoftAsPredicted) {
   const EffectInfo& effect = allEffects()[GetParam()];
   EffectParameters<double> effects = withOnly(effect);
   if (showsInEdges(effect.index))
-    effects.values[effect.first_scalar] = smears(effect.index) ? 0.1 * 0.1 : 0.5;
+    effects.values[effect.first_scalar] = smears(effect.index)         ? 0.1 * 0.1
+                                          : showsInNoise(effect.index) ? 1
+                                                                       : 0.5;
   const Seen seen = seenWith(effects);
   ASSERT_GT(seen.blurs.size(), 15U);
   EXPECT_LT(softnessError(seen, effects), 2) << effect.id;
@@ -220,7 +228,42 @@ TEST_P(SpecksWithEffect, AreAsManyAsPredicted) {
   for (int k = 0; k < kSpeckClasses; ++k)
     EXPECT_NEAR(counted[k], expected[k], 4 * std::sqrt(1 + expected[k])) << effect.id << " " << k;
 }
-INSTANTIATE_TEST_SUITE_P(ImagePatches, SpecksWithEffect, testing::ValuesIn(lightEffects()), nameOfTest);
+/// Compression leaves rims at edges, which may be counted: see countSpecks().
+std::vector<std::size_t> effectsBesideSpecks() {
+  std::vector<std::size_t> effects = lightEffects();
+  std::erase(effects, kEffectIndex<ImageCompression>);
+  return effects;
+}
+INSTANTIATE_TEST_SUITE_P(ImagePatches, SpecksWithEffect, testing::ValuesIn(effectsBesideSpecks()),
+                         nameOfTest);
+
+class NoiseWithEffect : public testing::TestWithParam<std::size_t> {};
+
+// Only interpolated colours and compression show in it. The forward model takes noise and slopes as normal:
+// ratios are right to 10 % (chessboard) and 25 % (blocks: some points of quality).
+TEST_P(NoiseWithEffect, IsAsPredicted) {
+  const EffectInfo& effect = allEffects()[GetParam()];
+  EffectParameters<double> effects = withOnly(effect);
+  if (showsInNoise(effect.index))
+    effects.values[effect.first_scalar] = effect.index == kEffectIndex<Demosaicing> ? 1 : 0.3;
+  const std::vector<ImageTexture> textures = seenWith(effects).textures;
+  ASSERT_EQ(textures.size(), 3U);
+  Eigen::Vector2d read = Eigen::Vector2d::Zero(), expected = read, variance = read;
+  for (const ImageTexture& texture : textures) {
+    read += texture.log_ratio / 3;
+    expected += predictTexture(texture.noise, effects, texture.t_s) / 3;
+    variance += texture.sigma.cwiseAbs2() / 9;
+  }
+  if (!showsInNoise(effect.index)) {
+    EXPECT_EQ(expected.norm(), 0) << effect.id;
+  }
+  const Eigen::Vector2d tolerance =
+      showsInNoise(effect.index) ? Eigen::Vector2d(0.1, 0.25) : Eigen::Vector2d(0, 0);
+  for (int k = 0; k < 2; ++k)
+    EXPECT_NEAR(read[k], expected[k], tolerance[k] + 4 * std::sqrt(variance[k])) << effect.id << " " << k;
+  EXPECT_EQ(expected.maxCoeff() > 0.3, showsInNoise(effect.index)) << effect.id;
+}
+INSTANTIATE_TEST_SUITE_P(ImagePatches, NoiseWithEffect, testing::ValuesIn(lightEffects()), nameOfTest);
 
 }  // namespace
 }  // namespace fathom

@@ -149,6 +149,21 @@ TEST(SealedImages, EdgesAreSofterOutOfFocusAndHarderSharpened) {
   EXPECT_LT(cv::norm(cv::mean(Scene(sharpening).image()) - cv::mean(Scene("[]").image())), 0.1);
 }
 
+// Interpolated colours soften edges a little, and compression changes most pixels; neither changes the mean
+// by more than rounding does.
+TEST(SealedImages, ColoursAreInterpolatedAndImagesCompressed) {
+  const Scene plain("[]");
+  const cv::Mat before = plain.image();
+  for (const char* effect : {R"([{"id": "demosaicing", "parameters": {"interpolated": 1}}])",
+                             R"([{"id": "image-compression", "parameters": {"table_scale": 0.3}}])"}) {
+    const cv::Mat after = Scene(effect).image();
+    EXPECT_GT(cv::norm(before, after, cv::NORM_L1), 0.05 * static_cast<double>(before.total())) << effect;
+    EXPECT_LT(cv::norm(cv::mean(before) - cv::mean(after)), 0.5) << effect;
+  }
+  EXPECT_LT(steepestStep(Scene(R"([{"id": "demosaicing", "parameters": {"interpolated": 1}}])").image()),
+            steepestStep(before));
+}
+
 // Gains of each image and colour, anew for each.
 TEST(SealedImages, ColoursAreWeighedAnewForEachImage) {
   const Scene plain("[]"),
