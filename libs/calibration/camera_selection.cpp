@@ -5,8 +5,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "core/for_each.h"
 #include "core/median.h"
-#include "core/parallel.h"
 #include "core/progress.h"
 
 namespace fathom {
@@ -79,7 +79,7 @@ class Selection {
     selection_.by_opencv = fitByOpenCv(judged_, setting_);
     std::vector<std::optional<Tried>> tried(kinds.size());
     std::vector<std::string> why(kinds.size());
-    parallelFor(kinds.size(), [&](std::size_t i) {
+    forEachIndex(kinds.size(), "fitting kinds of cameras", [&](std::size_t i) {
       try {
         tried[i] = tryKind(*kinds[i]);
       } catch (const std::invalid_argument& e) {

@@ -41,7 +41,7 @@ struct ImageCompression {
   static double qualityOf(double table_scale) {
     return std::clamp(table_scale > 1 ? 50 / table_scale : 100 - 50 * table_scale, 1.0, 100.0);
   }
-  static Vector3d derive(const double* p, const Vector3d&) { return Vector3d::Constant(qualityOf(p[0])); }
+  static Vector3d derive(const double* p, const DerivedFrom&) { return Vector3d::Constant(qualityOf(p[0])); }
   template <class T>
   static void apply(const T* p, Stage<T>& image) {
     image.quantum_dn += kStandardStep_dn * p[0];
