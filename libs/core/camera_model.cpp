@@ -36,6 +36,17 @@ std::optional<LensModel> lensNamed(std::string_view name) {
   return static_cast<LensModel>(found - kLensNames.begin());
 }
 
+int colourAt(BayerPattern pattern, int column, int row) {
+  constexpr int kRed = 0, kGreen = 1, kBlue = 2;
+  constexpr std::array<std::array<int, 4>, 4> kColours{{{kRed, kGreen, kGreen, kBlue},
+                                                        {kGreen, kRed, kBlue, kGreen},
+                                                        {kGreen, kBlue, kRed, kGreen},
+                                                        {kBlue, kGreen, kGreen, kRed}}};
+  if (pattern == BayerPattern::none) return -1;
+  const auto one = static_cast<std::size_t>(pattern) - 1;
+  return kColours[one][static_cast<std::size_t>(2 * (row % 2) + column % 2)];
+}
+
 double pixelsPerMeasured(BayerPattern pattern, int colour) {
   if (pattern == BayerPattern::none) return 1;
   constexpr int kGreen = 1;

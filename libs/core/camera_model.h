@@ -103,6 +103,8 @@ std::span<const LensCoefficient> coefficientsOf(LensModel lens);
 /// "plumb_bob", …, as in files.
 std::string_view nameOf(LensModel lens);
 std::optional<LensModel> lensNamed(std::string_view name);
+/// The colour that a pixel measures: 0 red, 1 green, 2 blue; -1: all of them.
+int colourAt(BayerPattern pattern, int column, int row);
 /// How many pixels come to one that measures a colour (0 red, 1 green, 2 blue): by so much fewer tell of it.
 double pixelsPerMeasured(BayerPattern pattern, int colour);
 /// "rggb", …, as in files; none has no name.

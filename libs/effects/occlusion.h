@@ -42,7 +42,7 @@ struct Occlusion {
       Parameter{.name = "brightness",
                 .unit = "1",
                 .prior_sigma = 1.0,
-                .limit = 1,
+                .limit = 2,
                 .kind = ParameterKind::shape,
                 .at_zero = kUsualBrightness,
                 .optional = true,

@@ -20,9 +20,9 @@ T sharpeningSeen_px2(const T& sharpened_px2) {
   return T(0.77 * sharpened_px2 / (1.0 + 0.46 * sharpened_px2));
 }
 
-/// By how much a colour of a Bayer pattern that is interpolated bilinearly softens edges, mean over the
-/// pattern's four pixels: green 1/4 px², red and blue 1/2 px², as an image's brightness has them.
-inline constexpr double kInterpolated_px2 = 0.587 / 4 + (0.299 + 0.114) / 2;
+/// By how much a colour of a Bayer pattern that is interpolated bilinearly softens edges: 1/4 px² of green,
+/// 1/2 of red and of blue, mean over the pattern; edges are compared in the mean of all three.
+inline constexpr double kInterpolated_px2 = (0.25 + 2 * 0.5) / 3;
 
 /// Of one marker in one image: a normal blur's covariance, as xx, xy, yy.
 struct MarkerBlur {

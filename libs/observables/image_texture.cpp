@@ -15,8 +15,7 @@ namespace {
 constexpr int kTextureSquare_px = 32;                  // a multiple of the blocks
 constexpr double kDarkestGreen = 8, kBrightest = 245;  // means of squares, DN: nothing is clipped
 constexpr double kFarOff = 10;                         // sigmas by the camera's sheet
-constexpr double kFewestBorderSteps = 200;             // of an image; then their variance is known to 10 %
-constexpr std::size_t kFewestSquares = 10;
+constexpr double kFewestDifferences = 16;  // of an image: the logarithm of their mean is off by 1/16
 constexpr double kLeastSpread_px2 = 5000;  // sum of squares about a square's middle for which it has a slope
 constexpr double kLevelsPerOctave = 2;     // of noise variances
 constexpr double kOtherChessboard = 5;     // sigmas
@@ -70,7 +69,7 @@ class TextureMeasurement {
  public:
   TextureMeasurement(const cv::Mat& image, const cv::Mat& mask, const cv::Mat& labels,
                      const CameraSheet& sheet)
-      : image_(image), mask_(mask), labels_(labels), sheet_(sheet) {
+      : image_(image), mask_(mask), labels_(labels), sheet_(sheet), plain_blocks_(plainBlocks()) {
     forEachPixel([&](const Key& key) { return &squares_[key]; },
                  [&](const cv::Point& pixel, TextureSquare& square) { addPixel(pixel, square); });
     std::erase_if(squares_, [](const auto& entry) { return !entry.second.isWellExposed(); });
@@ -85,8 +84,9 @@ class TextureMeasurement {
 
   std::optional<ImageTexture> texture() const {
     ImageTexture result;
-    const auto chessboard = ratio(&TextureSquare::chessboard, kRoundedCurve_dn2);
-    const auto blocks = ratio(&TextureSquare::steps, kRoundedStep_dn2);
+    const auto chessboard = ratio(&TextureSquare::chessboard, kRoundedCurve_dn2, 1);
+    // Where blocks differ they do so all along a border.
+    const auto blocks = ratio(&TextureSquare::steps, kRoundedStep_dn2, BlockTransform::kSide);
     if (!chessboard || !blocks) return std::nullopt;
     result.log_ratio = {chessboard->logarithm, blocks->logarithm};
     result.sigma = {chessboard->sigma, blocks->sigma};
@@ -105,6 +105,27 @@ class TextureMeasurement {
   }
   bool isOneSurface(const cv::Point& a, const cv::Point& b) const {
     return counts(b) && labels_.at<int>(a) == labels_.at<int>(b);
+  }
+
+  /// CV_8UC1, of each block whether all of it counts, so that no edge is in it. Of others compression leaves
+  /// rims about the edge all over the block, which are steps within it.
+  cv::Mat plainBlocks() const {
+    constexpr int kSide = BlockTransform::kSide;
+    cv::Mat plain(image_.rows / kSide, image_.cols / kSide, CV_8UC1);
+    for (int row = 0; row < plain.rows; ++row)
+      for (int column = 0; column < plain.cols; ++column) {
+        const cv::Point first(column * kSide, row * kSide);
+        bool is_plain = true;
+        for (int i = 0; is_plain && i < kSide * kSide; ++i)
+          is_plain = counts(first + cv::Point(i % kSide, i / kSide));
+        plain.at<std::uint8_t>(row, column) = is_plain ? 1 : 0;
+      }
+    return plain;
+  }
+  bool isInPlainBlock(const cv::Point& pixel) const {
+    const cv::Point block = pixel / BlockTransform::kSide;
+    return block.x < plain_blocks_.cols && block.y < plain_blocks_.rows &&
+           plain_blocks_.at<std::uint8_t>(block) != 0;
   }
 
   /// Those that count and have a square, with it. Neighbours mostly have the same.
@@ -153,7 +174,7 @@ class TextureMeasurement {
         square.chessboard[(pixel.x + pixel.y) % 2 == 1 ? 0 : 1].add(curve);
     }
     const auto addStep = [&](const cv::Point& next, bool is_last) {
-      if (!isOneSurface(pixel, next)) return;
+      if (!isOneSurface(pixel, next) || !isInPlainBlock(pixel) || !isInPlainBlock(next)) return;
       const double step = lumaOf(image_.at<cv::Vec3b>(next)) - lumaOf(image_.at<cv::Vec3b>(pixel));
       if (step * step < kFarOff * kFarOff * 2 * (square.luma_dn2 + kRounding_dn2))
         square.steps[is_last ? 0 : 1].add(step);
@@ -164,8 +185,10 @@ class TextureMeasurement {
 
   double green(const cv::Point& pixel) const { return image_.at<cv::Vec3b>(pixel)[1]; }
 
-  /// Logarithm of the first's mean over the second's, each with what rounding makes of it.
-  std::optional<LogRatio> ratio(std::array<SquareSum, 2> TextureSquare::*kind, double rounded_dn2) const {
+  /// Logarithm of the first's mean over the second's, each with what rounding makes of it. Of the first so
+  /// many say the same.
+  std::optional<LogRatio> ratio(std::array<SquareSum, 2> TextureSquare::*kind, double rounded_dn2,
+                                double together) const {
     SquareSum first, second;
     std::size_t used = 0;
     for (const auto& [key, square] : squares_) {
@@ -174,8 +197,7 @@ class TextureMeasurement {
       second.sum += own[1].sum, second.count += own[1].count;
       used += own[0].count > 0 && own[1].count > 0 ? 1U : 0U;
     }
-    if (used < kFewestSquares || std::min(first.count, second.count) < kFewestBorderSteps)
-      return std::nullopt;
+    if (used < 2 || std::min(first.count, second.count) < kFewestDifferences) return std::nullopt;
     double square_sum = 0;
     for (const auto& [key, square] : squares_) {
       const auto part = [&](const SquareSum& own, const SquareSum& all) {
@@ -184,9 +206,9 @@ class TextureMeasurement {
       square_sum += std::pow(part((square.*kind)[0], first) - part((square.*kind)[1], second), 2);
     }
     const double squares = static_cast<double>(used);
-    return LogRatio{
-        std::log((first.mean() + rounded_dn2) / (second.mean() + rounded_dn2)),
-        std::sqrt(std::max(square_sum * squares / (squares - 1), 2 / first.count + 2 / second.count))};
+    return LogRatio{std::log((first.mean() + rounded_dn2) / (second.mean() + rounded_dn2)),
+                    std::sqrt(std::max(square_sum * squares / (squares - 1),
+                                       2 * together / first.count + 2 / second.count))};
   }
 
   std::vector<NoiseLevel> noise() const {
@@ -219,6 +241,7 @@ class TextureMeasurement {
   const cv::Mat& mask_;
   const cv::Mat& labels_;
   const CameraSheet& sheet_;
+  const cv::Mat plain_blocks_;
   std::map<Key, TextureSquare> squares_;
 };
 

@@ -14,10 +14,11 @@ namespace fathom {
 /// one albedo (`mask`, CV_8UC1, not 0 there), of which `labels` (CV_32SC1) says which; below 0: none that
 /// counts. Stamp and image are the caller's. Nothing where too few pixels are well exposed.
 ///
-/// Squared differences are summed up by squares of 32 pixels of each label. What is ten times as far off as
-/// noise would be, at some speck or edge, does not count. Sigmas are from how differently the squares
-/// contribute (the sandwich estimate of a ratio), and at least what independent normal differences would
-/// have. Noise is the camera's sheet's at the squares' brightness, slopes are planes' through them.
+/// Steps count in blocks of which all counts. Squared differences are summed up by squares of 32
+/// pixels of each label. What is ten times as far off as noise would be, at some speck or edge, does not
+/// count. Sigmas are from how differently the squares contribute (the sandwich estimate of a ratio), and at
+/// least what independent normal differences would have. Noise is the camera's sheet's at the squares'
+/// brightness, slopes are planes' through them.
 std::optional<ImageTexture> measureTexture(const cv::Mat& image, const cv::Mat& mask, const cv::Mat& labels,
                                            const CameraSheet& sheet);
 

@@ -18,27 +18,29 @@ constexpr double kLeastCorrelation = 0.5;     // of albedo and reading within an
 constexpr double kSaturatedShare = 0.5;       // of patches, from which on the image counts as overexposed
 constexpr double kDarkSigmas = 3;             // a mean nearer to 0 is biased by clipping there
 constexpr std::size_t kFewestOfAnImage = 10;  // of an image
+constexpr double kFewestOfAColour = 6;        // pixels: four numbers are fitted to them
 
 /// What is summed over the pixels of a patch in one colour: column, row, albedo and light, and their
 /// products.
 struct ColourSums {
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();
   Eigen::Matrix4d products = Eigen::Matrix4d::Zero();
-  double brightest = 0;
+  double pixels = 0, brightest = 0;
 
   void add(const Vector2d& where, double albedo, double light) {
     const Eigen::Vector4d pixel(where.x(), where.y(), albedo, light);
+    ++pixels;
     sum += pixel;
     products += pixel * pixel.transpose();
     brightest = std::max(brightest, light);
   }
   /// What the light varies by about what goes with place and albedo, for that the mean has, and is no noise.
-  double variance(double n) const {
+  double variance() const {
     constexpr double kNothing = 1e-12;  // by which an albedo varies that is the same all over
-    const Eigen::Matrix4d scatter = products - sum * sum.transpose() / n;
+    const Eigen::Matrix4d scatter = products - sum * sum.transpose() / pixels;
     const Eigen::Matrix3d known = scatter.topLeftCorner<3, 3>() + kNothing * Eigen::Matrix3d::Identity();
     const Vector3d with_light = scatter.topRightCorner<3, 1>();
-    return std::max(0.0, scatter(3, 3) - normalizedSquare(known, with_light)) / (n - 4);
+    return std::max(0.0, scatter(3, 3) - normalizedSquare(known, with_light)) / (pixels - 4);
   }
 };
 
@@ -49,13 +51,17 @@ struct Sums {
   std::array<ColourSums, 3> colours;
   Surroundings<double> around = Surroundings<double>::Zero();
 
-  void add(const Vector2d& where, const cv::Vec3f& light, const cv::Vec3f& surface, double z, double range) {
+  /// `measured`: the colour that this pixel tells of, as colourAt(); what is between says nothing of its own.
+  void add(const Vector2d& where, int measured, const cv::Vec3f& light, const cv::Vec3f& surface, double z,
+           double range) {
     ++pixels;
     z_m += z;
     z_squared += z * z;
     range_m += range;
     radius_squared += range * range / (z * z) - 1;
-    for (int c = 0; c < 3; ++c) colours[static_cast<std::size_t>(c)].add(where, surface[c], light[c]);
+    for (int c = 0; c < 3; ++c)
+      if (measured < 0 || measured == c)
+        colours[static_cast<std::size_t>(c)].add(where, surface[c], light[c]);
   }
   void addAround(std::size_t blur, const cv::Vec3f& surface) {
     around.col(static_cast<Eigen::Index>(blur)) += Vector3d(surface[0], surface[1], surface[2]);
@@ -92,9 +98,10 @@ Patch patchFrom(const Sums& sums, const CameraSheet& sheet, PatchSet& set) {
   const double mean_m = sums.z_m / n;
   patch.z_m = mean_m - 0.5 * kUsualAttenuation_per_m * (sums.z_squared / n - mean_m * mean_m);
   patch.range_m = sums.range_m / n;
-  patch.pixel = sums.colours[0].sum.head<2>() / n;
+  const ColourSums& places = sums.colours[1];  // green is the densest
+  patch.pixel = places.sum.head<2>() / places.pixels;
   patch.pixel_covariance =
-      sums.colours[0].products.topLeftCorner<2, 2>() / n - patch.pixel * patch.pixel.transpose();
+      places.products.topLeftCorner<2, 2>() / places.pixels - patch.pixel * patch.pixel.transpose();
   patch.image_radius = std::sqrt(std::max(0.0, sums.radius_squared / n));
   for (const Vector2d& pixel : pixelsAround(patch)) patch.image_tangent += 0.25 * sheet.model.idealAt(pixel);
   patch.response_gamma = sheet.response_gamma;
@@ -103,16 +110,15 @@ Patch patchFrom(const Sums& sums, const CameraSheet& sheet, PatchSet& set) {
   bool saturated = false, dark = false;
   for (int c = 0; c < 3; ++c) {
     const ColourSums& own = sums.colours[static_cast<std::size_t>(c)];
-    patch.albedo[c] = own.sum[2] / n;
-    const double mean = patch.radiance[c] = own.sum[3] / n;
+    if (own.pixels < kFewestOfAColour) continue;
+    patch.albedo[c] = own.sum[2] / own.pixels;
+    const double mean = patch.radiance[c] = own.sum[3] / own.pixels;
     const bool too_bright = own.brightest >= full;
     const bool too_dark = mean < kDarkSigmas * radianceSigma(mean, sheet);
     saturated |= too_bright;
     dark |= too_dark;
     if (too_bright || too_dark) continue;
-    // What is between measured pixels says nothing that they do not.
-    const double told_by = n / pixelsPerMeasured(sheet.model.bayer, c);
-    const Measured colour = measured(mean, own.variance(n), told_by, sheet);
+    const Measured colour = measured(mean, own.variance(), own.pixels, sheet);
     patch.radiance[c] = colour.radiance;
     patch.sigma[c] = colour.sigma;
   }
@@ -213,8 +219,8 @@ PatchSet patchesOf(const cv::Mat& image, const View& clean, const cv::Mat& mask,
     for (int u = 0; u < image.cols; ++u) {
       if (usable.at<std::uint8_t>(v, u) == 0) continue;
       const double range = clean.range_m.at<float>(v, u);
-      by_label[labels.at<int>(v, u)].add(Vector2d(u, v), light.at<cv::Vec3f>(u),
-                                         clean.radiance.at<cv::Vec3f>(v, u),
+      by_label[labels.at<int>(v, u)].add(Vector2d(u, v), colourAt(sheet.model.bayer, u, v),
+                                         light.at<cv::Vec3f>(u), clean.radiance.at<cv::Vec3f>(v, u),
                                          range * z_per_range.at<float>(v, u), range);
     }
   }

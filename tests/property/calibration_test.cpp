@@ -61,10 +61,11 @@ Error errorOf(const std::string& text) {
 /// So many zeros, but for the last, as a file has them; of a sensor, one that there is.
 std::string valueText(const Parameter& p, const std::string& last = "0") {
   if (const auto words = wordsOf(p.kind); !words.empty()) return std::string(words[0]);
-  if (p.at_zero > 0 && last == "0") return "1";  // it has no zero
+  const std::string neutral = p.at_zero > 0 ? "1" : "0";  // it has no zero
   std::string text;
-  for (int i = 1; i < p.size; ++i) text += "0, ";
-  return p.size == 1 ? last : "[" + text + last + "]";
+  for (int i = 1; i < p.size; ++i) text += neutral + ", ";
+  const std::string end = last == "0" ? neutral : last;
+  return p.size == 1 ? end : "[" + text + end + "]";
 }
 
 /// An entry with every parameter zero but, where given, one spoilt.

@@ -249,7 +249,7 @@ TEST(ImageTexture, SpecksDoNotCount) {
 TEST(ImageTexture, IsNotMeasuredWhereThereIsTooLittle) {
   const cv::Mat image = inNumbers(PlainScene().readings(1)), labels(kTextureSize_px, CV_32SC1, cv::Scalar(0));
   cv::Mat mask(kTextureSize_px, CV_8UC1, cv::Scalar(0));
-  mask({100, 100, 60, 60}) = 255;
+  mask({100, 100, 10, 10}) = 255;
   EXPECT_FALSE(measureTexture(image, mask, labels, CameraSheet()));
   mask = 255;
   EXPECT_FALSE(measureTexture(image, mask, labels - 1, CameraSheet()));

@@ -95,7 +95,7 @@ TEST(WaterPatches, ScatterByTheirSigmaWhateverVariesWithinThem) {
   EXPECT_NEAR(meanSquareOff(BayerPattern::none), 1, 0.3);
 }
 
-// Of a raw image only those pixels tell of a colour that measure it: with sigmas of all it were 3.3.
+// Of a raw image only those pixels tell of a colour that measure it: with sigmas of all it were more.
 TEST(WaterPatches, OfARawImageScatterByTheirSigmaToo) {
   EXPECT_NEAR(meanSquareOff(BayerPattern::rggb), 1, 0.3);
   EXPECT_NEAR(meanSquareOff(BayerPattern::gbrg), 1, 0.3);
