@@ -140,7 +140,8 @@ template <class Predict>
 Eigen::VectorXd differentiated(const std::vector<int>& columns, Eigen::MatrixXd& derivative,
                                const Predict& predict) {
   Eigen::VectorXd prediction;
-  for (std::size_t first = 0; first < columns.size(); first += kJetSize) {
+  std::size_t first = 0;
+  do {  // once even by nothing: there is a prediction
     const auto jets = predict(first);
     if (first == 0) {
       prediction.resize(jets.size());
@@ -151,7 +152,8 @@ Eigen::VectorXd differentiated(const std::vector<int>& columns, Eigen::MatrixXd&
         std::min<Eigen::Index>(kJetSize, std::ssize(columns) - static_cast<Eigen::Index>(first));
     for (Eigen::Index i = 0; i < jets.size(); ++i)
       derivative.row(i).segment(static_cast<Eigen::Index>(first), count) = jets[i].v.head(count).transpose();
-  }
+    first += kJetSize;
+  } while (first < columns.size());
   return prediction;
 }
 

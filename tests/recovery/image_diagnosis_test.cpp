@@ -132,7 +132,8 @@ INSTANTIATE_TEST_SUITE_P(Diagnosis, HiddenImageEffect,
                          testing::Values("separate-backscatter", "slant-range", "lamp", "forward-scatter",
                                          "vignetting", "gamma", "dark-offset", "turbidity-plume",
                                          "motion-blur", "marine-snow", "dvl-latency", "flat-field",
-                                         "response-curve", "veiling-glare", "defocus"));
+                                         "response-curve", "veiling-glare", "defocus", "biofouling",
+                                         "occlusion"));
 
 // Dirt on two places of a panel: no effect is named for it, it is said where, and the other places' prints
 // are as even as they were.

@@ -166,7 +166,9 @@ std::vector<ImagePatch> BatchRun::patchesOfMarkers() const {
       const Vector3d point = T_camera_panel * patch.point_panel;
       if (point.z() < 0.1 || !sheet.model.contains(sheet.model.project<double>(point))) continue;
       patch.pixel = sheet.model.project<double>(point);
+      patch.image_place = patch.pixel.array() / Vector2d(sheet.model.width_px, sheet.model.height_px).array();
       patch.image_tangent = point.head<2>() / point.z();
+      patch.marker_id = marker.id;
       patch.image_radius = patch.image_tangent.norm();
       for (const bool white : {false, true}) {
         patch.surface = white ? ImagePatch::Surface::white : ImagePatch::Surface::black;
@@ -198,6 +200,7 @@ std::vector<ImagePatch> BatchRun::patchesOfWater() const {
         panel.T_odom_panel.inverse() * Pose{state.R_odom_robot, state.position_odom} * sheet.T_robot_camera;
     for (const double share : {0.25, 0.75}) {
       patch.place = share < 0.5 ? -2 : -1;
+      patch.image_place = {share, 0.1};
       patch.pixel = {share * sheet.model.width_px, 0.1 * sheet.model.height_px};
       const Vector2d direction = sheet.model.idealAt(patch.pixel);
       patch.image_tangent = direction;

@@ -164,6 +164,35 @@ TEST(SealedImages, ColoursAreInterpolatedAndImagesCompressed) {
             steepestStep(before));
 }
 
+// A film of algae, as much of it everywhere but for a sixth; other markers stay.
+TEST(SealedImages, GrowthDarkensOneMarkersWhite) {
+  const Scene plain("[]"), fouled(R"([{"id": "biofouling", "parameters":
+      {"marker_id": 420, "covered": 0.4, "growth_albedo": [0.08, 0.08, 0.08]}}])");
+  const cv::Mat3b before = plain.image(), after = fouled.image();
+  const WaterLight water = waterLightAt(plain.sealed, 0, 0);
+  int changed = 0;
+  forEachWhiteMargin(plain, [&](const cv::Point& pixel, const Vector3d& point) {
+    const double most = 0.4 * 1.42 * (0.85 - 0.08), kept = std::exp(-water.attenuation_per_m[1] * point.z());
+    const double darker_dn = double(before(pixel)[1]) - after(pixel)[1];
+    if (darker_dn == 0) return;
+    ++changed;
+    EXPECT_GT(darker_dn, 255 * 0.5 * 0.4 * (0.85 - 0.08) * water.daylight[1] * kept - 1);
+    EXPECT_LT(darker_dn, 255 * most * water.daylight[1] * kept + 1);
+  });
+  EXPECT_LE(changed, 1);
+  EXPECT_GT(cv::norm(before, after, cv::NORM_L1), 0);
+}
+
+TEST(SealedImages, WhatIsBeforeAPartOfTheViewIsSeenThere) {
+  const cv::Mat3b before = Scene("[]").image();
+  const cv::Mat3b after = Scene(R"([{"id": "occlusion", "parameters":
+      {"left": 0.5, "right": 1, "top": 0, "bottom": 1, "covered": 0.5, "brightness": 0.2}}])")
+                              .image();
+  for (const cv::Point& pixel : {cv::Point(600, 100), cv::Point(620, 400)})
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(after(pixel)[c], 0.5 * before(pixel)[c] + 0.5 * 0.2 * 255, 1);
+  EXPECT_EQ(after(240, 100), before(240, 100));
+}
+
 // Gains of each image and colour, anew for each.
 TEST(SealedImages, ColoursAreWeighedAnewForEachImage) {
   const Scene plain("[]"),
