@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <numbers>
 #include <string_view>
 
 #include "core/camera_model.h"
@@ -10,10 +12,20 @@ namespace fathom {
 /// A part of an image: shares of its width and height, from the left and from above.
 struct ImageRegion {
   std::string_view name;
-  double left = 0, right = 1, top = 0, bottom = 1;
+  double left, right, top, bottom;
 
   bool contains(const Vector2d& place) const {
     return place.x() >= left && place.x() < right && place.y() >= top && place.y() < bottom;
+  }
+  /// How much of what has this middle and these standard deviations lies in it, being an upright rectangle.
+  double shareOf(const Vector2d& place, const Vector2d& spread) const {
+    if (spread.isZero(0)) return contains(place) ? 1 : 0;
+    return within(place.x(), spread.x(), left, right) * within(place.y(), spread.y(), top, bottom);
+  }
+
+  static double within(double middle, double spread, double from, double to) {
+    const double half = std::max(1e-9, std::numbers::sqrt3 * spread);
+    return std::max(0.0, std::min(to, middle + half) - std::max(from, middle - half)) / (2 * half);
   }
 };
 

@@ -50,9 +50,9 @@ struct Occlusion {
   template <class T>
   static void apply(const T* p, Stage<T>& view) {
     const auto region = static_cast<std::size_t>(std::lround(valueOf(p[0])));
-    if (region >= kImageRegions.size() || !kImageRegions[region].contains(view.place)) return;
+    if (region >= kImageRegions.size()) return;
     using std::exp;
-    view.share += p[1];
+    view.share += kImageRegions[region].shareOf(view.place, view.spread) * p[1];
     view.radiance = kUsualBrightness * exp(p[2]);
   }
 };

@@ -212,8 +212,10 @@ struct SuspendedParticles {
 /// What is right before the camera, where a line of sight goes: starts with nothing.
 template <class T>
 struct ViewCover {
-  Vector2d place = Vector2d::Zero();  ///< context: shares of the image's width and height
-  T share = T(0);                     ///< of the light that comes from there instead
+  /// Context: of a pixel or a patch, shares of the image's width and height; what it extends over, standard
+  /// deviations.
+  Vector2d place = Vector2d::Zero(), spread = Vector2d::Zero();
+  T share = T(0);  ///< of the light that comes from there instead
   T radiance = T(0);
 };
 

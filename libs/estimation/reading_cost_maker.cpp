@@ -43,7 +43,7 @@ struct ReadingCostMaker::Subject {
   }
   /// Of a patch.
   bool isIn(const ImageRegion& region) const {
-    return patch != nullptr && region.contains(patch->image_place);
+    return patch != nullptr && region.shareOf(patch->image_place, patch->image_spread) > 0;
   }
 };
 

@@ -185,7 +185,7 @@ cv::Mat covered(const cv::Mat& light, const EffectParameters<double>& effects, d
   cv::Mat seen(light.size(), CV_32FC3);
   parallelFor(light.rows, [&](int v) {
     for (int u = 0; u < light.cols; ++u) {
-      ViewCover<double> cover{{(u + 0.5) / light.cols, (v + 0.5) / light.rows}};
+      ViewCover<double> cover{{(u + 0.5) / light.cols, (v + 0.5) / light.rows}, {0, 0}};
       applyEffects(effects, t_s, cover);
       const auto share = static_cast<float>(cover.share), radiance = static_cast<float>(cover.radiance);
       seen.at<cv::Vec3f>(v, u) = (1 - share) * light.at<cv::Vec3f>(v, u) + cv::Vec3f::all(share * radiance);

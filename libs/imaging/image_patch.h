@@ -21,11 +21,11 @@ struct PatchSurface {
   Vector3d albedo = Vector3d::Zero();  ///< of what is there, with its shading, under full ambient light
   /// The same blurred, as forward scattering mixes it.
   Surroundings<double> albedo_around = Surroundings<double>::Zero();
-  double image_radius = 0;                               ///< see PixelResponse
-  Vector2d image_tangent = Vector2d::Zero();             ///< likewise
-  Vector2d image_place = Vector2d::Zero();               ///< see ViewCover
-  Eigen::Vector2d at_panel_m = Eigen::Vector2d::Zero();  ///< see SceneLight
-  int marker_id = -1;                                    ///< whose print it is; -1: of none
+  double image_radius = 0;                                                   ///< see PixelResponse
+  Vector2d image_tangent = Vector2d::Zero();                                 ///< likewise
+  Vector2d image_place = Vector2d::Zero(), image_spread = Vector2d::Zero();  ///< see ViewCover
+  Eigen::Vector2d at_panel_m = Eigen::Vector2d::Zero();                      ///< see SceneLight
+  int marker_id = -1;                      ///< whose print it is; -1: of none
   double response_gamma = 1;               ///< by which its radiance was made of the image's numbers
   Vector3d image_mean = Vector3d::Zero();  ///< radiance of all the image, as the camera read it
 };
@@ -139,7 +139,7 @@ Vector3<T> predictPatchReading(const Vector3<T>& light, const PatchSurface& patc
   applyEffects(effects, t_s, curve);
   StrayLight<T> stray;
   applyEffects(effects, t_s, stray);
-  ViewCover<T> cover{patch.image_place};
+  ViewCover<T> cover{patch.image_place, patch.image_spread};
   applyEffects(effects, t_s, cover);
   Vector3<T> reading;
   for (int c = 0; c < 3; ++c) {

@@ -151,9 +151,11 @@ ImagePatch patchOf(const Patch& plain, ImagePatch::Surface surface, const PosedI
   patch.albedo_around = plain.albedo_around;
   patch.pixel = plain.pixel;
   patch.pixel_spread = plain.pixel_covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  const Eigen::Array2d size_px(camera.width_px, camera.height_px);
+  patch.image_place = (plain.pixel.array() + 0.5) / size_px;
+  patch.image_spread = patch.pixel_spread.array() / size_px;
   patch.image_radius = plain.image_radius;
   patch.image_tangent = plain.image_tangent;
-  patch.image_place = plain.pixel.array() / Vector2d(camera.width_px, camera.height_px).array();
   patch.response_gamma = sheet.response_gamma;
   patch.image_mean = plain.image_mean;
   patch.radiance = plain.radiance;

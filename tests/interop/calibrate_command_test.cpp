@@ -52,7 +52,7 @@ TEST(CalibrateCommand, WrongInputIsOneLine) {
     EXPECT_NE(done.err.find(why), std::string::npos) << done.err;
     EXPECT_EQ(std::count(done.err.begin(), done.err.end(), '\n'), 1) << done.err;
   };
-  expectRefused(test::runFathom("calibrate camera" + rest), "--air: or --water is needed");
+  expectRefused(test::runFathom("calibrate camera" + rest), "--recording: is needed, or --air or --water");
   expectRefused(test::runFathom("calibrate camera --air " + (folder / "two.csv").string() + rest),
                 "three views");
   expectRefused(test::runFathom("calibrate camera --kind pin --air " + (folder / "two.csv").string() + rest),

@@ -111,11 +111,12 @@ TEST(FoundEffects, DiagnosisNamesAFoldedPanel) {
 TEST(FoundEffects, DiagnosisNamesUnevenDaylight) {
   if (test::kSanitized) GTEST_SKIP() << "takes minutes under sanitizers";
   test::BatchRun run = test::lightDive();
-  run.effects.add<IlluminationGradient>({0.05, -0.08});
+  // Markers' prints may differ by 2 %, as a gradient of 5 % per metre does from one to the next.
+  run.effects.add<IlluminationGradient>({0.2, -0.3});
   const FoundEffect found = onlyFound(run);
   EXPECT_EQ(nameOf(found.candidate), "illumination-gradient");
-  EXPECT_LT(sigmasOff(found, 0, 0.05), 4);
-  EXPECT_LT(sigmasOff(found, 1, -0.08), 4);
+  EXPECT_LT(sigmasOff(found, 0, 0.2), 4);
+  EXPECT_LT(sigmasOff(found, 1, -0.3), 4);
 }
 
 }  // namespace

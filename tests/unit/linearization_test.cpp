@@ -261,8 +261,9 @@ TEST(Linearization, EffectColumnsAreThoseOfDifferences) {
   // Without a peak it does not matter when it is, how wide and where; a lamp that is off scatters nothing;
   // through a port without thickness the camera is calibrated alike at any range; in the middle of a dome its
   // radius and thickness do not matter; what covers nothing has no albedo and no brightness; there is no
-  // compass.
-  EXPECT_EQ(columns_seen + 17 + parameterSize<HeadingDisturbance>(), linear.columns.size());
+  // compass, and no surface of water below the camera.
+  EXPECT_EQ(columns_seen + 17 + parameterSize<HeadingDisturbance>() + parameterSize<FlatWaterSurface>(),
+            linear.columns.size());
 }
 
 TEST(Linearization, RowsSayWhatTheyAre) {
